@@ -28,9 +28,9 @@ typedef struct {
 } dm_group_entries;
 
 /* What a step with constraints, or of many bodies, is made of (group_joints.c); m multipliers
- * lambda[k], mu[l], c controls u. The first three take (q0[n], xi[d], rate[d], t, lambda[m],
+ * lambda[k], mu[l], c controls u. The first three take (q0[n], xi[d], rate[d], t, lambda[m], v[d],
  * u[c]) with columns (xi, rate, t, lambda). The impulse of a constraint point is I = G^T lambda +
- * E^T mu there, a body covector. */
+ * E^T mu there, a body covector, with E at the velocity v. */
 typedef struct {
     int ready; /* kernels are made, of: */
     dm_tau tau;
@@ -43,6 +43,7 @@ typedef struct {
     dm_group_entries hidden;
     dm_kernel finish; /* as dm_chart_trace.end */
     uint32_t arcs;
+    int turns; /* does E see v? */
 } dm_group_joints;
 
 /* L in the chart about g0. Kernels are there for one tau at a time. */

@@ -1,6 +1,7 @@
 /* group_joints.c - kernels of steps with constraints, and of many bodies: with the entries of their
  * matrices that are not zero, since those of joints are few. */
 #include "algebra/derive.h"
+#include "graph/analyse.h"
 #include "mech/constraints.h"
 #include "mech/group_inside.h"
 
@@ -86,7 +87,9 @@ static dm_status make_reaction(dm_group_joints *out, making *b) {
     for (uint32_t i = 0; i < k; i++) sum = dm_add(j->g, sum, dm_mul(j->g, nodes[i], j->extra[i]));
     dm_gradient(j->g, sum, e, d, nodes + k);
     dm_gradient(j->g, sum, n, d, nodes + k + d);
+    memcpy(with + n, j->extra + b->m, d * sizeof *with);
     dm_transplant(j->g, c->graph, c->E, l * n, with, rows);
+    out->turns = l && dm_depends(j->g, rows, l * n, n + 2 * d + 1 + b->m, d);
     memset(f, 0, d * sizeof *f);
     add_rows(b, f, rows, l, k);
     if (l && !dm_joining_covector(j, f, nodes + k, nodes + k + d)) return DM_NO_MEMORY;
@@ -179,7 +182,8 @@ dm_status dm_group_want_joints(dm_group *group, const dm_model *m, dm_tau tau,
     if (out->ready && out->tau == tau) return DM_OK;
     out->ready = 0;
     b.m = b.k + b.l;
-    dm_status status = dm_joining_open(&b.j, group, m, tau, b.m + (c ? c->controls : 0));
+    dm_status status =
+        dm_joining_open(&b.j, group, m, tau, b.m + group->momenta + (c ? c->controls : 0));
     if (status != DM_OK) return status;
     if (!dm_joining_slopes(&b.j)) return DM_NO_MEMORY;
     status = make_at_g0(&out->slope, &b, b.j.slope, 3 * b.j.d);

@@ -74,7 +74,7 @@ static double largest(const double *x, uint32_t count) {
 /* largest entries of the rows of G and phi_v, and of G and E */
 static void find_sizes(dm_lie_joints *e, double *rows, double *impulses) {
     const size_t n = e->n;
-    dm_lie_joints_look(e, e->state, e->v0, e->t);
+    dm_lie_joints_look(e, e->state, e->v, e->t);
     for (uint32_t c = 0; c < e->k; c++)
         rows[c] = impulses[c] = largest(e->holonomic + e->k + c * n, e->n);
     for (uint32_t c = 0; c < e->l; c++) {
@@ -143,9 +143,7 @@ static void keep(dm_lie_joints *e) {
     e->memory[DM_LIE_AT_H] = e->h;
 }
 
-/* z from a guess to the root, and to the end of the step; reports what it took */
-static dm_status solve(dm_lie_joints *e, dm_stepper *s) {
-    dm_newton_report report = {0};
+dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_report *report) {
     const dm_newton_problem problem = {.m = e->N,
                                        .equation = dm_lie_joints_equation,
                                        .ctx = e,
@@ -153,14 +151,22 @@ static dm_status solve(dm_lie_joints *e, dm_stepper *s) {
                                        .band = dm_step_matrix_band(&e->step),
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
+    memcpy(e->x, e->state, e->n * sizeof *e->x);
+    const dm_status status = dm_newton(e->z, &problem, e->work, report);
+    e->iterations += report->iterations;
+    e->residual = report->residual;
+    return status;
+}
+
+/* z from a guess to the root, and to the end of the step */
+static dm_status solve(dm_lie_joints *e, const dm_stepper *s) {
+    dm_newton_report report = {0};
     dm_status status = guess(e);
     if (status != DM_OK) return status;
-    status = dm_newton(e->z, &problem, e->work, &report);
-    s->report.solves++;
-    s->report.iterations = report.iterations;
-    s->report.newton += report.iterations;
-    s->report.residual = report.residual;
-    return status == DM_OK ? dm_lie_joints_finish(e, s) : status;
+    dm_lie_joints_turning_guess(e);
+    status = dm_lie_joints_newton(e, s, &report);
+    if (status == DM_OK) status = dm_lie_joints_finish(e, s);
+    return status == DM_OK && dm_lie_joints_turn(e) ? dm_lie_joints_turning_end(e, s) : status;
 }
 
 /* a constraint that depends on those before it at the start of the step or where it ended */
@@ -172,21 +178,19 @@ static uint32_t dependent(dm_lie_joints *e, const double *q) {
 
 /* a step that was guessed far away is tried once more from the velocity of the state; one that
  * fails there too tells the turn of that guess, or which constraint it lost */
-static dm_status solve_again(dm_lie_joints *e, dm_stepper *s, dm_status status) {
+static dm_status solve_again(dm_lie_joints *e, const dm_stepper *s, dm_status status) {
     if (e->memory[DM_LIE_AT_COUNT] > 0.0) {
         e->memory[DM_LIE_AT_COUNT] = 0.0;
         e->turn = 0.0;
         status = solve(e, s);
     }
     if (status == DM_OK || e->turn > 0.0) return status;
-    if (e->m && find_velocity(e, e->v0) == DM_OK) {
-        memcpy(e->last, e->v0, e->d * sizeof *e->last);
+    if (e->m && find_velocity(e, e->v) == DM_OK) {
+        memcpy(e->last, e->v, e->d * sizeof *e->last);
         e->lost = dependent(e, e->state);
         if (!e->lost) e->lost = dependent(e, e->end);
     }
-    s->report.dependent = (int)e->lost;
-    if (e->lost) return DM_SINGULAR;
-    return status;
+    return e->lost ? DM_SINGULAR : status;
 }
 
 /* |g| and |phi| at the end of the step */
@@ -198,19 +202,16 @@ static void report_constraints(const dm_lie_joints *e, dm_report *report) {
 /* what a step holds: its controls, and the velocity at its start where reactions turn with it */
 static dm_status begin(dm_lie_joints *e) {
     const dm_constraints *c = e->constraints;
-    const unsigned structure = c ? c->structure : 0;
-    const int turns = e->l && (!(structure & DM_CONSTRAINTS_LINEAR) ||
-                               structure & DM_CONSTRAINTS_GIVEN_REACTIONS);
-    const int asks = turns || (c && c->controls);
+    const int asks = e->joints->turns || (c && c->controls);
     memcpy(e->x, e->state, e->n * sizeof *e->x);
-    memset(e->v0, 0, e->n * sizeof *e->v0);
-    const dm_status status = asks ? find_velocity(e, e->v0) : DM_OK;
+    memset(e->v, 0, e->n * sizeof *e->v);
+    const dm_status status = asks ? find_velocity(e, e->v) : DM_OK;
     if (status != DM_OK || !c || !c->controls) return status;
     memset(e->end_x, 0, (2 * (size_t)e->n + 1 + e->m + c->controls) * sizeof *e->end_x);
     memcpy(e->end_x, e->state, e->n * sizeof *e->end_x);
-    memcpy(e->end_x + e->n, e->v0, e->d * sizeof *e->end_x);
+    memcpy(e->end_x + e->n, e->v, e->d * sizeof *e->end_x);
     e->end_x[2 * e->n] = e->t;
-    double *u = e->x + e->n + 2 * e->d + 1 + e->m;
+    double *u = e->x + e->n + 3 * e->d + 1 + e->m;
     dm_kernel_prepare(&c->control, u);
     dm_kernel_eval(&c->control, e->end_x, u);
     return DM_OK;
@@ -225,14 +226,19 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     e->turn = 0.0;
     e->lost = 0;
     e->evaluations = 0;
+    e->iterations = 0;
     memcpy(e->end, state, e->n * sizeof *state);
-    s->report.dependent = 0;
     dm_status status = begin(e);
     if (status != DM_OK) return status;
     take_units(e);
     status = solve(e, s);
     if (status != DM_OK) status = solve_again(e, s, status);
+    s->report.solves++;
+    s->report.iterations = e->iterations;
+    s->report.newton += e->iterations;
+    s->report.residual = e->residual;
     s->report.evaluations += e->evaluations;
+    s->report.dependent = (int)e->lost;
     if (status != DM_OK) return status;
     report_constraints(e, &s->report);
     memcpy(state, e->end, e->n * sizeof *state);

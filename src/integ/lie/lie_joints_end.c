@@ -5,15 +5,20 @@
 #include <math.h>
 #include <string.h>
 
+void dm_lie_joints_carry(dm_lie_joints *e, double *out, const double *xi, const double *mu,
+                         double sign) {
+    memcpy(e->in, e->state, e->n * sizeof *e->in);
+    for (uint32_t k = 0; k < e->d; k++) e->in[e->n + k] = sign * xi[k];
+    memcpy(e->in + e->n + e->d, mu, e->d * sizeof *e->in);
+    dm_kernel_eval(&e->joints->finish, e->in, out);
+}
+
 /* g1 and Ad* w */
 static void carry(dm_lie_joints *e) {
     memset(e->xi, 0, e->d * sizeof *e->xi);
     for (uint32_t j = 0; j < e->s; j++)
         for (uint32_t k = 0; k < e->d; k++) e->xi[k] += e->h * e->beta[j] * e->z[j * e->d + k];
-    memcpy(e->in, e->state, e->n * sizeof *e->in);
-    memcpy(e->in + e->n, e->xi, e->d * sizeof *e->in);
-    memcpy(e->in + e->n + e->d, e->w, e->d * sizeof *e->in);
-    dm_kernel_eval(&e->joints->finish, e->in, e->end);
+    dm_lie_joints_carry(e, e->end, e->xi, e->w, 1.0);
 }
 
 /* NaN and infinity. */
@@ -101,8 +106,8 @@ static dm_status close(dm_lie_joints *e, const dm_stepper *s) {
 static void add_impulse(dm_lie_joints *e) {
     const uint32_t n = e->n, d = e->d;
     memcpy(e->x, e->end, n * sizeof *e->x);
-    memset(e->x + n, 0, d * sizeof *e->x);
-    memcpy(e->x + n + d, e->last, d * sizeof *e->x);
+    memset(e->x + n, 0, 2 * d * sizeof *e->x);
+    memcpy(e->x + n + 2 * d + 1 + e->m, e->last, d * sizeof *e->x);
     e->x[n + 2 * d] = e->t + e->h;
     for (uint32_t c = 0; c < e->m; c++)
         e->x[n + 2 * d + 1 + c] = e->last[d + c] * e->impulse_unit[c];

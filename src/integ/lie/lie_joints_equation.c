@@ -104,6 +104,11 @@ static void evaluate(const dm_group_entries *f, const double *in, double *out, i
     dm_kernel_eval(with_entries ? &f->kernel : &f->plain, in, out);
 }
 
+/* what a point gives w, for turning.c */
+static void keep_for_w(dm_lie_joints *e, uint32_t i, const double *of_e) {
+    if (dm_lie_joints_turn(e)) memcpy(e->of_e + i * e->d, of_e, e->d * sizeof *of_e);
+}
+
 /* ---- the terms of the equation; J NULL: its matrix is not asked for ---- */
 
 /* L at point i of the quadrature: L_e goes to w, the rest to the rows of V */
@@ -122,6 +127,7 @@ static void add_slope(dm_lie_joints *e, double *R, double *J, uint32_t i, const 
     place(e, &e->at, i, V);
     if (R) evaluate(&e->joints->slope, e->x, e->slope, J != NULL);
     if (R) add_values(e, R, e->slope, &rows);
+    if (R) keep_for_w(e, i, e->slope);
     if (!J) return;
     weigh_columns(&w, e, &e->at, i);
     const blocks columns = columns_of(e, &w);
@@ -144,15 +150,15 @@ static void add_reaction(dm_lie_joints *e, double *R, double *J, uint32_t i, con
                           {.first = k + d, .length = d, .count = s, .stride = d, .w = w.of_xi}}};
     rows.count = acts ? 3 : 1;
     place(e, &e->nodes, i, z);
-    if (i == 0) memcpy(e->x + e->n + d, e->v0, d * sizeof *e->v0);
+    if (acts) memcpy(e->x + e->n + 2 * d + 1 + e->m, e->v + i * e->n, d * sizeof *e->v);
     for (uint32_t c = 0; c < e->m; c++)
         e->x[e->n + 2 * d + 1 + c] = acts ? z[first + i * e->m + c] * e->impulse_unit[c] : 0.0;
     if (R) evaluate(&e->joints->reaction, e->x, e->reaction, J != NULL);
     if (R) add_values(e, R, e->reaction, &rows);
+    if (R && acts) keep_for_w(e, e->at.count + i, e->reaction + k);
     if (!J) return;
     weigh_columns(&w, e, &e->nodes, i);
     blocks columns = columns_of(e, &w);
-    if (i == 0) columns.of[1].count = 0;
     columns.of[2] = (block){.first = 2 * d + 1,
                             .length = e->m,
                             .count = (uint32_t)acts,

@@ -29,8 +29,11 @@ typedef struct {
     dm_lie_points at, nodes, rolls; /* quadrature, constraint points, Gauss points */
     double *b, *beta;               /* [r], [s] */
     const double *state;            /* q[n], p[n] ... */
-    double *x;                      /* [n + 2d + 1 + m + controls] inputs of a point */
-    double *v0;                     /* [n] velocity at the start, where reactions turn with it */
+    double *x;                      /* [n + 3d + 1 + m + controls] inputs of a point */
+    double *v; /* [K or 1][n] velocities for reactions that turn with v: at the start, inside */
+    double *inner_force; /* [(K - 1) * r], [(K - 1) * (K + 1)] as in constrained/ */
+    double *inner_impulse;
+    double *of_e;                   /* [r + K + 1][d] what L_e and impulses give w */
     double *slope, *reaction, *phi; /* outputs of kernels at a point, */
     double *pull, *hidden;          /* then their entries */
     double *z;                      /* [N] the unknowns */
@@ -52,6 +55,8 @@ typedef struct {
      * [dm_lie_joints_memory_size] */
     double *memory;
     long evaluations;
+    int iterations; /* of Newton, in this step */
+    double residual;
     uint32_t lost;                 /* a constraint that depends on those before it, from 1 */
     double turn;                   /* rad, of a step that left the chart, else 0 */
     char text[DM_LIE_JOINTS_TEXT]; /* why a step failed */
@@ -78,7 +83,23 @@ dm_status dm_lie_joints_equation(void *joints, double *R, double *J, const doubl
 /* Entries that can differ from zero are not zero in J[N*N]. */
 void dm_lie_joints_pattern(dm_lie_joints *e, double *J);
 
+/* ---- lie_joints_turning.c: reactions that turn with v ---- */
+
+int dm_lie_joints_turn(const dm_lie_joints *e);
+void dm_lie_joints_turning_guess(dm_lie_joints *e);
+/* from the end of a step with a guess of the inner velocities to that with theirs */
+dm_status dm_lie_joints_turning_end(dm_lie_joints *e, const dm_stepper *s);
+
+/* ---- lie_joints.c ---- */
+
+/* From z to the root. */
+dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_report *report);
+
 /* ---- lie_joints_end.c ---- */
+
+/* out[n + d + arcs]: g0 tau(xi), mu carried there. */
+void dm_lie_joints_carry(dm_lie_joints *e, double *out, const double *xi, const double *mu,
+                         double sign);
 
 /* Element and momentum at the end into e->end, from z and w where they were last evaluated. */
 dm_status dm_lie_joints_finish(dm_lie_joints *e, const dm_stepper *s);

@@ -48,6 +48,18 @@ static void fill_points(dm_lie_points *p, const dm_galerkin *g, const long doubl
     }
 }
 
+/* integrals of polynomials through c[count] up to the inner constraint points, over weights[count]
+ * where these are there */
+static void fill_inner(double *out, const dm_lie_joints *e, const long double *c, int count,
+                       const long double *weights) {
+    long double value[DM_QUADRATURE_NODES], integral[DM_QUADRATURE_NODES];
+    for (uint32_t k = 1; k < e->K; k++)
+        for (int i = 0; i < count; i++) {
+            if (i == 0) dm_lagrange(value, integral, c, count, (long double)e->nodes.c[k]);
+            *out++ = (double)(weights ? integral[i] / weights[i] : integral[i]);
+        }
+}
+
 static void fill(dm_lie_joints *e, const dm_galerkin *g) {
     dm_quadrature q = g->q;
     long double value[DM_QUADRATURE_NODES], beta[DM_QUADRATURE_NODES];
@@ -58,6 +70,8 @@ static void fill(dm_lie_joints *e, const dm_galerkin *g) {
     if (!e->K) return;
     dm_quadrature_lobatto(&q, (int)e->K + 1);
     fill_points(&e->nodes, g, q.c);
+    fill_inner(e->inner_force, e, g->q.c, g->q.r, NULL);
+    fill_inner(e->inner_impulse, e, q.c, q.r, q.b);
     dm_quadrature_gauss(&q, (int)e->K);
     fill_points(&e->rolls, g, q.c);
 }
@@ -109,7 +123,8 @@ static size_t work(const dm_lie_joints *e) {
     const size_t rank = e->m ? dm_constraints_dependent_work(e->constraints) : 0;
     const size_t newton = larger(dm_newton_work(e->N), dm_newton_work(closing));
     const size_t looking = (size_t)e->N * e->N + 2 * (size_t)e->N;
-    return larger(larger(newton, looking), larger(dm_legendre_work(e->model) + e->n, rank));
+    return larger(larger(newton, looking),
+                  larger(dm_legendre_work(e->model) + 4 * (size_t)e->n, rank));
 }
 
 /* all arrays of *e, whose sizes are known, `work` last; returns how many doubles that took */
@@ -122,8 +137,11 @@ static size_t lay_out(dm_lie_joints *e, double *memory) {
     take_points(&e->rolls, e->K, e->s, &to);
     e->b = take(&to, e->at.count);
     e->beta = take(&to, s);
-    e->x = take(&to, n + 2 * d + 1 + m + controls);
-    e->v0 = take(&to, n);
+    e->x = take(&to, n + 3 * d + 1 + m + controls);
+    e->v = take(&to, larger(e->K, 1) * n);
+    e->inner_force = take(&to, (size_t)e->K * e->at.count);
+    e->inner_impulse = take(&to, (size_t)e->K * (e->K + 1));
+    e->of_e = take(&to, (e->at.count + e->K + 1) * d);
     lay_out_outputs(e, &to);
     e->z = take(&to, e->N);
     e->w = take(&to, d);
