@@ -152,7 +152,8 @@ dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     memcpy(e->x, e->state, e->n * sizeof *e->x);
-    const dm_status status = dm_newton(e->z, &problem, e->work, report);
+    dm_status status = dm_newton(e->z, &problem, e->work, report);
+    if (status == DM_OK) status = dm_lie_joints_equation(e, e->work, NULL, e->z);
     e->iterations += report->iterations;
     e->residual = report->residual;
     return status;
@@ -258,7 +259,7 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     (void)state, (void)status;
     if (!(e->turn > 0.0)) return NULL;
     snprintf(e->text, sizeof e->text,
-             "h turns a body by %.2g rad; the chart ends at pi: take a smaller step", e->turn);
+             "h turns the body by %.2g rad; the chart ends at pi: take a smaller step", e->turn);
     return e->text;
 }
 

@@ -89,7 +89,10 @@ const dm_method dm_method_lie = {
     .doc = "Lie group variational integrator of degree s on any group: curves g0 tau(xi(t)) in the "
            "natural chart about the start of a step, tau = exp or the Cayley map, the action by "
            "gauss(s) or another quadrature; order 2 s, s dim G unknowns a step (Leok 5.3.2, with "
-           "the signs of B7). Symplectic, keeps momentum maps and coadjoint orbits. On R^n it is "
+           "the signs of B7). Symplectic, keeps momentum maps and coadjoint orbits. With "
+           "constraints and "
+           "rolling conditions s multipliers a step for each, and one for the hidden constraint; "
+           "lie(1) is RATTLE on the group; chains of bodies are solved as a band. On R^n it is "
            "galerkin(s, quadrature).",
     .orders = "that of galerkin: 2 s for gauss(s) and lobatto(s + 1)",
     .stages = "r",
