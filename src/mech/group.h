@@ -17,6 +17,8 @@ typedef struct {
     dm_graph *end;          /* inputs q0[n], xi[d], mu[d] */
     const dm_node *carried; /* [n + d + arcs]: g0 tau(xi), mu carried there, squares of angles */
     uint32_t arcs;
+    dm_graph *axes;        /* inputs q0[n], mu[d], x; NULL: only by way of `end` */
+    const dm_node *turned; /* [d][n + d]: g0 exp(x e_a), mu carried there, for x of any size */
 } dm_chart_trace;
 
 /* Values; and values with, behind them, those entries of their matrix of derivatives that are not

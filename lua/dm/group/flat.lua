@@ -2,12 +2,15 @@
 -- without a branch, so that they go on smoothly where `kit.flat` of an element would choose a sign.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local linear = require "dm.base.linear"
 
 local M = {}
 
 -- products and maps of entries, or of whatever flat coordinates have no choice in them
 local function plain(kit, flat, unflat)
   return { flat = flat, element = unflat,
+    turn = kit.euclidean and function(a, x) return kit.exp(linear.unit(kit.dimension, a) * x) end,
+    turned = kit.euclidean and function(_, _, mu) return mu end,
     carry = function(a, b) return flat(kit.compose(unflat(a), unflat(b))) end,
     exp = function(xi) return flat(kit.exp(xi)) end,
     near = function(xi) return flat(kit.near(xi)) end,
@@ -23,6 +26,33 @@ end
 local function append(out, list)
   for i = 1, #list do out[#out + 1] = list[i] end
   return out
+end
+
+-- turns about the axes of the algebra one after the other: of their factor alone
+local function turns_of(parts, kit, dimensions)
+  for _, part in ipairs(parts) do
+    if not part.turn then return end
+  end
+  local function turn(a, x)
+    local out = {}
+    for k, part in ipairs(parts) do
+      local here = a >= 1 and a <= dimensions[k]
+      append(out, here and part.turn(a, x) or part.flat(kit.parts[k].identity()))
+      a = a - dimensions[k]
+    end
+    return out
+  end
+  local function turned(a, x, mu)
+    local out, first = {}, 0
+    for k, part in ipairs(parts) do
+      local own, here = core.vector(cut(mu, first, dimensions[k])), a - first
+      local turns = here >= 1 and here <= dimensions[k]
+      append(out, turns and part.turned(here, x, own) or own)
+      first = first + dimensions[k]
+    end
+    return out
+  end
+  return turn, turned
 end
 
 -- factor by factor
@@ -49,7 +79,9 @@ local function product(kit, matrix)
   for k, part in ipairs(kit.parts) do
     dimensions[k], cayley = part.dimension, cayley and parts[k].cayley
   end
-  return { carry = by_factor("carry", counts), exp = by_factor("exp", dimensions),
+  local turn, turned = turns_of(parts, kit, dimensions)
+  return { turn = turn, turned = turned, carry = by_factor("carry", counts),
+    exp = by_factor("exp", dimensions),
     near = by_factor("near", dimensions), cayley = cayley and by_factor("cayley", dimensions),
     tidy = by_factor("tidy", counts), follow = by_factor("follow", counts),
     flat = function(g)
@@ -68,7 +100,8 @@ local function product(kit, matrix)
 end
 
 --- flat, element, carry, exp, near, cayley, tidy and follow of a kit: `kit.smooth` where it has
--- closed forms, or by entries where `matrix` is asked for.
+-- closed forms, or by entries where `matrix` is asked for. Where they are known for angles of any
+-- size, turn(a, x) is exp of x along axis a, and turned(a, x, mu) carries mu there.
 function M.of(kit, matrix)
   local out
   if kit.parts then

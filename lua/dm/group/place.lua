@@ -168,8 +168,10 @@ local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }
 --- What a step asks of the chart g = g0 tau(xi) (right: tau(xi) g0), tau = exp or cayley, as
 -- functions that are traced: chart(q0, e, xi, rate) gives the coordinates of g0 near(e) tau(xi),
 -- then the velocity of xi(t) with this rate; finish(q0, xi, mu) those of g0 tau(xi), then mu
--- carried there by the coadjoint action, then squares of angles that must stay below pi. Nothing
--- where the group has no such tau.
+-- carried there by the coadjoint action, then squares of angles that must stay below pi. turns(q0,
+-- mu, x) gives, for every axis a of the algebra, the coordinates of g0 exp(x e_a) and mu carried
+-- there, for x of any size; nothing where that has no closed form. Nothing at all where the group
+-- has no such tau.
 function M.chart(place, tau)
   local kit, right = place.kit, place.right
   local name = DIFFERENTIALS[tau]
@@ -189,7 +191,16 @@ function M.chart(place, tau)
     local out = append(kits.list_of(place.tidy(about(q0, xi))), carried)
     return tau == "exp" and kit.arcs and append(out, kit.arcs(xi)) or out
   end
-  return chart, finish
+  local function turns(q0, mu, x)
+    local out, list = {}, kits.list_of(q0)
+    for a = 1, place.dimension do
+      local f = place.turn(a, x)
+      append(out, kits.list_of(right and place.carry(f, list) or place.carry(list, f)))
+      append(out, kits.list_of(place.turned(a, right and -x or x, mu)))
+    end
+    return out
+  end
+  return chart, finish, tau == "exp" and place.turn and turns or nil
 end
 
 ---- starts ----

@@ -104,7 +104,19 @@ local function coordinates(kit)
     local moved = so3.rotation(a) * core.vector { b[5], b[6], b[7] }
     return sequence(turns.carry(a, b), core.vector { a[5], a[6], a[7] } + moved)
   end
-  return { carry = carry, exp = of "exp", near = of "near", cayley = of "cayley",
+  -- along an axis, and the covector carried there: (f, m) -> R^T (f, m - v x f)
+  local function turn(a, x)
+    if a > 3 then return sequence(turns.turn(a - 3, x), { 0, 0, 0 }) end
+    return sequence({ 1, 0, 0, 0 }, linear.unit(3, a) * x)
+  end
+  local function turned(a, x, mu)
+    local f, m = parts(mu)
+    local function around(y) return turns.turned(a - 3, x, y) end
+    if a > 3 then return sequence(around(f), around(m)) end
+    return sequence(f, m - (linear.unit(3, a) * x):cross(f))
+  end
+  return { carry = carry, turn = turn, turned = turned,
+    exp = of "exp", near = of "near", cayley = of "cayley",
     follow = function(list, last)
       return sequence(turns.follow(list, last), { list[5], list[6], list[7] })
     end,

@@ -119,6 +119,18 @@ M.smooth = { carry = times,
     local s, turned = within(1, 0.25 * t, 12), xi:cross(eta)
     return eta + turned * (0.5 * s * s) + xi:cross(turned) * within(3, t, 14)
   end,
+  turn = function(a, x)
+    local out = { core.cos(0.5 * x), 0, 0, 0 }
+    out[1 + a] = core.sin(0.5 * x)
+    return out
+  end,
+  turned = function(a, x, mu)
+    local w, s = core.cos(0.5 * x), core.sin(0.5 * x)
+    local c, d, out = w * w - s * s, 2 * w * s, { mu[1], mu[2], mu[3] }
+    local i, j = a % 3 + 1, (a + 1) % 3 + 1
+    out[i], out[j] = c * mu[i] + d * mu[j], c * mu[j] - d * mu[i]
+    return out
+  end,
   near = function(xi) return joined(1, xi, 0.5) end,
   cayley = function(xi)
     local w = 1 / core.sqrt(1 + 0.25 * xi:dot(xi))

@@ -167,7 +167,7 @@ void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *ru
 
 static const char *const taus[] = {"exp", "cayley"};
 
-/* chart and finish of one tau are at fn and fn + 1, nil where there is none */
+/* chart, finish and turns of one tau are at fn, fn + 1 and fn + 2, nil where there is none */
 static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *arena,
                         dm_chart_trace *out) {
     const int N = (int)n, D = (int)d;
@@ -178,6 +178,10 @@ static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *
     const dml_signature end = {.what = "the end of a step on a group",
                                .arguments = 3,
                                .length = {N, D, D}};
+    const dml_signature turns = {.what = "the turns of a group",
+                                 .arguments = 3,
+                                 .length = {N, D, DML_SCALAR_ARGUMENT},
+                                 .outputs = D * (N + D)};
     dml_traced traced;
     if (lua_isnil(L, fn)) return;
     dml_trace(L, fn, &chart, arena, &traced);
@@ -187,6 +191,10 @@ static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *
     out->end = traced.graph;
     out->carried = traced.out;
     out->arcs = traced.outputs - n - d;
+    if (lua_isnil(L, fn + 2)) return;
+    dml_trace(L, fn + 2, &turns, arena, &traced);
+    out->axes = traced.graph;
+    out->turned = traced.out;
 }
 
 /* a userdata with the traces of all taus; the place is on top */
@@ -200,9 +208,9 @@ static void make_traces(lua_State *L, const dml_system *s) {
         push_module(L, "chart");
         lua_pushvalue(L, place);
         lua_pushstring(L, taus[tau]);
-        lua_call(L, 2, 2);
-        trace_chart(L, lua_gettop(L) - 1, s->n, s->momenta, arena, out + tau);
-        lua_pop(L, 2);
+        lua_call(L, 2, 3);
+        trace_chart(L, lua_gettop(L) - 2, s->n, s->momenta, arena, out + tau);
+        lua_pop(L, 3);
     }
     lua_setfield(L, place, "traces");
 }

@@ -3,26 +3,30 @@
  * the coadjoint action, that of V a kick mu -= h X^T V_q. Of a rigid body these are three rotations
  * and a torque (Reich 1994; Dullweber, Leimkuhler & McLachlan 1997). The symmetric step of order 2
  * is composed to orders 4, 6, 8. */
+#include "code/native/jit.h"
+#include "integ/lie/turns.h"
+#include "integ/method/lanes.h"
 #include "integ/rules/compositions/composition.h"
-#include "mech/group.h"
 
 #include <math.h>
 #include <string.h>
 
 extern const dm_method dm_method_suzuki, dm_method_kahan_li;
 
-/* at the head of the workspace; the state in hand is q[n], mu[d] at `at` */
+/* A state, or members of a group of lanes: what the kernels of turns.h read and write, entries of
+ * so many lanes each. after[n + d + 2] is (q, mu) after the turns, then w and t of the kick, whose
+ * results lie behind q in before[n + 2d + 2], where the next step finds them. */
 typedef struct {
-    const dm_model *m;
-    const dm_group *group;
+    double *before, *after;
+} room;
+
+/* at the head of the workspace, behind it the room of one state */
+typedef struct {
     uint32_t n, d;
+    int timed;          /* L depends on t */
     dm_splitting table; /* its drifts are the gammas of the composition */
-    double *x;          /* [2n + 1] (q, 0, t) */
-    double *force;      /* [n] L_q, then */
-    double *X;          /* [n*d] directions */
-    double *torque;     /* [d] X^T L_q where the state in hand is */
-    double *at;         /* [n + d] */
-    double *in, *out;   /* [n + 2d], [n + d + arcs] of the end of a chart */
+    dm_turns one, wide; /* kernels for a state, and for lanes of members */
+    room alone, group[DM_LANES_GROUPS];
 } layout;
 
 /* the struct, in doubles */
@@ -60,112 +64,178 @@ static void find_table(dm_splitting *out, const dm_rule *rule) {
         dm_composition_splitting(out, &composition);
 }
 
+/* p = M v + shift */
+static int is_shifted(const dm_model *m) {
+    double most = 0.0;
+    for (uint32_t a = 0; m->momentum_shift && a < m->group->momenta; a++)
+        most = fmax(most, fabs(m->momentum_shift[a]));
+    return most > 0.0;
+}
+
 /* On R^n it would be verlet. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
+    const unsigned simple = DM_DIAGONAL_MASS | DM_SEPARABLE;
     (void)rule;
     if (!m->group) return "it steps systems on groups, such as dm.SO(3); verlet is for R^n";
     if (m->constraints) return "it knows no constraints and forces; lie(s) does";
-    if (!(m->structure & DM_DIAGONAL_MASS) || !m->source.graph)
+    if ((m->structure & simple) != simple || !m->source.graph || is_shifted(m))
         return "it splits L = sum I_a xi_a^2/2 - V(g, t) with constant moments I_a along the axes; "
                "take lie(s) or gauss(s)";
     return NULL;
 }
 
-/* Directions come with the lift, the end of a turn with the chart of exp. */
+/* Its kernels are made of L and the traces of the group. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
-    return DM_WANT_FORCE | DM_WANT_LIFT | DM_WANT_CHART;
+    return 0;
 }
 
-/* squares of angles behind the end of a chart */
-static size_t arcs_of(const dm_group *g) {
-    return g->trace[DM_TAU_EXP].arcs;
+/* doubles of a room of one lane */
+static size_t room_size(const dm_model *m) {
+    return (size_t)dm_turns_inputs(m) + dm_turns_kick_inputs(m);
 }
 
-/* In the order of the struct. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
-    const size_t n = m->n, d = m->group->momenta;
     (void)rule;
-    return head() + 2 * n + 1 + n + n * d + d + n + d + n + 2 * d + n + d + arcs_of(m->group);
+    return head() + room_size(m);
 }
 
-/* Arrays one after the other; v of the force is zero. */
+/* constant results of the kick lie behind q */
+static void lay_room(room *r, const dm_model *m, const dm_turns *k, uint32_t lanes, double *at) {
+    memset(at, 0, room_size(m) * lanes * sizeof *at);
+    r->before = at;
+    r->after = at + (size_t)dm_turns_inputs(m) * lanes;
+    dm_kernel_prepare_lanes(&k->turns, lanes, r->after);
+    dm_kernel_prepare_lanes(&k->kick, lanes, r->before + (size_t)m->n * lanes);
+}
+
 static dm_status open(dm_stepper *s) {
     layout *l = layout_of(s);
     const dm_model *m = s->model;
-    const size_t n = m->n, d = m->group->momenta;
-    memset(s->work, 0, work(s->rule, m) * sizeof *s->work);
-    *l = (layout){.m = m, .group = m->group, .n = m->n, .d = m->group->momenta};
+    *l = (layout){.n = m->n, .d = m->group->momenta};
+    l->timed = !(m->structure & DM_AUTONOMOUS);
     find_table(&l->table, s->rule);
-    l->x = s->work + head();
-    l->force = l->x + 2 * n + 1;
-    l->X = l->force + n;
-    l->torque = l->X + n * d;
-    l->at = l->torque + d;
-    l->in = l->at + n + d;
-    l->out = l->in + n + 2 * d;
-    dm_kernel_prepare(&m->force, l->force);
-    dm_kernel_prepare(&m->group->directions, l->X);
-    dm_kernel_prepare(&m->group->finish, l->out);
+    if (!dm_turns_find(&l->one, m, 1)) return DM_NO_MEMORY;
+    lay_room(&l->alone, m, &l->one, 1, s->work + head());
+    s->report.operations = l->one.turns.operations + l->one.kick.operations;
     return DM_OK;
 }
 
-/* X^T L_q at the element in hand */
-static void find_torque(layout *l, double t) {
-    const size_t n = l->n, d = l->d;
-    memcpy(l->x, l->at, n * sizeof *l->x);
-    l->x[2 * n] = t;
-    dm_kernel_eval(&l->m->force, l->x, l->force);
-    dm_kernel_eval(&l->group->directions, l->x, l->X);
-    memset(l->torque, 0, d * sizeof *l->torque);
-    for (size_t i = 0; i < n; i++)
-        for (size_t a = 0; a < d; a++) l->torque[a] += l->X[i * d + a] * l->force[i];
-}
+/* ---- steps ---- */
 
-/* mu += h X^T L_q */
-static void kick(layout *l, double h) {
-    for (size_t a = 0; a < l->d; a++) l->at[l->n + a] += h * l->torque[a];
-}
-
-/* the flow of mu_a^2/(2 I_a) */
-static void turn(layout *l, size_t a, double h) {
-    const size_t n = l->n, d = l->d;
-    memcpy(l->in, l->at, n * sizeof *l->in);
-    memset(l->in + n, 0, d * sizeof *l->in);
-    l->in[n + a] = h * l->m->inverse_mass[a] * l->at[n + a];
-    memcpy(l->in + n + d, l->at + n, d * sizeof *l->in);
-    dm_kernel_eval(&l->group->finish, l->in, l->out);
-    memcpy(l->at, l->out, (n + d) * sizeof *l->at);
-}
-
-/* kick, half turns about all axes but the last, a whole one about that, and back */
-static void symmetric_step(layout *l, double t, double h) {
-    const size_t d = l->d;
-    kick(l, 0.5 * h);
-    for (size_t a = 0; a + 1 < d; a++) turn(l, a, 0.5 * h);
-    turn(l, d - 1, h);
-    for (size_t a = d - 1; a-- > 0;) turn(l, a, 0.5 * h);
-    find_torque(l, t + h);
-    kick(l, 0.5 * h);
-}
-
-/* An element is no sum: there are no low-order parts. */
-static dm_status step(dm_stepper *s, double *state, double t, double h) {
-    layout *l = layout_of(s);
-    const size_t n = l->n, d = l->d;
-    double bad = 0.0;
-    memcpy(l->at, state, (n + d) * sizeof *state);
-    find_torque(l, t);
-    for (int k = 0; k < l->table.stages; k++) {
-        symmetric_step(l, t, l->table.a[k] * h);
-        t += l->table.a[k] * h;
+/* one stage of length a h of all lanes from t on: turns, then the torque at its end and a kick
+ * there; w and h are written for every lane */
+static void stage(const layout *l, const dm_turns *k, const room *r, uint32_t lanes, double t,
+                  const double *h, double a) {
+    double *const w = r->before + (size_t)(l->n + 2 * l->d) * lanes, *const length = w + lanes;
+    double *const kick = r->after + (size_t)(l->n + l->d) * lanes, *const time = kick + lanes;
+    for (uint32_t i = 0; i < lanes; i++) {
+        length[i] = a * h[i];
+        w[i] = kick[i] = 0.5 * length[i];
+        time[i] = t + length[i];
     }
-    s->report.evaluations += l->table.stages + 1;
-    for (size_t i = 0; i < n + d; i++) bad += 0.0 * l->at[i];
-    if (bad != 0.0) return DM_NOT_FINITE;
-    memcpy(state, l->at, (n + d) * sizeof *state);
+    dm_kernel_eval(&k->turns, r->before, r->after);
+    memcpy(r->before, r->after, (size_t)l->n * lanes * sizeof *r->before);
+    dm_kernel_eval(&k->kick, r->after, r->before + (size_t)l->n * lanes);
+}
+
+/* the torque at t, where the state in hand is behind the turns */
+static void find_torque(const layout *l, const dm_turns *k, const room *r, uint32_t lanes,
+                        double t) {
+    double *const w = r->after + (size_t)(l->n + l->d) * lanes;
+    for (uint32_t i = 0; i < lanes; i++) {
+        w[i] = 0.0;
+        w[lanes + i] = t;
+    }
+    dm_kernel_eval(&k->kick, r->after, r->before + (size_t)l->n * lanes);
+}
+
+/* the state into the room, with the torque there */
+static void enter(const layout *l, const dm_turns *k, const room *r, uint32_t lanes, double t,
+                  const double *state) {
+    const size_t n = (size_t)l->n * lanes, d = (size_t)l->d * lanes;
+    memcpy(r->after, state, (n + d) * sizeof *state);
+    memcpy(r->before, state, n * sizeof *state);
+    find_torque(l, k, r, lanes, t);
+}
+
+/* And back; an element is no sum: there are no low-order parts. */
+static void leave(const layout *l, const room *r, uint32_t lanes, double *state) {
+    const size_t n = (size_t)l->n * lanes, d = (size_t)l->d * lanes;
+    memcpy(state, r->before, (n + d) * sizeof *state);
     memset(state + 2 * n, 0, 2 * n * sizeof *state);
-    return DM_OK;
+}
+
+/* all stages of step k of a burst; its start has the torque of the end before, at a time that may
+ * be rounded otherwise */
+static void walk(const layout *l, const dm_turns *kernels, const room *r, uint32_t lanes, double t,
+                 const double *h, long k) {
+    const size_t n = (size_t)l->n * lanes, d = (size_t)l->d * lanes;
+    t += (double)k * h[0];
+    if (k > 0 && l->timed) {
+        memcpy(r->after + n, r->before + n, d * sizeof *r->after);
+        find_torque(l, kernels, r, lanes, t);
+    }
+    for (int j = 0; j < l->table.stages; j++) {
+        stage(l, kernels, r, lanes, t, h, l->table.a[j]);
+        t += l->table.a[j] * h[0];
+    }
+}
+
+/* The torque at the end of a step is that at the start of the next. */
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
+    layout *l = layout_of(s);
+    const room *r = &l->alone;
+    const size_t all = l->n + l->d;
+    double bad = 0.0;
+    enter(l, &l->one, r, 1, t, state);
+    for (long k = 0; k < count; k++) walk(l, &l->one, r, 1, t, &h, k);
+    s->report.evaluations += count * l->table.stages + 1;
+    for (size_t i = 0; i < all; i++) bad += 0.0 * r->before[i];
+    *done = count;
+    if (bad == 0.0) {
+        leave(l, r, 1, state);
+        return DM_OK;
+    }
+    *done = 0;
+    if (count == 1) return DM_NOT_FINITE;
+    return dm_advance_by_step(s, state, t, h, count, done);
+}
+
+/* A burst of one. */
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
+    long done;
+    return advance(s, state, t, h, 1, &done);
+}
+
+/* ---- members side by side ---- */
+
+/* Kernels for lanes are those of the model's last ensemble. */
+static int widen(dm_stepper *s, dm_lanes *x) {
+    layout *l = layout_of(s);
+    const dm_model *m = s->model;
+    if (m->params || !dm_lanes_open(x, m, (uint32_t)(dm_state_size(m->n) + room_size(m))) ||
+        !dm_turns_find(&l->wide, m, x->lanes))
+        return 0;
+    const size_t one = room_size(m) * x->lanes;
+    double *at = dm_arena_take(m->source.arena, x->groups * one * sizeof *at);
+    if (!at) return 0;
+    for (uint32_t i = 0; i < x->groups; i++)
+        lay_room(l->group + i, m, &l->wide, x->lanes, at + i * one);
+    x->paced = 1;
+    return 1;
+}
+
+/* Groups take turns, so that none waits for itself. */
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
+    layout *l = layout_of(s);
+    const size_t size = dm_state_size(l->n) * x->lanes;
+    for (uint32_t i = 0; i < x->groups; i++)
+        enter(l, &l->wide, l->group + i, x->lanes, t, x->state + i * size);
+    for (long k = 0; k < count; k++)
+        for (uint32_t i = 0; i < x->groups; i++)
+            walk(l, &l->wide, l->group + i, x->lanes, t, h + i * x->lanes, k);
+    for (uint32_t i = 0; i < x->groups; i++) leave(l, l->group + i, x->lanes, x->state + i * size);
 }
 
 static const dm_engine engine = {
@@ -174,6 +244,9 @@ static const dm_engine engine = {
     .work = work,
     .open = open,
     .step = step,
+    .advance = advance,
+    .widen = widen,
+    .advance_lanes = advance_lanes,
 };
 
 const dm_method dm_method_rotations = {

@@ -165,6 +165,37 @@ local gliding = dm.system { Q = SR, L = function(q, v)
 end }
 local there = { q = { one, dm.vector { 0.3, 0, 0.1 } }, v = { 0.2, 0.5, -0.3, 0, 0.4, 0.1 } }
 ok(far(finish(gliding, "rotations(8)", 0.05, 40, there), (finish(gliding, "gauss(6)", 0.05, 40, there))) < 1e-9, "and on SO(3) x R^3")
+-- members in lanes have the bits of runs, with a potential that depends on time, on every group that splits, and with steps of their own
+local shaken = dm.system { Q = G, L = function(R, W, t) return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - R[3][3] * (1 + 0.3 * math.cos(t)) end }
+local frame = dm.system { Q = dm.SE(3), L = function(g, x) return (x[1] ^ 2 + 2 * x[2] ^ 2 + 3 * x[3] ^ 2 + 1.5 * x[4] ^ 2 + x[5] ^ 2 + 0.5 * x[6] ^ 2) / 2 - g[1][4] ^ 2 - g[3][3] * g[2][4] end }
+local flat = dm.system { Q = dm.SL(2), L = function(g, x) return x:dot(x) / 2 - (g[1][1] ^ 2 + g[1][2] ^ 2 + g[2][1] ^ 2 + g[2][2] ^ 2) / 4 end }
+for name, row in pairs { top = { heavy, tilt.q, 3 }, ["in time"] = { shaken, tilt.q, 3 }, ["R^3 beside"] = { gliding, there.q, 6 }, ["SE(3)"] = { frame, dm.SE(3):exp { 0.1, 0.2, 0, 0.3, 0, 0.1 }, 6 },
+  ["SL(2)"] = { flat, dm.SL(2):exp { 0.1, 0.2, 0.3 }, 3 } } do
+  local system, q, d = row[1], row[2], row[3]
+  local function p(i)
+    local out = {}
+    for k = 1, d do out[k] = 0.1 * k + 0.01 * i end
+    return out
+  end
+  for _, rule in ipairs { "rotations(2)", "rotations(4)" } do
+    local solver = system:solver { rule = rule, h = 0.03 }
+    local many = solver:ensemble { members = 13, q = function() return q end, p = p, steps = 40 }
+    local alone, worst = nil, 0
+    for i = 1, 13 do
+      alone = solver:run { q = q, p = p(i), steps = 40, every = 40 }
+      worst = max(worst, far(many.p[i], alone.p[2]))
+    end
+    ok(worst == 0 and (many.lanes >= 4 or many.lanes == 1), ("%s, %s: members have the bits of runs (%d lanes)"):format(name, rule, many.lanes))
+  end
+  local exact = finish(system, "lie(3)", 0.02, 60, { q = q, p = p(1) })
+  local half, whole = finish(system, "rotations(4)", 0.02, 60, { q = q, p = p(1) }), finish(system, "rotations(4)", 0.04, 30, { q = q, p = p(1) })
+  ok(far(half, exact) < 1e-6 and far(whole, exact) / far(half, exact) > 11, ("%s: rotations(4) goes where lie(3) goes (%.1e)"):format(name, far(half, exact)))
+end
+-- turns of any size: the exact flow of a body that turns about one axis
+local quick = finish(free, "rotations(2)", 1, 7, { q = one, v = { 0, 0, 5 } })
+ok(far(quick, G:exp { 0, 0, 35 - 10 * math.pi }) < 1e-13, "a step may turn the body by more than half a turn")
+raises("rotations", function() finish(dm.system { Q = G, L = function(R, W) return W:dot(W) / 2 + W[1] * R[1][1] end }, "rotations(2)", 0.1, 1, { q = one, v = { 1, 0, 0 } }) end)
+raises("rotations", function() finish(dm.system { Q = G, L = function(_, W) return W:dot(W) / 2 + W[1] end }, "rotations(2)", 0.1, 1, { q = one, v = { 1, 0, 0 } }) end)
 raises("rotations", function() finish(dm.system { Q = G, L = function(_, W) return W:dot(W) / 2 + W[1] * W[2] / 2 end }, "rotations(2)", 0.1, 1, { q = one, v = { 1, 0, 0 } }) end)
 raises("verlet is for R^n", function() dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end }:solver { rule = "rotations", h = 0.1 }:run { q = { 0 }, v = { 1 }, steps = 1 } end)
 raises("2, 4, 6 or 8", function() heavy:solver { rule = "rotations(3)", h = 0.1 } end)

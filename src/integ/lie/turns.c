@@ -1,0 +1,137 @@
+/* turns.c - the graphs of a splitting step on a group. Joined from the traces of the chart: g0
+ * tau(xi) with xi along one axis is most of it zeros, which vanish as the nodes are made. */
+#include "integ/lie/turns.h"
+
+#include "algebra/derive.h"
+#include "integ/method/cache.h"
+#include "integ/method/hamilton.h"
+
+#include <string.h>
+
+/* what is worked on while the graphs are made */
+typedef struct {
+    const dm_model *m;
+    const dm_chart_trace *trace;
+    dm_graph *g;
+    uint32_t n, d;
+    dm_node *with; /* [n + 3d] what stands for the inputs of a trace */
+    dm_node *out;  /* [n + d + arcs] */
+} writing;
+
+/* nodes in the arena of the model */
+static dm_node *take(const writing *x, size_t count) {
+    return dm_arena_take(x->m->source.arena, (count + 1) * sizeof(dm_node));
+}
+
+/* A new graph, and room for the arguments and results of a trace; 0: no memory. */
+static int begin(writing *x, const dm_model *m, uint32_t inputs) {
+    *x = (writing){.m = m, .n = m->n, .d = dm_momenta(m)};
+    x->trace = m->group->trace + DM_TAU_EXP;
+    x->g = dm_graph_new(m->source.arena, inputs);
+    x->with = take(x, x->n + 3 * (size_t)x->d);
+    x->out = take(x, x->n + x->d + (size_t)x->trace->arcs);
+    return x->trace->chart && x->g && x->with && x->out;
+}
+
+/* (q, mu) becomes that at g0 exp(xi), xi along axis a */
+static void turn_by_chart(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node xi) {
+    const uint32_t n = x->n, d = x->d;
+    memset(x->with, 0, (n + 3 * (size_t)d) * sizeof *x->with);
+    x->with[n + a] = xi;
+    memcpy(x->with + n + d, mu, d * sizeof *mu);
+    dm_transplant(x->g, x->trace->end, x->trace->carried + n, d, x->with, mu);
+    memcpy(x->with, q, n * sizeof *q);
+    memset(x->with + n, 0, 3 * (size_t)d * sizeof *x->with);
+    x->with[n + d + a] = xi;
+    dm_transplant(x->g, x->trace->chart, x->trace->place, n, x->with, q);
+}
+
+/* (q, mu) after the flow of mu_a^2/(2 I_a) of length h: q exp(xi), mu carried there */
+static void turn(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node h) {
+    const uint32_t n = x->n, d = x->d;
+    const dm_node rate = dm_mul(x->g, dm_constant(x->g, x->m->inverse_mass[a]), mu[a]);
+    const dm_node xi = dm_mul(x->g, h, rate);
+    if (!x->trace->axes) {
+        turn_by_chart(x, q, mu, a, xi);
+        return;
+    }
+    memcpy(x->with, q, n * sizeof *q);
+    memcpy(x->with + n, mu, d * sizeof *mu);
+    x->with[n + d] = xi;
+    dm_transplant(x->g, x->trace->axes, x->trace->turned + a * ((size_t)n + d), n + d, x->with,
+                  x->out);
+    memcpy(q, x->out, n * sizeof *q);
+    memcpy(mu, x->out + n, d * sizeof *mu);
+}
+
+/* coordinates nearer to the group by what rounding left, as at the end of a chart at xi = 0 */
+static void tidy(writing *x, dm_node *q) {
+    memset(x->with, 0, (x->n + 3 * (size_t)x->d) * sizeof *x->with);
+    memcpy(x->with, q, x->n * sizeof *q);
+    dm_transplant(x->g, x->trace->end, x->trace->carried, x->n, x->with, q);
+}
+
+/* half turns about all axes but the last, a whole one about that, and back */
+static uint32_t build_turns(dm_kernel *out, const dm_model *m, uint32_t lanes) {
+    writing x;
+    if (!begin(&x, m, dm_turns_inputs(m))) return 0;
+    const uint32_t n = x.n, d = x.d;
+    dm_node *q = take(&x, n + 2 * (size_t)d), *mu = q + n;
+    if (!q) return 0;
+    dm_inputs(x.g, q, 0, n + 2 * d);
+    const dm_node w = dm_input(x.g, n + 2 * d), h = dm_input(x.g, n + 2 * d + 1);
+    const dm_node half = dm_mul(x.g, dm_constant(x.g, 0.5), h);
+    for (uint32_t a = 0; a < d; a++) mu[a] = dm_add(x.g, mu[a], dm_mul(x.g, w, q[n + d + a]));
+    for (uint32_t a = 0; a + 1 < d; a++) turn(&x, q, mu, a, half);
+    turn(&x, q, mu, d - 1, h);
+    for (uint32_t a = d - 1; a-- > 0;) turn(&x, q, mu, a, half);
+    tidy(&x, q);
+    return dm_lanes_build(out, m, x.g, q, n + d, lanes);
+}
+
+/* -V_e(q near(e), t) at e = 0, in a graph of its own with e in place of mu */
+static int find_torque(writing *x, dm_node *torque, const dm_node *inputs, dm_node t) {
+    writing about;
+    const dm_source *s = &x->m->source;
+    const uint32_t n = x->n, d = x->d, many = dm_graph_inputs(s->graph);
+    if (!begin(&about, x->m, n + d + 1)) return 0;
+    dm_node *with = take(x, (size_t)many + 2 * n + 1), L;
+    if (!with) return 0;
+    memset(about.with, 0, (n + 3 * (size_t)d) * sizeof *about.with);
+    dm_inputs(about.g, about.with, 0, n + d);
+    dm_transplant(about.g, about.trace->chart, about.trace->place, n, about.with, about.out);
+    memset(with, 0, ((size_t)many + 2 * n + 1) * sizeof *with);
+    memcpy(with, about.out, n * sizeof *with);
+    with[2 * n] = dm_input(about.g, n + d);
+    dm_transplant(about.g, s->graph, &s->lagrangian, 1, with, &L);
+    dm_gradient(about.g, L, n, d, about.out);
+    memcpy(with, inputs, n * sizeof *with);
+    memset(with + n, 0, d * sizeof *with);
+    with[n + d] = t;
+    dm_transplant(x->g, about.g, about.out, d, with, torque);
+    return dm_graph_status(about.g) == DM_OK;
+}
+
+static uint32_t build_kick(dm_kernel *out, const dm_model *m, uint32_t lanes) {
+    writing x;
+    if (!begin(&x, m, dm_turns_kick_inputs(m))) return 0;
+    const uint32_t n = x.n, d = x.d;
+    dm_node *q = take(&x, n + d), *roots = take(&x, 2 * (size_t)d);
+    if (!q || !roots) return 0;
+    dm_inputs(x.g, q, 0, n + d);
+    const dm_node w = dm_input(x.g, n + d), t = dm_input(x.g, n + d + 1);
+    if (!find_torque(&x, roots + d, q, t)) return 0;
+    for (uint32_t a = 0; a < d; a++) roots[a] = dm_add(x.g, q[n + a], dm_mul(x.g, w, roots[d + a]));
+    return dm_lanes_build(out, m, x.g, roots, 2 * d, lanes);
+}
+
+int dm_turns_find(dm_turns *out, const dm_model *m, uint32_t lanes) {
+    static const char maker, kicker;
+    if (dm_cache_find(&out->turns, m, &maker, lanes))
+        return dm_cache_find(&out->kick, m, &kicker, lanes) == lanes;
+    if (build_turns(&out->turns, m, lanes) != lanes) return 0;
+    if (build_kick(&out->kick, m, lanes) != lanes) return 0;
+    dm_cache_add(m, &maker, lanes, &out->turns, lanes);
+    dm_cache_add(m, &kicker, lanes, &out->kick, lanes);
+    return 1;
+}
