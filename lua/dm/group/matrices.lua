@@ -7,9 +7,10 @@ local matrix_functions = require "dm.group.matrix_functions"
 local M = {}
 
 local function entries(m)
-  local out = {}
-  for i = 1, m.rows do
-    for j = 1, m.columns do out[#out + 1] = m[i][j] end
+  local out, n = {}, 0
+  for _, row in ipairs(m:totable()) do
+    for j = 1, #row do out[n + j] = row[j] end
+    n = n + #row
   end
   return out
 end

@@ -30,17 +30,31 @@ end
 
 -- 4 q q^T from the entries of R; its largest row gives q without a loss of digits (Shepperd 1978)
 local function outer_square(R)
-  local a, b, c = R[1][1], R[2][2], R[3][3]
-  local wx, wy, wz = R[3][2] - R[2][3], R[1][3] - R[3][1], R[2][1] - R[1][2]
-  local xy, xz, yz = R[1][2] + R[2][1], R[1][3] + R[3][1], R[2][3] + R[3][2]
+  local x, y, z = table.unpack(R:totable())
+  local a, b, c = x[1], y[2], z[3]
+  local wx, wy, wz = z[2] - y[3], x[3] - z[1], y[1] - x[2]
+  local xy, xz, yz = x[2] + y[1], x[3] + z[1], y[3] + z[2]
   return { { 1 + a + b + c, wx, wy, wz }, { wx, 1 + a - b - c, xy, xz },
     { wy, xy, 1 - a + b - c, yz },
     { wz, xz, yz, 1 - a - b + c } }
 end
 
+-- the same of numbers, without the closures of a choice
+local function of_numbers(K)
+  local best = 1
+  for k = 2, 4 do
+    if K[k][k] > K[best][best] then best = k end
+  end
+  local row = K[best]
+  local scale = 0.5 / math.sqrt(row[best])
+  if row[1] < 0 then scale = -scale end
+  return { row[1] * scale, row[2] * scale, row[3] * scale, row[4] * scale }
+end
+
 --- The unit quaternion of R with w >= 0.
 function M.quaternion(R)
   local K = outer_square(R)
+  if type(K[1][1]) == "number" then return of_numbers(K) end
   local d = { K[1][1], K[2][2], K[3][3], K[4][4] }
   local best = { K[1][1], K[1][2], K[1][3], K[1][4], d[1] }
   for k = 2, 4 do

@@ -1,6 +1,7 @@
 /* phase.c - a step of stages on H: which road, its end, and what it leaves to the next one. */
 #include "integ/phase/phase.h"
 
+#include "integ/method/cache.h"
 #include "integ/phase/phase_inside.h"
 #include "integ/split/splitting.h"
 #include "numbers/compensated.h"
@@ -140,24 +141,37 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
-/* b_i a_ij + b_j a_ji = b_i b_j, so that q and p have the same coefficients: Gauss collocation */
-static int keeps_quadratic(const dm_rule *rule, const dm_model *m) {
+/* b_i a_ij + b_j a_ji = b_i b_j for all stages */
+static int is_quadratic(const dm_galerkin *g) {
     static const long double SAME = 1e-15L;
-    dm_galerkin g;
     long double beta[DM_QUADRATURE_NODES], d[DM_QUADRATURE_NODES],
         a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES];
-    dm_stage_basis(&g, rule, m);
-    if (!is_collocated(&g)) return 0;
-    dm_lagrange(d, beta, g.node, g.s, 1.0L);
-    for (int i = 0; i < g.s && !g.tableau; i++) dm_lagrange(d, a[i], g.node, g.s, g.q.c[i]);
-    for (int i = 0; i < g.s; i++)
-        for (int j = 0; j < g.s; j++) {
-            const long double aij = g.tableau ? g.a[i][j] : a[i][j],
-                              aji = g.tableau ? g.a[j][i] : a[j][i];
-            const long double left = g.q.b[i] * aij + g.q.b[j] * aji;
-            if (fabsl(left - g.q.b[i] * g.q.b[j]) > SAME) return 0;
+    dm_lagrange(d, beta, g->node, g->s, 1.0L);
+    for (int i = 0; i < g->s && !g->tableau; i++) dm_lagrange(d, a[i], g->node, g->s, g->q.c[i]);
+    for (int i = 0; i < g->s; i++)
+        for (int j = 0; j < g->s; j++) {
+            const long double aij = g->tableau ? g->a[i][j] : a[i][j],
+                              aji = g->tableau ? g->a[j][i] : a[j][i];
+            const long double left = g->q.b[i] * aij + g->q.b[j] * aji;
+            if (fabsl(left - g->q.b[i] * g->q.b[j]) > SAME) return 0;
         }
     return 1;
+}
+
+/* So that q and p have the same coefficients: Gauss collocation. The model keeps the answer. */
+static int keeps_quadratic(const dm_rule *rule, const dm_model *m) {
+    static const char maker;
+    dm_galerkin g;
+    double key[DM_STAGE_KEY];
+    dm_stage_basis(&g, rule, m);
+    if (!is_collocated(&g)) return 0;
+    if (g.tableau) return is_quadratic(&g);
+    const uint32_t keys = dm_stage_key(key, &g);
+    const double *kept = dm_cache_numbers(m, &maker, key, keys);
+    if (kept) return *kept != 0.0;
+    const double answer = is_quadratic(&g);
+    dm_cache_leave(m, &maker, key, keys, &answer, 1);
+    return answer != 0.0;
 }
 
 /* The curve is for Newton's method alone. */

@@ -193,7 +193,7 @@ end
 --- The pose of a body as 7 numbers behind the others: a unit quaternion, the place of its origin.
 function M.add_pose(out, body, q, t)
   local R, x = body.pose(q, t)
-  local quaternion = so3.quaternion(R)
+  local quaternion = so3.quaternion(core.matrix(R))
   x = x or { 0, 0, 0 }
   for i = 1, 4 do out[#out + 1] = quaternion[i] end
   for i = 1, 3 do out[#out + 1] = x[i] * 1.0 end
