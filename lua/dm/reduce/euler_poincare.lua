@@ -3,6 +3,7 @@
 -- a step of lie(s) is the one of the reduced equations, mu1(f_(k-1)) = mu0(f_k) with f_k =
 -- g_k^-1 g_(k+1) (Leok 5.4).
 local blame = require "dm.base.blame"
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local option = require "dm.base.options"
@@ -18,17 +19,20 @@ local POINTS, SLACK = 5, 1e-10
 
 local function list(x) return "(" .. table.concat(core.vector(x):totable(), ", ") .. ")" end
 
--- L at random elements must be that at the identity
-local function check_invariance(system, L)
+-- f(g, x), L or H, at random elements must be that at the identity
+local function check_invariance(system, f, name)
   local kit, stream = system.place.kit, core.random(17)
   local d, e = kit.dimension, kit.identity()
   for i = 1, POINTS do
     local x = kits.normals(stream, i, d, 0.5)
-    local xi = kits.normals(stream, i + 100, d, 1)
-    local there, here = L(kit.exp(x), xi, 0), L(e, xi, 0)
+    local y = kits.normals(stream, i + 100, d, 1)
+    local there, here = f(kit.exp(x), y, 0), f(e, y, 0)
     if not (abs(there - here) <= SLACK * max(1, abs(here))) then
-      error(("%s: L is not invariant: at g = exp%s, xi = %s it is %.10g, at the identity %.10g")
-        :format(WHERE, list(x), list(xi), there, here), 0)
+      error(("%s: %s is not invariant: at g = exp%s, %s = %s it is %.10g, at the identity %.10g")
+        :format(WHERE, name, list(x), name == "L" and "xi" or "p", list(y), there, here), 0)
+    end
+    if f(e, y, 0.7 * i) ~= here then
+      error(("%s: %s depends on t, and a reduced system does not"):format(WHERE, name), 0)
     end
   end
 end
@@ -40,14 +44,14 @@ local function of_system(system)
       0)
   end
   if own.right then error(WHERE .. ": for the left trivialization", 0) end
-  if not given.L or given.constraint or given.rolling or given.force then
-    error(WHERE .. ": for a Lagrangian without constraints and forces", 0)
+  if given.constraint or given.rolling or given.force then
+    error(WHERE .. ": for a system without constraints and forces", 0)
   end
-  local params = given.params
-  local function L(g, xi, t) return given.L(g, xi, t, params) end
-  check_invariance(system, L)
-  local e = own.kit.identity()
-  return { group = system.Q, name = system.name, l = function(xi) return L(e, xi, 0) end }
+  local name = given.H and "H" or "L"
+  local f, e = bound(given[name], given.params), own.kit.identity()
+  check_invariance(system, f, name)
+  return { group = system.Q, name = system.name,
+    [name:lower()] = function(x) return f(e, x, 0) end }
 end
 
 ---- the system ----
@@ -65,31 +69,37 @@ local function carrier(options)
     .. "with a = some such quantity", 0)
 end
 
-local function system_of(options)
-  local l, group = options.l, options.group
-  if type(l) ~= "function" then
-    error(WHERE .. ": option 'l' must be a function of (xi [, a])", 0)
+-- the function that is reduced, l or h, and its name in dm.system
+local function function_of(options)
+  local l, h = options.l, options.h
+  if (l == nil) == (h == nil) or type(l or h) ~= "function" then
+    error(WHERE .. ": option 'l' must be a function of (xi [, a]), or 'h' one of (mu [, a])", 0)
   end
-  local kit = kits.of(group)
+  return l or h, l and "L" or "H"
+end
+
+local function system_of(options)
+  local f, name = function_of(options)
+  local kit = kits.of(options.group)
   local carry, some = carrier(options)
   local reduced = { a = some, takes_a = carry ~= nil }
-  local function L(g, xi)
-    if not carry then return l(xi) end
+  local function of_element(g, x)
+    if not carry then return f(x) end
     if not reduced.a then
       error(WHERE .. ": a run needs the advected quantity at its start, a =", 0)
     end
-    return l(xi, carry(kit.inverse(g), reduced.a))
+    return f(x, carry(kit.inverse(g), reduced.a))
   end
   reduced.usual = options.a and some
-  local system = core.system { Q = group, L = L, name = options.name }
+  local system = core.system { Q = options.group, [name] = of_element, name = options.name }
   system.place.reduced = reduced
   return system
 end
 
 M.euler_poincare = blame.caller(function(options)
   if kits.class_of(options) == "dm.system" then return system_of(of_system(options)) end
-  option.check(options, { "group", "l", "advected", "a", "name" }, WHERE,
-    "{ group =, l = } or a system on a group")
+  option.check(options, { "group", "l", "h", "advected", "a", "name" }, WHERE,
+    "{ group =, l = }, { group =, h = } or a system on a group")
   if kits.class_of(options.group) ~= "dm.space" or kits.of(options.group).manifold then
     error(WHERE .. ": option 'group' must be a group, such as dm.SO(3)", 0)
   end
@@ -97,10 +107,11 @@ M.euler_poincare = blame.caller(function(options)
 end)
 
 core.docs[M.euler_poincare] = [[
-dm.euler_poincare{group=, l=, advected=, a=, name=} -> dm.system   or   (system) -> dm.system
-The reduced system of a Lagrangian l(xi) of the body velocity on a group, or l(xi, a) with a
-quantity a = g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a
-function of (g, a)), as gravity in a heavy top. Or that of a system on a group whose L does not
+dm.euler_poincare{group=, l=, h=, advected=, a=, name=} -> dm.system   or   (system) -> dm.system
+The reduced system of a Lagrangian l(xi) of the body velocity on a group, or of a Hamiltonian h(mu)
+of the body momentum (Lie-Poisson; h may be singular); l(xi, a) and h(mu, a) have a quantity a =
+g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
+as gravity in a heavy top. Or that of a system on a group whose L or H does not
 depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
 start) and begin at the identity; path.p is the body momentum, also path.mu, which moves on a
 coadjoint orbit; path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps

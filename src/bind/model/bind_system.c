@@ -115,11 +115,12 @@ static int momentum_of_velocity(lua_State *L, const dml_system *s) {
     dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
-    const dm_status status =
-        dm_legendre(&m->model, dml_pushvector(L, s->n), x, x + s->n, x[2 * s->n], work);
+    double *p = lua_newuserdatauv(L, s->n * sizeof *p, 0);
+    const dm_status status = dm_legendre(&m->model, p, x, x + s->n, x[2 * s->n], work);
     if (status != DM_OK)
         luaL_error(L, "no momentum has this velocity: %s; is d2H/dp2 regular at q?",
                    dm_status_text(status));
+    memcpy(dml_pushvector(L, s->momenta), p, s->momenta * sizeof *p);
     return 1;
 }
 

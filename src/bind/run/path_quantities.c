@@ -84,7 +84,7 @@ int dml_path_energy(lua_State *L) {
     for (long i = 0; i < p->rows; i++) {
         check_row(L, m, read_row(p, m, i, x, work), i);
         if (m->hamiltonian) /* of p, not of v */
-            memcpy(x + p->n, p->data + (size_t)i * dml_path_width(p) + 1 + p->n, p->n * sizeof *x);
+            memcpy(x + p->n, work + dm_legendre_work(&m->model), p->n * sizeof *x);
         dm_kernel_prepare(&m->model.energy, E + i);
         dm_kernel_eval(&m->model.energy, x, E + i);
     }

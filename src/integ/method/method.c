@@ -31,6 +31,10 @@ const dm_engine *dm_rule_engine(const dm_rule *rule, const dm_model *m) {
 /* Asked of the engine that would step it. */
 const char *dm_rule_fits(const dm_rule *rule, const dm_model *m) {
     const dm_engine *e = dm_rule_engine(rule, m);
+    if (m->group && m->structure & DM_HAMILTONIAN && !e->hamiltonian)
+        return "it needs a Lagrangian, and this H has none (d2H/dp2 is singular, or H is not "
+               "quadratic in p); gauss(s), midpoint and its compositions, rkmk4 and "
+               "crouch-grossman3 step any H on a group";
     if (m->structure & DM_HAMILTONIAN && !e->hamiltonian)
         return "it needs a Lagrangian, and this H has none (d2H/dp2 is singular, or H is not "
                "quadratic in p); gauss(s), lobatto(s), midpoint, verlet and explicit Runge-Kutta "

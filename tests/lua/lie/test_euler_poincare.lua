@@ -43,6 +43,51 @@ local below = solver:run { p = mu, a = g0:transpose() * dm.vector { 0, 0, 1 }, s
 ok(far(below.p[51], above.p[51]) < 1e-13, "body momentum of the top")
 ok(far(below:reconstruct { q = g0 }.q[51], above.q[51]) < 1e-13, "and its attitude")
 
+---- of a Hamiltonian h(mu): Lie-Poisson ----
+
+local of_h = dm.euler_poincare { group = dm.SE(3), h = function(m)
+  return (m[1] ^ 2 + m[2] ^ 2 / 2 + m[3] ^ 2 / 3 + m[4] ^ 2 / 1.5 + m[5] ^ 2 + 2 * m[6] ^ 2) / 2
+end }
+for _, rule in ipairs { "lie(2)", "gauss(2)", "rkmk4" } do
+  local begin = { p = { 0.5, -0.4, 0.9, 0.3, 0.6, -0.2 }, steps = 20 }
+  local one = body:solver { rule = rule, h = 0.05 }:run(begin)
+  local other = of_h:solver { rule = rule, h = 0.05 }:run(begin)
+  ok(far(one.p[21], other.p[21]) < 1e-13, rule .. ": l and its h agree")
+end
+-- singular ones: orbits and energy are kept, against a small step of another rule
+local function casimir(m) return m[1] ^ 2 + m[2] * m[3] end
+local singular = {
+  { G, function(m) return m[1] ^ 2 / 2 + m[1] * m[2] + 0.3 * m[3] end,
+    function(m) return m:norm() end },
+  { G, function(m) return m[1] ^ 4 / 4 + 0.3 * m[3] * m[1] ^ 2 end,
+    function(m) return m:norm() end },
+  { dm.SU(2), function(m) return m[1] ^ 2 / 2 + 0.3 * m[2] end, function(m) return m:norm() end },
+  { dm.SL(2), function(m) return m[1] ^ 2 / 2 + m[2] * m[3] * m[1] end,
+    function(m) return casimir { m[1] / 2, m[2], m[3] } end },
+}
+for _, case in ipairs(singular) do
+  local system = dm.euler_poincare { group = case[1], h = case[2] }
+  local p0, name = { 0.3, -0.4, 0.9 }, tostring(case[1])
+  local long = system:solver { rule = "gauss(2)", h = 0.1 }:run { p = p0, steps = 1000 }
+  local off = 0
+  for i = 1, #long do off = max(off, abs(case[3](long.mu[i]) - case[3](long.mu[1]))) end
+  ok(off < 1e-13, name .. ": on its coadjoint orbit", off)
+  ok(long:drift "energy".largest < 1e-6, "energy", long:drift "energy".largest)
+  local fine = system:solver { rule = "rkmk4", h = 0.002 }:run { p = p0, steps = 500 }
+  local six = system:solver { rule = "gauss(3)", h = 0.02 }:run { p = p0, steps = 50 }
+  near(far(six.p[51], fine.p[501]), 0, 1e-11, name .. ": the orbit of another rule")
+end
+raises("gauss(s), midpoint and its compositions, rkmk4 and crouch-grossman3 step any H", function()
+  dm.euler_poincare { group = G, h = function(m) return m[1] end }
+    :solver { rule = "lie(1)", h = 0.1 }:run { p = { 1, 0, 0 }, steps = 1 }
+end)
+-- gravity carried along, as h(mu, a)
+local of_both = dm.euler_poincare { group = G, advected = dm.action { group = G, on = dm.R(3) },
+  h = function(m, a) return (m[1] ^ 2 + m[2] ^ 2 / 1.2 + m[3] ^ 2 / 0.6) / 2 + a[3] end }
+local with_h = of_both:solver { rule = "lie(2)", h = 0.1 }
+  :run { p = mu, a = g0:transpose() * dm.vector { 0, 0, 1 }, steps = 50 }
+ok(far(with_h.p[51], above.p[51]) < 1e-13, "body momentum of the top, by h")
+
 ---- of a system, and what is refused ----
 
 local free = dm.euler_poincare(dm.system { Q = G, L = function(_, W)
@@ -51,6 +96,14 @@ end })
 local spun = free:solver { rule = "lie(1)", h = 0.1 }:run { v = { 1, 2, 3 }, steps = 1000 }
 near(spun.p[1001]:norm(), spun.p[1]:norm(), 1e-13, "a free body stays on its sphere")
 raises("L is not invariant: at g = exp(", dm.euler_poincare, heavy)
+raises("H is not invariant: at g = exp(", dm.euler_poincare,
+  dm.system { Q = G, H = function(R, P) return P[1] + R[1][1] end })
+raises("L depends on t", dm.euler_poincare,
+  dm.system { Q = G, L = function(_, W, t) return W:dot(W) * (2 + t) end })
+raises("'l' must be a function of (xi [, a]), or 'h'", dm.euler_poincare, { group = G })
+local freed = dm.euler_poincare(dm.system { Q = G, H = function(_, P) return P[1] * P[2] end })
+ok(freed:solver { rule = "gauss(2)", h = 0.1 }:run { p = { 1, 2, 3 }, steps = 10 }.mu[11]:norm()
+  - dm.vector { 1, 2, 3 }:norm() < 1e-14, "a system of a singular H, reduced")
 raises("a run needs the advected quantity", solver.run, solver, { p = mu, steps = 1 })
 raises("carries no quantity along", function()
   body:solver { rule = "lie(1)", h = 0.1 }:run { p = { 0, 0, 0, 0, 0, 0 }, a = { 1 }, steps = 1 }
