@@ -11,25 +11,34 @@
 /* of the size of the terms at the start: a residual above is none of round-off */
 static const double LEFT = 1e-6;
 
+/* States whose parts are known, in the memory of the stepper, since the state of a run has no room
+ * for them: where the last step began, where it led, and where another step from there led, as
+ * those on the side do that look for events. Each has a mark (1: it is there), q[n], p[d], t and
+ * parts[w]. */
+enum { BASE, FIRST, OTHER, PLACES };
+
 /* what a step works on, laid into the workspace of its stepper */
 typedef struct {
     const dm_step_kernels *k;
-    double *in;       /* [n + d + 1 + m + 1] */
-    double *short_in; /* [n + d + 2] */
+    double *in;       /* [n + d + 1 + w + m + 1] */
+    double *short_in; /* [n + d + 1 + w + 1] */
     double *out;      /* [m + m*m] */
     double *x;        /* [m] */
     double *scale;    /* [m] */
-    double *after;    /* [n + d] */
+    double *after;    /* [n + d + 1 + w] */
     double *inside;   /* what the conditions gave */
+    double *places;   /* [PLACES][2 + n + d + w] */
     double *newton;
     double size, first; /* of the terms of F, now and where Newton's method began */
+    double h, pace;     /* that the run began with; dt/dh of the last step */
     uint32_t broken;    /* number of the condition that the root broke, from 1; 0: none */
 } made_step;
 
 enum { CONDITIONS = 64 }; /* at most */
 
-static uint32_t unknowns(const dm_rule *rule) {
-    return rule->data ? ((const dm_step_row *)rule->data)->unknowns : 0;
+/* What dm.step said of it. */
+static const dm_step_row *row_of(const dm_rule *rule) {
+    return rule->data;
 }
 
 /* The name alone is no step. */
@@ -39,13 +48,13 @@ static const char *check(const dm_rule *rule) {
 
 /* As declared. */
 static int order(const dm_rule *rule) {
-    return rule->data ? ((const dm_step_row *)rule->data)->order : 0;
+    return rule->data ? row_of(rule)->order : 0;
 }
 
 /* Nothing of L but what a start needs. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->structure & DM_CONSTANT_MASS ? 0 : DM_WANT_MASS;
+    return m->structure & (DM_CONSTANT_MASS | DM_HAMILTONIAN) ? 0 : DM_WANT_MASS;
 }
 
 /* Of structures in front of arrays. */
@@ -55,9 +64,11 @@ static size_t doubles(size_t bytes) {
 
 /* As `open` lays it out. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
-    const size_t n = m->n, d = dm_momenta(m), k = unknowns(rule);
-    return doubles(sizeof(made_step)) + 3 * (n + d) + 4 + k + k + k * k + 2 * k + CONDITIONS +
-           dm_newton_work((uint32_t)k);
+    const dm_step_row *row = row_of(rule);
+    const size_t k = row ? row->unknowns : 0, states = m->n + (size_t)dm_momenta(m) + 1;
+    const size_t y = states + (row ? row->parts : 0);
+    return doubles(sizeof(made_step)) + 3 * y + 2 + k + k + k * k + 2 * k + CONDITIONS +
+           PLACES * (1 + y) + dm_newton_work((uint32_t)k);
 }
 
 /* It stands at the beginning of the workspace. */
@@ -69,16 +80,18 @@ static made_step *step_of(const dm_stepper *s) {
 static dm_status open(dm_stepper *s) {
     made_step *e = step_of(s);
     const dm_step_kernels *k = s->brought;
-    const size_t states = k->n + (size_t)k->d, m = k->m;
-    *e = (made_step){.k = k, .in = s->work + doubles(sizeof *e)};
-    e->short_in = e->in + states + 2 + m;
-    e->out = e->short_in + states + 2;
+    const size_t y = k->n + (size_t)k->d + 1 + k->w, m = k->m;
+    *e = (made_step){.k = k, .in = s->work + doubles(sizeof *e), .pace = 1.0};
+    e->short_in = e->in + y + m + 1;
+    e->out = e->short_in + y + 1;
     e->x = e->out + m + m * m;
     e->scale = e->x + m;
     e->after = e->scale + m;
-    e->inside = e->after + states;
-    e->newton = e->inside + CONDITIONS;
+    e->inside = e->after + y;
+    e->places = e->inside + CONDITIONS;
+    e->newton = e->places + PLACES * (1 + y);
     memset(e->scale, 0, m * sizeof *e->scale);
+    memset(e->places, 0, PLACES * (1 + y) * sizeof *e->places);
     dm_kernel_prepare(&k->tangent, e->out);
     dm_kernel_prepare(&k->next, e->after);
     dm_kernel_prepare(&k->start, e->x);
@@ -87,6 +100,113 @@ static dm_status open(dm_stepper *s) {
     s->report.operations = k->tangent.operations;
     return DM_OK;
 }
+
+/* ---- parts ---- */
+
+/* numbers of (q, p, t), and with parts */
+static size_t states_of(const made_step *e) {
+    return e->k->n + (size_t)e->k->d + 1;
+}
+static size_t numbers_of(const made_step *e) {
+    return states_of(e) + e->k->w;
+}
+
+/* its mark; behind it q, p, t, parts */
+static double *place_of(const made_step *e, int which) {
+    return e->places + (size_t)which * (1 + numbers_of(e));
+}
+
+/* Has t a part in what a state is? Only where it is not counted from the number of the step. */
+static int is_timed(const dm_stepper *s) {
+    return (s->rule->method->traits & DM_OWN_TIME) != 0;
+}
+
+/* where the parts of (q, p, t) are known, -1: nowhere; the newest first */
+static int find(const dm_stepper *s, const double *y) {
+    const made_step *e = step_of(s);
+    const size_t key = states_of(e) - (is_timed(s) ? 0 : 1);
+    for (int which = OTHER; which >= BASE; which--) {
+        const double *place = place_of(e, which);
+        if (place[0] != 0.0 && memcmp(place + 1, y, key * sizeof *y) == 0) return which;
+    }
+    return -1;
+}
+
+/* parts[w] of y = (q, p, t): those that a step left, or those of a beginning */
+static void find_parts(const dm_stepper *s, double *parts, const double *y) {
+    made_step *e = step_of(s);
+    const size_t states = states_of(e), w = e->k->w;
+    const int which = find(s, y);
+    memset(parts, 0, w * sizeof *parts);
+    if (which >= 0) {
+        memcpy(parts, place_of(e, which) + 1 + states, w * sizeof *parts);
+    } else if (e->k->begin.outputs) {
+        memcpy(e->short_in, y, (states - 1) * sizeof *y);
+        e->short_in[states - 1] = e->h;
+        dm_kernel_prepare(&e->k->begin, parts);
+        dm_kernel_eval(&e->k->begin, e->short_in, parts);
+    }
+}
+
+/* y with its parts */
+static void put(made_step *e, int which, const double *y) {
+    double *place = place_of(e, which);
+    place[0] = 1.0;
+    memcpy(place + 1, y, numbers_of(e) * sizeof *y);
+}
+
+/* a step led from `before` to `after`: another one from the same state is one on the side */
+static void keep(const dm_stepper *s, const double *before, const double *after) {
+    made_step *e = step_of(s);
+    const int again = find(s, before) == BASE;
+    if (!again) {
+        put(e, BASE, before);
+        place_of(e, FIRST)[0] = place_of(e, OTHER)[0] = 0.0;
+    }
+    put(e, place_of(e, FIRST)[0] != 0.0 ? OTHER : FIRST, after);
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    const made_step *e = step_of(s);
+    *place = e->places;
+    return e->k->w ? PLACES * (1 + numbers_of(e)) : 0;
+}
+
+/* A run begins: of its state no parts are known. */
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    made_step *e = step_of(s);
+    double *own = state + 4 * (size_t)e->k->n;
+    memset(e->places, 0, PLACES * (1 + numbers_of(e)) * sizeof *e->places);
+    e->h = h;
+    if (is_timed(s)) own[0] = t, own[1] = own[2] = 0.0;
+    return DM_OK;
+}
+
+/* t of a state, where it carries one. */
+static double pace(const dm_stepper *s, const double *state) {
+    (void)state;
+    return step_of(s)->pace;
+}
+
+/* (q, p, t) from the state of a run */
+static void read_state(const made_step *e, double *y, const double *state, double t) {
+    const size_t n = e->k->n, d = e->k->d;
+    memcpy(y, state, n * sizeof *y);
+    memcpy(y + n, state + n, d * sizeof *y);
+    y[n + d] = t;
+}
+
+/* For rows: the parts of a state that a step led to, or a run begins at. */
+static void parts(const dm_stepper *s, double *out, const double *state, double t, uint32_t first,
+                  uint32_t count) {
+    made_step *e = step_of(s);
+    double *all = e->in + states_of(e);
+    read_state(e, e->in, state, t);
+    find_parts(s, all, e->in);
+    memcpy(out, all + first, count * sizeof *out);
+}
+
+/* ---- the equation ---- */
 
 /* max_i sum_j |J_ij| (|x_j| + scale_j): what cancels in F is not smaller */
 static double size_of_terms(const made_step *e, const double *J, const double *x) {
@@ -105,7 +225,7 @@ static double size_of_terms(const made_step *e, const double *J, const double *x
 static dm_status equation(void *ctx, double *R, double *J, const double *x) {
     made_step *e = ctx;
     const uint32_t m = e->k->m;
-    memcpy(e->in + e->k->n + e->k->d + 1, x, m * sizeof *x);
+    memcpy(e->in + numbers_of(e), x, m * sizeof *x);
     if (!J) dm_kernel_prepare(&e->k->equation, R);
     dm_kernel_eval(J ? &e->k->tangent : &e->k->equation, e->in, J ? e->out : R);
     if (!J) return DM_OK;
@@ -119,15 +239,15 @@ static dm_status equation(void *ctx, double *R, double *J, const double *x) {
     return DM_OK;
 }
 
-/* (q, p, t, h) and (q, p, t, ., h) */
-static void place(made_step *e, const double *state, double t, double h) {
-    const size_t n = e->k->n, d = e->k->d;
-    memcpy(e->in, state, n * sizeof *state);
-    memcpy(e->in + n, state + n, d * sizeof *state);
-    e->in[n + d] = t;
-    e->in[n + d + 1 + e->k->m] = h;
-    memcpy(e->short_in, e->in, (n + d + 1) * sizeof *state);
-    e->short_in[n + d + 1] = h;
+/* (q, p, t, parts, ., h) and (q, p, t, parts, h) */
+static void place(const dm_stepper *s, const double *state, double t, double h) {
+    made_step *e = step_of(s);
+    const size_t y = numbers_of(e);
+    read_state(e, e->in, state, t);
+    if (e->k->w) find_parts(s, e->in + states_of(e), e->in);
+    e->in[y + e->k->m] = h;
+    memcpy(e->short_in, e->in, y * sizeof *e->in);
+    e->short_in[y] = h;
 }
 
 /* NaN and infinity. */
@@ -167,7 +287,7 @@ static dm_status solve(made_step *e, dm_stepper *s) {
     s->report.evaluations += report.iterations + 1;
     if (status != DM_OK) return status;
     if (report.residual > LEFT * e->first) return DM_NO_CONVERGENCE;
-    memcpy(e->in + e->k->n + e->k->d + 1, e->x, e->k->m * sizeof *e->x);
+    memcpy(e->in + numbers_of(e), e->x, e->k->m * sizeof *e->x);
     e->broken = first_broken(e);
     return e->broken ? DM_NO_CONVERGENCE : DM_OK;
 }
@@ -175,14 +295,22 @@ static dm_status solve(made_step *e, dm_stepper *s) {
 /* The state is changed at the end alone. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     made_step *e = step_of(s);
-    const size_t states = e->k->n + (size_t)e->k->d;
+    const size_t n = e->k->n, d = e->k->d;
+    double *own = state + 4 * n;
+    if (is_timed(s)) t = own[0];
     e->broken = 0;
-    place(e, state, t, h);
+    place(s, state, t, h);
     const dm_status status = solve(e, s);
     if (status != DM_OK) return status;
     dm_kernel_eval(&e->k->next, e->in, e->after);
-    if (!is_finite(e->after, states)) return DM_NOT_FINITE;
-    memcpy(state, e->after, states * sizeof *state);
+    if (!is_finite(e->after, numbers_of(e))) return DM_NOT_FINITE;
+    if (is_timed(s) && !((e->after[n + d] - t) * h > 0.0)) return DM_NO_CONVERGENCE;
+    if (e->k->w) keep(s, e->in, e->after);
+    e->pace = (e->after[n + d] - t) / h;
+    memcpy(state, e->after, n * sizeof *state);
+    memcpy(state + n, e->after + n, d * sizeof *state);
+    memset(state + 2 * n, 0, 2 * n * sizeof *state);
+    if (is_timed(s)) own[0] = e->after[n + d];
     return DM_OK;
 }
 
@@ -194,24 +322,29 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
 }
 
 static const dm_engine engine = {
+    .hamiltonian = 1,
+    .keyed = 1,
     .wants = wants,
     .work = work,
     .open = open,
+    .start = start,
+    .pace = pace,
     .step = step,
+    .memory = memory,
+    .parts = parts,
     .why = why,
 };
 
-const dm_method dm_method_step = {
-    .name = "step",
-    .signature = "step",
-    .doc = "A step that a script writes, an equation and what follows from its root, traced and "
-           "solved in C: dm.step.",
-    .orders = "as declared",
-    .stages = "-",
-    .cost = "its unknowns",
-    .instances = "",
-    .traits = DM_ON_GROUPS | DM_OF_FUNCTIONS,
-    .check = check,
-    .order = order,
-    .engine = &engine,
-};
+#define ROW(...)                                                                                   \
+    {                                                                                              \
+        .name = "step", .signature = "step",                                                       \
+        .doc =                                                                                     \
+            "A step that a script writes, an equation and what follows from its root, traced and " \
+            "solved in C: dm.step.",                                                               \
+        .orders = "as declared", .stages = "-", .cost = "its unknowns", .instances = "",           \
+        .traits = DM_ON_GROUPS | DM_OF_FUNCTIONS | (__VA_ARGS__), .check = check, .order = order,  \
+        .engine = &engine                                                                          \
+    }
+
+const dm_method dm_method_step = ROW(0);
+const dm_method dm_method_step_timed = ROW(DM_OWN_TIME);

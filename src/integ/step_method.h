@@ -1,24 +1,31 @@
 /* step_method.h - a step that a script writes: the root x of F(y, x, h) = 0 that Newton's method
- * finds from start(y, h), then y' = next(y, x, h), y = (q, p, t). */
+ * finds from start(y, h), then y' = next(y, x, h). y = (q, p, t, parts): parts are numbers of its
+ * own, which begin(q, p, h) sets. */
 #ifndef DM_STEP_METHOD_H
 #define DM_STEP_METHOD_H
 
-#include "code/kernel.h"
+#include "integ/method/method.h"
 
 /* What a rule says of itself (dm_rule.data). */
 typedef struct {
-    uint32_t unknowns;
+    uint32_t unknowns, parts;
     int order;
 } dm_step_row;
 
+/* The row of methods.def, whose t grows by h, and that of steps whose `next` gives t: a method with
+ * a time of its own. */
+extern const dm_method dm_method_step, dm_method_step_timed;
+
 /* Its functions for one system, which the caller makes and gives to the stepper (`brought`).
- * Inputs are (q[n], p[d], t, x[m], h), of start and scale (q[n], p[d], t, h). */
+ * Inputs are (q[n], p[d], t, parts[w], x[m], h), of start and scale (q[n], p[d], t, parts[w], h),
+ * of begin (q[n], p[d], h). */
 typedef struct {
-    uint32_t n, d, m;
+    uint32_t n, d, w, m;
     dm_kernel equation; /* F[m] */
     dm_kernel tangent;  /* F[m], dF/dx [m*m] */
-    dm_kernel next;     /* q'[n], p'[d] */
+    dm_kernel next;     /* q'[n], p'[d], t', parts'[w] */
     dm_kernel start;    /* x[m] */
+    dm_kernel begin;    /* parts[w]; outputs 0: they begin at 0 */
     dm_kernel inside;   /* numbers that are > 0 at the root meant; outputs 0: none */
     dm_kernel scale;    /* [m], of what the unknowns are added to; outputs 0: 0 */
 } dm_step_kernels;

@@ -51,7 +51,7 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state, doub
 static dm_status step_apart(dm_stepper *s, double *out, const double *state, double t, double h) {
     double *place;
     const size_t size = s->aside ? dm_stepper_memory(s, &place) : 0;
-    if (!size) return step_by(s, out, state, t, h);
+    if (!size || s->engine->keyed) return step_by(s, out, state, t, h);
     memcpy(s->aside, place, size * sizeof *place);
     dm_status status = dm_stepper_start(s, out, t, h);
     if (status == DM_OK) status = step_by(s, out, state, t, h);

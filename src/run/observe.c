@@ -5,7 +5,9 @@
 uint32_t dm_observer_width(const dm_observer *o) {
     uint32_t width = 0;
     for (uint32_t i = 0; i < o->count; i++)
-        width += o->list[i].kernel ? o->list[i].kernel->outputs : 1;
+        width += o->list[i].kernel  ? o->list[i].kernel->outputs
+                 : o->list[i].parts ? o->list[i].count
+                                    : 1;
     return width;
 }
 
@@ -46,6 +48,9 @@ dm_status dm_observe(dm_observer *o, double *out, const double *state, double t)
             dm_kernel_prepare(what->kernel, out);
             dm_kernel_eval(what->kernel, inputs_of(o, what), out);
             out += what->kernel->outputs;
+        } else if (what->parts) {
+            what->parts->engine->parts(what->parts, out, state, t, what->entry, what->count);
+            out += what->count;
         } else {
             *out++ = state[what->entry];
         }

@@ -2,11 +2,12 @@
 #ifndef DM_OBSERVE_H
 #define DM_OBSERVE_H
 
-#include "mech/model.h"
+#include "integ/method/method.h"
 
 typedef struct {
     const dm_kernel *kernel; /* of x = (q[n], v[n], t, p[n]) or of its head; NULL: an entry */
-    uint32_t entry;          /* of (q[n], p[n]) */
+    const dm_stepper *parts; /* not NULL: `count` of its parts from `entry` on (dm_engine.parts) */
+    uint32_t entry, count;   /* without it: entry of (q[n], p[n]) */
     /* the kernel is one of the model's, of (q[n], v[n], t, params) or, of an H, (q[n], p[n], t) */
     int of_model;
 } dm_observable;

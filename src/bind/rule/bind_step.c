@@ -22,15 +22,25 @@ static void check_status(lua_State *L, dm_status status, const char *what) {
     if (status != DM_OK) luaL_error(L, "dm.step, '%s': %s", what, dm_status_text(status));
 }
 
+/* What functions get: (q, p, t, parts, x, h), without x, or (q, p, h) alone. */
+typedef enum { OF_ROOT, OF_STATE, OF_START } arguments_of;
+
+/* parts are left out where there are none, since no argument is empty */
+static dml_signature signature(const maker *made, const char *name, arguments_of of,
+                               uint32_t outputs) {
+    dml_signature s = {.what = name, .length = {(int)made->k.n, (int)made->k.d}, .arguments = 2};
+    if (of != OF_START) s.length[s.arguments++] = DML_SCALAR_ARGUMENT;
+    if (of != OF_START && made->k.w) s.length[s.arguments++] = (int)made->k.w;
+    if (of == OF_ROOT) s.length[s.arguments++] = (int)made->k.m;
+    s.length[s.arguments++] = DML_SCALAR_ARGUMENT;
+    s.outputs = (int)outputs;
+    return s;
+}
+
 /* function `name` of the table on top, traced with the inputs of step_method.h; 0: there is none */
-static int trace(lua_State *L, const maker *made, const char *name, int with_root, uint32_t outputs,
-                 dml_traced *out) {
-    const int n = (int)made->k.n, d = (int)made->k.d, m = (int)made->k.m;
-    dml_signature s = {.what = name,
-                       .arguments = with_root ? 5 : 4,
-                       .length = {n, d, DML_SCALAR_ARGUMENT, DML_SCALAR_ARGUMENT},
-                       .outputs = (int)outputs};
-    if (with_root) s.length[3] = m, s.length[4] = DML_SCALAR_ARGUMENT;
+static int trace(lua_State *L, const maker *made, const char *name, arguments_of of,
+                 uint32_t outputs, dml_traced *out) {
+    const dml_signature s = signature(made, name, of, outputs);
     const int there = lua_getfield(L, -1, name) != LUA_TNIL;
     if (there) dml_trace(L, lua_gettop(L), &s, made->arena, out);
     lua_pop(L, 1);
@@ -38,18 +48,18 @@ static int trace(lua_State *L, const maker *made, const char *name, int with_roo
 }
 
 /* a kernel of it */
-static void build(lua_State *L, maker *made, const char *name, int with_root, uint32_t outputs,
+static void build(lua_State *L, maker *made, const char *name, arguments_of of, uint32_t outputs,
                   dm_kernel *out) {
     dml_traced t;
-    if (!trace(L, made, name, with_root, outputs, &t)) return;
+    if (!trace(L, made, name, of, outputs, &t)) return;
     check_status(L, made->compile(out, t.graph, t.out, t.outputs, made->arena), name);
 }
 
 /* F, and F with dF/dx */
 static void build_equation(lua_State *L, maker *made) {
-    const uint32_t m = made->k.m, first = made->k.n + made->k.d + 1;
+    const uint32_t m = made->k.m, first = made->k.n + made->k.d + 1 + made->k.w;
     dml_traced t;
-    trace(L, made, "equation", 1, m, &t);
+    trace(L, made, "equation", OF_ROOT, m, &t);
     check_status(L, made->compile(&made->k.equation, t.graph, t.out, m, made->arena), "equation");
     dm_node *nodes = dm_arena_take(made->arena, (m + (size_t)m * m) * sizeof *nodes);
     if (!nodes) luaL_error(L, "not enough memory");
@@ -60,18 +70,62 @@ static void build_equation(lua_State *L, maker *made) {
                  "equation");
 }
 
-/* push the functions of flat coordinates (lua/dm/group/step.lua) */
-static void push_functions(lua_State *L, int object, int arg) {
+/* push function `name` of lua/dm/group/step.lua */
+static void push_module(lua_State *L, const char *name) {
     lua_getglobal(L, "require");
     lua_pushliteral(L, "dm.group.step");
     lua_call(L, 1, 1);
-    lua_getfield(L, -1, "functions");
+    lua_getfield(L, -1, name);
     lua_remove(L, -2);
+}
+
+/* push the options of the dm.rule at `object` */
+static void push_options(lua_State *L, int object) {
     lua_getiuservalue(L, object, 1);
     lua_getiuservalue(L, -1, 1);
     lua_remove(L, -2);
+}
+
+/* push the functions of flat coordinates */
+static void push_functions(lua_State *L, int object, int arg) {
+    push_module(L, "functions");
+    push_options(L, object);
     lua_pushvalue(L, arg);
     lua_call(L, 2, 1);
+}
+
+/* The row of steps whose time is their own takes the place of the other. */
+const dm_method *dml_step_method(lua_State *L, int object, int arg) {
+    object = lua_absindex(L, object);
+    arg = lua_absindex(L, arg);
+    if (dml_checksystem(L, arg)->pair) luaL_error(L, "dm.step steps a dm.system");
+    push_module(L, "is_timed");
+    push_options(L, object);
+    lua_pushvalue(L, arg);
+    lua_call(L, 2, 1);
+    const int timed = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    return timed ? &dm_method_step_timed : &dm_method_step;
+}
+
+/* lua/dm/measure/declared_order.lua does. */
+void dml_step_order(lua_State *L) {
+    const int top = lua_gettop(L);
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.measure.declared_order");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "check");
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, 2);
+    lua_call(L, 2, 0);
+    lua_settop(L, top);
+}
+
+/* The list is made once, with the step. */
+void dml_step_parts(lua_State *L, int object) {
+    push_options(L, lua_absindex(L, object));
+    lua_getfield(L, -1, "parts");
+    lua_remove(L, -2);
 }
 
 /* All that is pushed but the maker goes again. */
@@ -86,14 +140,16 @@ const dm_step_kernels *dml_step_trace(lua_State *L, int object, int arg, const c
     *made =
         (maker){.k = {.n = s->n, .d = s->momenta}, .compile = dml_findbackend(L, backend)->compile};
     made->k.m = ((const dm_step_row *)rule->rule.data)->unknowns;
+    made->k.w = ((const dm_step_row *)rule->rule.data)->parts;
     made->arena = dml_pusharena(L);
     lua_setiuservalue(L, -2, 1);
     push_functions(L, object, arg);
     build_equation(L, made);
-    build(L, made, "next", 1, s->n + s->momenta, &made->k.next);
-    build(L, made, "start", 0, made->k.m, &made->k.start);
-    build(L, made, "inside", 1, 0, &made->k.inside);
-    build(L, made, "scale", 0, made->k.m, &made->k.scale);
+    build(L, made, "next", OF_ROOT, s->n + s->momenta + 1 + made->k.w, &made->k.next);
+    build(L, made, "start", OF_STATE, made->k.m, &made->k.start);
+    if (made->k.w) build(L, made, "begin", OF_START, made->k.w, &made->k.begin);
+    build(L, made, "inside", OF_ROOT, 0, &made->k.inside);
+    build(L, made, "scale", OF_STATE, made->k.m, &made->k.scale);
     if (made->k.inside.outputs > CONDITIONS)
         luaL_error(L, "dm.step, 'inside': at most %d numbers", CONDITIONS);
     lua_pop(L, 1);
@@ -110,8 +166,8 @@ static void check_function(lua_State *L, const char *key, int optional) {
 
 /* The options are kept: the functions are traced for every system anew. */
 static int step_new(lua_State *L) {
-    static const char *const known[] = {"name", "unknowns", "order", "start", "equation",
-                                        "next", "inside",   "scale", NULL};
+    static const char *const known[] = {"name",  "unknowns", "order",  "start", "equation", "next",
+                                        "parts", "begin",    "inside", "scale", NULL};
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
@@ -120,6 +176,7 @@ static int step_new(lua_State *L) {
     check_function(L, "equation", 0);
     check_function(L, "next", 0);
     check_function(L, "start", 0);
+    check_function(L, "begin", 1);
     check_function(L, "inside", 1);
     check_function(L, "scale", 1);
     lua_getfield(L, 1, "name");
@@ -127,7 +184,11 @@ static int step_new(lua_State *L) {
     const char *text = lua_pushfstring(L, "%s (own)", name);
     dm_step_row *row = lua_newuserdatauv(L, sizeof *row, 1);
     *row = (dm_step_row){.unknowns = (uint32_t)count, .order = (int)order};
-    dml_pushcopy(L, 1);
+    push_module(L, "options");
+    lua_pushvalue(L, 1);
+    lua_call(L, 1, 2);
+    row->parts = (uint32_t)lua_tointeger(L, -1);
+    lua_pop(L, 1);
     lua_setiuservalue(L, -2, 1);
     dml_pushrule(L, "step", row, text);
     return 1;
@@ -135,18 +196,22 @@ static int step_new(lua_State *L) {
 
 static const dml_row functions[] =
     {{"step", step_new,
-      "dm.step{equation=, next=, start=, unknowns=, order=, name=, inside=, scale=} -> dm.rule\n"
+      "dm.step{equation=, next=, start=, unknowns=, order=, name=, parts=, begin=, inside=, "
+      "scale=} -> dm.rule\n"
       "A rule from three functions, traced once for the system that it steps and solved in C: x, "
       "of `unknowns` numbers, is the root of equation(y, x, h, m) = 0 that Newton's method finds "
       "from start(y, h, m), to round-off and with the exact Jacobian; next(y, x, h, m) is the "
-      "state behind the step, { q =, p = }. y has q (an element on a group), p and t. m has "
-      "functions of the system and their exact derivatives: L(q, v, t), L_q, L_v and, where L is "
-      "quadratic in v, H(q, p, t), H_q, H_p; on groups v is xi and L_q the derivative along the "
-      "body velocity. inside(y, x, h, m) gives numbers that must be > 0 at the root, scale(y, h, "
-      "m) the sizes of what the unknowns are added to, where x is a small difference. order: as "
-      "declared; solver:measured_order measures it. Such a rule runs, looks for events, fills "
-      "ensembles and "
-      "goes on from checkpoints as any other."},
+      "state behind the step, { q =, p = }. y has q (an element on a group), p, t, and parts of "
+      "its own: parts = { { \"E\", 1 }, { \"F\", 3 } } are a number y.E and a vector y.F, which "
+      "begin(q, p, h, m) sets at the start, { E =, F = } (left out: 0), and next gives anew; what "
+      "it does not give stays. They are columns of paths and go into checkpoints. t grows by h "
+      "unless next gives it: the steps have a time of their own then. m has functions of the "
+      "system and their exact derivatives: L(q, v, t), L_q, L_v and H(q, p, t), H_q, H_p (of an L, "
+      "where it is quadratic in v); on groups v is xi and L_q the derivative along the body "
+      "velocity. inside(y, x, h, m) gives numbers that must be > 0 at the root, scale(y, h, m) the "
+      "sizes of what the unknowns are added to, where x is a small difference. The declared order "
+      "is measured in the first run on a system, which raises where it is less. Such a rule runs, "
+      "looks for events, fills ensembles and goes on from checkpoints as any other."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_step = {

@@ -9,4 +9,14 @@
  * kernels alive. Raises what dml_trace raises, and wrong lengths. */
 const dm_step_kernels *dml_step_trace(lua_State *L, int object, int arg, const char *backend);
 
+/* The row of the dm.rule at `object` on the system at `arg`: has its `next` a time of its own? */
+const dm_method *dml_step_method(lua_State *L, int object, int arg);
+
+/* Raise where the rule of the solver at 1 has not the order that it declares, in the first run on
+ * its system, whose options are at 2. A time of its own has no order in h. */
+void dml_step_order(lua_State *L);
+
+/* Push the list of parts of the dm.rule at `object`, { name, count } each, or nil. */
+void dml_step_parts(lua_State *L, int object);
+
 #endif

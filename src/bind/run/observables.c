@@ -71,6 +71,12 @@ void dml_observables_entry(lua_State *L, dml_observables *o, uint32_t entry) {
     *next(L, o) = (dm_observable){.entry = entry};
 }
 
+/* The stepper of the run is where it will be opened. */
+void dml_observables_parts(lua_State *L, dml_observables *o, const dml_stepping *r, uint32_t first,
+                           uint32_t count) {
+    *next(L, o) = (dm_observable){.parts = &r->stepper, .entry = first, .count = count};
+}
+
 /* Called once, when all are known: the room depends on how many there are. */
 void dml_observables_end(lua_State *L, dml_observables *o) {
     const dm_model *m = o->observer.model;

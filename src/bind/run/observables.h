@@ -27,6 +27,10 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r);
 void dml_observables_entry(lua_State *L, dml_observables *o, uint32_t entry);
 
+/* Add `count` parts of the engine from `first` on (dm_engine.parts). */
+void dml_observables_parts(lua_State *L, dml_observables *o, const dml_stepping *r, uint32_t first,
+                           uint32_t count);
+
 /* Room for the observer; it stays on the stack. */
 void dml_observables_end(lua_State *L, dml_observables *o);
 
@@ -38,8 +42,12 @@ void dml_pushkeys(lua_State *L, int table, const char *field);
  * at the old top of the stack + 1, under what keeps the kernels. */
 void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r);
 
-/* The same for field 'record': names of columns beside t, q and p, to be appended to those.
- * "impulses" and "inner" are noted: their names follow behind all others. */
+/* Does a run have columns beside q and p, by field 'record' of the options at 2 or as parts of its
+ * steps? */
+int dml_records(lua_State *L, const dml_stepping *r);
+
+/* The same for parts and for field 'record': names of columns beside t, q and p, to be appended to
+ * those. "impulses" and "inner" are noted: their names follow behind all others. */
 void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
                      dm_impulses *impulses);
 

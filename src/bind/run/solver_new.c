@@ -1,5 +1,6 @@
 /* solver_new.c - from a table of options to a solver. */
 #include "bind/rule/bind_rule.h"
+#include "bind/rule/bind_step.h"
 #include "bind/rule/discrete_rule.h"
 #include "bind/run/stepping.h"
 #include "bind/trace/backend.h"
@@ -58,6 +59,8 @@ static void read_rule(lua_State *L, solver *s) {
     if (object) {
         s->nodes[0] = object->rule;
         s->nodes[0].data = dml_ruledata(L, lua_gettop(L), s->n);
+        if (object->rule.method == &dm_method_step)
+            s->nodes[0].method = dml_step_method(L, lua_gettop(L), 2);
         lua_pushvalue(L, -1);
         lua_setiuservalue(L, 3, DML_SOLVER_OBJECT);
         lua_getiuservalue(L, -1, 2);

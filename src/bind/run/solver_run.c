@@ -2,6 +2,7 @@
  * far. */
 #include "bind/core/bind_failure.h"
 #include "bind/core/bind_terminal.h"
+#include "bind/rule/bind_step.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
 #include "bind/run/run_events.h"
@@ -255,8 +256,8 @@ static dml_path *make_path(lua_State *L, run *u) {
         dml_watch_read(L, &u->watch, &u->r);
         u->plan.watch = &u->watch.observer;
         width = 1 + dm_observer_width(&u->watch.observer);
-    }
-    if (has(L, "record")) width += read_record(L, u);
+    } else if (dml_records(L, &u->r))
+        width += read_record(L, u);
     if (has(L, "events")) {
         dml_events_read(L, &u->events, &u->r);
         u->plan.events = &u->events.events;
@@ -377,6 +378,7 @@ int dml_solver_run(lua_State *L) {
     dml_options(L, 2, known);
     dml_stepping_names(L);
     read_plan(L, &u);
+    if (u.r.solver->method == &dm_method_step && !u.from) dml_step_order(L);
     dml_stepping_prepare(L, &u.r, u.r.t0);
     dml_path *path = make_path(L, &u);
     if (has(L, "file")) open_file(L, &u);

@@ -1,5 +1,6 @@
 /* watch.c - `watch = { "q1", "energy", r = function(q, v, t, p) ... end }`: what a run records
  * beside t. */
+#include "bind/rule/bind_step.h"
 #include "bind/run/observables.h"
 #include "integ/constrained/constrained.h"
 #include "mech/constraints.h"
@@ -61,6 +62,52 @@ static void add_lambda(lua_State *L, dml_observables *o, const dml_stepping *r) 
     dml_observables_add(L, o, r, "lambda", 1);
 }
 
+/* ---- parts of a step that a script wrote ---- */
+
+/* push the list of the parts, { name, count } each; how many numbers: 0, and nothing is pushed,
+ * where there are none */
+static int push_parts(lua_State *L, const dml_stepping *r) {
+    if (!(r->solver->method->traits & DM_OF_FUNCTIONS)) return 0;
+    lua_getiuservalue(L, 1, DML_SOLVER_OBJECT);
+    dml_step_parts(L, -1);
+    lua_remove(L, -2);
+    if (lua_istable(L, -1) && lua_rawlen(L, -1)) return 1;
+    lua_pop(L, 1);
+    return 0;
+}
+
+/* entry i of the list on top: its name stays on the stack, its numbers are returned */
+static uint32_t push_part(lua_State *L, lua_Integer i) {
+    lua_geti(L, -1, i);
+    lua_geti(L, -1, 2);
+    const uint32_t count = (uint32_t)lua_tointeger(L, -1);
+    lua_pop(L, 1);
+    lua_geti(L, -1, 1);
+    lua_remove(L, -2);
+    return count;
+}
+
+/* the part that is called `name`, E or an entry F2 of a longer one; 0: there is none */
+static int add_part(lua_State *L, dml_observables *o, const dml_stepping *r, const char *name) {
+    const int top = lua_gettop(L);
+    uint32_t first = 0, found = 0, at = 0;
+    if (!push_parts(L, r)) return 0;
+    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, top + 1) && !found; i++) {
+        const uint32_t count = push_part(L, i);
+        for (uint32_t k = 0; k < count && !found; k++) {
+            const char *own = lua_tostring(L, -1);
+            if (count > 1) own = lua_pushfstring(L, "%s%d", own, (int)k + 1);
+            if (strcmp(own, name) == 0) found = 1, at = first + k;
+            if (count > 1) lua_pop(L, 1);
+        }
+        first += count;
+        lua_pop(L, 1);
+    }
+    lua_settop(L, top);
+    if (found) dml_observables_parts(L, o, r, at, 1);
+    return (int)found;
+}
+
 /* a name alone: a column, the energy or the multipliers */
 static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, const char *field,
                        const char *name) {
@@ -69,6 +116,8 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, 
         dml_observables_energy(L, o, r);
     else if (entry >= 0)
         dml_observables_entry(L, o, (uint32_t)entry);
+    else if (add_part(L, o, r, name))
+        return;
     else if (strcmp(name, "lambda") == 0 && r->solver->pair)
         luaL_error(L,
                    "field '%s': a discrete Lagrangian has no equations at a state; the multipliers "
@@ -83,13 +132,13 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, 
                    field, name, field, dml_coordinate(L, r->system, 0));
 }
 
-/* r, or r1, r2, ... where the function gives several numbers */
-static void add_names(lua_State *L, const reading *in, const char *name, const dm_kernel *kernel) {
-    if (kernel->outputs == 1) {
+/* r, or r1, r2, ... of several numbers */
+static void add_names(lua_State *L, const reading *in, const char *name, uint32_t count) {
+    if (count == 1) {
         add_name(L, in, name);
         return;
     }
-    for (uint32_t i = 0; i < kernel->outputs; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         add_name(L, in, lua_pushfstring(L, "%s%d", name, (int)i + 1));
         lua_pop(L, 1);
     }
@@ -112,7 +161,7 @@ static void read_name(lua_State *L, dml_observables *o, const dml_stepping *r, c
     add_column(L, o, r, in->field, name);
     const dm_observable *added = o->list + before;
     if (added->kernel && added->kernel->outputs > 1)
-        add_names(L, in, name, added->kernel);
+        add_names(L, in, name, added->kernel->outputs);
     else
         add_name(L, in, name);
 }
@@ -135,7 +184,7 @@ static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r, 
     const char *what = lua_pushfstring(L, "%s.%s", in->field, name);
     lua_insert(L, -2);
     dml_observables_add(L, o, r, what, 1);
-    add_names(L, in, name, o->list[o->observer.count - 1].kernel);
+    add_names(L, in, name, o->list[o->observer.count - 1].kernel->outputs);
 }
 
 /* all entries of the field; names on the stack under what keeps the kernels */
@@ -147,7 +196,6 @@ static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, re
                    "field '%s' must be a table of names of columns and of functions: { \"%s\", "
                    "\"energy\", r = function(q, v, t, p) ... end } (got %s)",
                    in->field, in->impulses ? "lambda" : "q1", luaL_typename(L, in->table));
-    dml_observables_start(o, r);
     dml_pushkeys(L, in->table, in->field);
     const int keys = lua_gettop(L);
     const lua_Integer count = (lua_Integer)lua_rawlen(L, keys);
@@ -157,7 +205,6 @@ static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, re
         lua_rawgeti(L, keys, i);
         read_entry(L, o, r, in);
     }
-    dml_observables_end(L, o);
 }
 
 /* Rows hold t and these, in the order of dml_pushkeys. */
@@ -165,7 +212,31 @@ void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
     lua_newtable(L);
     reading in = {.field = "watch", .names = lua_gettop(L)};
     add_name(L, &in, "t");
+    dml_observables_start(o, r);
     read_all(L, o, r, &in);
+    dml_observables_end(L, o);
+}
+
+/* all parts, in front of what is asked for */
+static void add_parts(lua_State *L, dml_observables *o, const dml_stepping *r, const reading *in) {
+    uint32_t first = 0;
+    if (!push_parts(L, r)) return;
+    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, -1); i++, lua_pop(L, 1)) {
+        const uint32_t count = push_part(L, i);
+        add_names(L, in, lua_tostring(L, -1), count);
+        dml_observables_parts(L, o, r, first, count);
+        first += count;
+    }
+    lua_pop(L, 1);
+}
+
+/* Parts are columns of every run that does not watch something else. */
+int dml_records(lua_State *L, const dml_stepping *r) {
+    const int asked = lua_getfield(L, 2, "record") != LUA_TNIL;
+    lua_pop(L, 1);
+    const int parts = !asked && push_parts(L, r);
+    if (parts) lua_pop(L, 1);
+    return asked || parts;
 }
 
 /* columns of every path */
@@ -226,7 +297,10 @@ void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
     lua_newtable(L);
     reading in = {.field = "record", .names = lua_gettop(L), .impulses = impulses};
     add_state_names(L, r, &in);
-    read_all(L, o, r, &in);
+    dml_observables_start(o, r);
+    add_parts(L, o, r, &in);
+    if (lua_getfield(L, 2, "record") != LUA_TNIL) read_all(L, o, r, &in);
+    dml_observables_end(L, o);
     if (!impulses->constraints) return;
     read_impulses(L, r, impulses);
     add_impulse_names(L, impulses, &in);

@@ -54,7 +54,8 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     const int keeps = e->keeps_quadratic && e->keeps_quadratic(rule, m->group->lifted);
     if (m->n > m->group->momenta && !keeps)
         return "it goes by the collective lift, and does not keep the quadratic functions by which "
-               "this group is given; gauss(s), midpoint, compositions of midpoint and lie(s) do, and "
+               "this group is given; gauss(s), midpoint, compositions of midpoint and lie(s) do, "
+               "and "
                "rotations(k) where L splits";
     return dm_rule_fits(rule, m->group->lifted);
 }

@@ -69,6 +69,11 @@ typedef struct dm_engine {
     /* doubles inside work that a step leaves to the next one beside the state, and where they
      * are: from the state and these a run goes on bit for bit */
     size_t (*memory)(dm_stepper *s, double **place);
+    int keyed; /* memory says of which states it is: steps on the side need not put it away */
+    /* numbers of its own that the engine has at a state beside q, p: `count` of them from `first`
+     * on; NULL: none */
+    void (*parts)(const dm_stepper *s, double *out, const double *state, double t, uint32_t first,
+                  uint32_t count);
     /* impulses that the constraints gave the momentum in the last step, at the constraint points
      * from its start to its end: out[points][constraints] in units of momentum, the multipliers
      * of the rows of the reactions. Two steps meet at a node, where the discrete equations have

@@ -101,9 +101,8 @@ local function with(key, value)
   return dm.step(out)
 end
 raises("table { q =, p = }", finish, free, with("next", function(y) return y.q end), 0.1, 1, spin)
-raises("returned 'E'", finish, free, with("next", function(y)
-  return { q = y.q, p = y.p, E = 1 }
-end), 0.1, 1, spin)
+raises("returned 'E', which is neither of q, p, t nor one of 'parts'", finish, free,
+  with("next", function(y) return { q = y.q, p = y.p, E = 1 } end), 0.1, 1, spin)
 raises("must return", finish, free, with("equation", function() return { 1 } end), 0.1, 1, spin)
 raises("breaks a condition", finish, free, with("inside", function(_, x)
   return { 0.01 - x[3] }
