@@ -36,14 +36,13 @@ static double now(void) {
 /* at = { t1, t2, ... }: growing times from t0 on; the block stays on the stack */
 static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
     if (s->pair)
-        luaL_error(L, "a discrete Lagrangian has a fixed step: record with 'every' instead of "
-                      "'at'");
+        luaL_error(L, "a discrete Lagrangian has a fixed step: take 'every' instead of 'at'");
     lua_getfield(L, 2, "at");
     const long count = dml_length(L, -1);
     if (count == 0) luaL_error(L, "field 'at' is empty: give it times, growing ones");
     if (count < 0)
         luaL_error(L, "field 'at' must be a vector or table of times (got %s)",
-                   count ? luaL_typename(L, -1) : "none");
+                   luaL_typename(L, -1));
     lua_pop(L, 1);
     double *at = lua_newuserdatauv(L, ((size_t)count + 2 * dm_state_size(s->n)) * sizeof *at, 0);
     dml_numbers(L, 2, "at", at, (uint32_t)count);
@@ -235,13 +234,13 @@ static uint32_t read_record(lua_State *L, run *u) {
     dml_record_read(L, &u->watch, &u->r, &u->impulses);
     u->plan.beside = 1;
     if (u->watch.observer.count) u->plan.watch = &u->watch.observer;
-    const uint32_t watched = dm_observer_width(&u->watch.observer);
-    if (!u->impulses.constraints) return watched;
+    const uint32_t width = dm_observer_width(&u->watch.observer);
+    if (!u->impulses.constraints) return width;
     if (u->plan.at || has(L, "events"))
         luaL_error(L, "field 'record': impulses are those of steps, and rows at times or events "
                       "lie inside of them; record \"lambda\", the multipliers at the state");
     u->plan.impulses = &u->impulses;
-    return watched + dm_impulses_width(&u->impulses);
+    return width + dm_impulses_width(&u->impulses);
 }
 
 /* what it records and looks for; the empty path is left on the stack */
@@ -291,8 +290,8 @@ static void open_inertia(lua_State *L, run *u) {
     u->plan.inertia = &u->inertia;
 }
 
-/* The stepper is opened last, since what it holds outside of Lua is not given back when an error
- * is raised. Rules with a memory hold nothing there, and how large that is is known only then. */
+/* The stepper is opened last, since what it holds outside of Lua is not given back by an error.
+ * Rules with a memory hold nothing there, and how large that is is known only then. */
 static void start(lua_State *L, run *u) {
     const int early = dm_rule_engine(u->r.solver->nodes, &u->r.model->model)->memory == NULL;
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
@@ -306,12 +305,12 @@ static void start(lua_State *L, run *u) {
         dml_stepping_resume(L, &u->r, u->from);
     else
         dml_stepping_start(L, &u->r);
-    if (!early) u->end = dml_pushcheckpoint(L, &u->r);
-    if (!early && u->end->memory) /* for steps on the side */
+    if (early) return;
+    u->end = dml_pushcheckpoint(L, &u->r);
+    lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
+    if (u->end->memory) /* for steps on the side */
         u->r.stepper.aside = lua_newuserdatauv(L, u->end->memory * sizeof(double), 0);
-    if (!early && u->end->memory) lua_insert(L, -2);
-    if (!early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
-    if (!early) open_inertia(L, u);
+    open_inertia(L, u);
 }
 
 /* the path says what was done; of rows that went to a file it keeps the last */
