@@ -281,9 +281,12 @@ static void open_file(lua_State *L, run *u) {
     lua_setiuservalue(L, u->path, DML_PATH_FILE);
 }
 
-/* where the mass may change its inertia; the room stays on the stack */
-static void open_inertia(lua_State *L, run *u) {
+/* room for the end of the run, and, on the stack, for what looks where the mass may change its
+ * inertia */
+static void keep_room(lua_State *L, run *u) {
     const dm_model *m = u->r.stepper.model;
+    u->end = dml_pushcheckpoint(L, &u->r);
+    lua_setiuservalue(L, u->path, DML_PATH_END);
     if (!dm_inertia_may_change(m)) return;
     const size_t size = dm_inertia_work(m, u->end->memory, 1) * sizeof(double);
     dm_inertia_open(&u->inertia, m, u->end->memory, lua_newuserdatauv(L, size, 0));
@@ -298,19 +301,15 @@ static void start(lua_State *L, run *u) {
     u->rule = luaL_tolstring(L, -1, NULL);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, u->path, DML_PATH_SOLVER);
-    if (early) u->end = dml_pushcheckpoint(L, &u->r);
-    if (early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
-    if (early) open_inertia(L, u);
+    if (early) keep_room(L, u);
     if (u->from)
         dml_stepping_resume(L, &u->r, u->from);
     else
         dml_stepping_start(L, &u->r);
     if (early) return;
-    u->end = dml_pushcheckpoint(L, &u->r);
-    lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
+    keep_room(L, u);
     if (u->end->memory) /* for steps on the side */
         u->r.stepper.aside = lua_newuserdatauv(L, u->end->memory * sizeof(double), 0);
-    open_inertia(L, u);
 }
 
 /* the path says what was done; of rows that went to a file it keeps the last */
