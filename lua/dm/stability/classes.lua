@@ -15,6 +15,7 @@ local BROKEN = 1e-6             -- |g| of a constraint that is lost
 --- Classes: name, whether the motion is lost, what it says.
 M.CLASSES = {
   { name = "bounded", text = "the energy error stays in its band" },
+  { name = "wrong", text = "bounded, but further from the resolved flow than the accuracy allows" },
   { name = "drifting", text = "the energy error grows steadily" },
   { name = "chaotic", text = "neighbouring orbits separate exponentially" },
   { name = "off", lost = true,
@@ -90,17 +91,17 @@ function M.look(map, cell, sums, i, name)
   if sums.constraint and not (sqrt(sums.constraint.largest[i]) < BROKEN) then
     return "constraint lost"
   end
-  if name == "y" and cell.code == "ok" and not finite(s.first[i] + s.late[i] + s.early[i]) then
+  if name == "_y" and cell.code == "ok" and not finite(s.first[i] + s.late[i] + s.early[i]) then
     return "no value"
   end
   if cell.steps < FEWEST then return "bounded" end
-  if is_growing(s, i, kinetic, name == "size") and (name ~= "energy" or is_much(s, K, i)) then
+  if is_growing(s, i, kinetic, name == "_size") and (name ~= "energy" or is_much(s, K, i)) then
     if s.early[i] > 0 then
       cell.growth = finite((s.late[i] / s.early[i]) ^ (1 / (0.75 * max(cell.steps, 1))))
     end
     return "blow-up"
   end
-  if name == "size" then return "bounded" end
+  if name == "_size" then return "bounded" end
   if is_drifting(map, s, i, kinetic, cell.steps * cell.h) then return "drifting" end
   if name == "energy" and (has_jumped(s, i, kinetic) and is_much(s, K, i)
     or left_at_once(s, i, K)) then

@@ -2,12 +2,15 @@
 -- told apart by what its rows show.
 local axes = require "dm.stability.axes"
 local blame = require "dm.base.blame"
+local borders = require "dm.stability.borders"
 local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local prolong = require "dm.measure.prolong"
+local flows = require "dm.stability.flows"
 local given_ = require "dm.stability.given"
 local maps = require "dm.stability.map"
+local observables = require "dm.stability.observables"
 local option = require "dm.base.options"
 
 local M = {}
@@ -19,7 +22,7 @@ local fail = option.failing(WHERE)
 
 local KNOWN = { "system", "q", "v", "p", "rule", "rules", "h", "steps", "t", "t0", "watch",
   "inside", "drift", "chaos", "refine", "resolution", "threads", "project",
-  "newton", "backend", "sums" }
+  "newton", "backend", "sums", "observe", "accuracy", "seconds" }
 local known = {}
 for _, name in ipairs(KNOWN) do known[name] = true end
 
@@ -61,6 +64,8 @@ local function check_options(options)
     option.callable(options, key, WHERE, "(q, v, t, p)")
   end
   for _, key in ipairs { "drift", "resolution" } do option.fraction(options, key, WHERE) end
+  option.positive(options, "seconds", WHERE, "seconds of CPU time")
+  observables.accuracy(options)
 end
 
 local function read_rules(options)
@@ -94,23 +99,12 @@ local function lay_out(map)
   end
 end
 
--- cells of a row share its parameters, where the columns are steps
-local function cell_at(map, row, x)
-  local values = row.values
-  if map.column ~= map.h then
-    values = { [map.column.name] = x }
-    for name, value in pairs(row.values) do values[name] = value end
-  end
-  return { rule = row.number, h = map.column == map.h and x or map.h[1], values = values, x = x,
-    row = row }
-end
-
 local function all_cells(map)
   local out = {}
   for i, row in ipairs(map.rows) do
     map.cells[i] = {}
     for j, x in ipairs(map.column) do
-      local cell = cell_at(map, row, x)
+      local cell = borders.cell_at(map, row, x)
       map.cells[i][j], out[#out + 1] = cell, cell
       cell.number, cell.class = #out, cells.NUMBER["not run"]
     end
@@ -118,82 +112,35 @@ local function all_cells(map)
   return out
 end
 
----- boundary ----
-
-local PARTS = 7  -- cells between two neighbours of which one is lost, run at once
-
-local function is_lost(cell) return cells.CLASSES[cell.class].lost end
-
--- cells of a row against their neighbour of smaller step
-local function compare_row(map, row)
-  if map.column ~= map.h then return end
-  local smaller
-  for _, cell in ipairs(row) do
-    if smaller then cells.compare(cell, smaller) end
-    if not is_lost(cell) then smaller = cell end
-  end
-end
-
--- the last cell before the first that is lost, and that one
-local function border(row)
-  for j, cell in ipairs(row) do
-    if is_lost(cell) then return row[j - 1], cell end
-  end
-end
-
-local function is_open(map, b)
-  return b.low and b.high and math.abs(b.high.x - b.low.x) > map.resolution * math.max(
-    math.abs(b.high.x), math.abs(b.low.x))
-end
-
--- narrow all borders at once: PARTS cells in each, then the part in which the first is lost
-local function refine(map)
-  for _ = 1, 16 do
-    local todo, open = {}, {}
-    for i, b in ipairs(map.borders) do
-      local parts = {}
-      for k = 1, is_open(map, b) and PARTS or 0 do
-        parts[k] = cell_at(map, map.rows[i], axes.between(map.column, b.low.x, b.high.x,
-          k / (PARTS + 1)))
-        todo[#todo + 1], parts[k].number = parts[k], k
-      end
-      if #parts > 0 then open[#open + 1] = { border = b, parts = parts } end
-    end
-    if #todo == 0 then return end
-    local stopped = cells.run(map, todo, false)
-    if stopped then return stopped end
-    for _, one in ipairs(open) do
-      for _, cell in ipairs(one.parts) do
-        if map.column == map.h then cells.compare(cell, one.border.low) end
-        if is_lost(cell) then
-          one.border.high = cell
-          break
-        end
-        one.border.low = cell
-      end
-    end
-  end
-end
-
 ---- making one ----
 
 local doc_stability =
   "dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ..., watch=, "
-  .. "inside=, drift=, chaos=, refine=, ...} -> dm.stability_map\n" .. [[
+  .. "observe=, accuracy=, inside=, drift=, chaos=, refine=, seconds=, ...} -> "
+  .. "dm.stability_map\n" .. [[
 Where does a method fail? A map over the step h and up to two parameters of any name. An axis is
 {least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
 are one, too) or one number. A parameter is an argument of that name of the function that makes the
 system (system = function(k) return dm.system{...} end), or of functions q, v, p that give the
 start, or is among the params of a system. Every cell is run in C, on all cores, over the same
-number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of
-the energy above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy),
+number of steps or the same duration t, and told apart by its rows: bounded, wrong (bounded, but
+further from the resolved flow than the accuracy), drifting (a slope of the energy above 5 standard
+errors that moves it by more than drift = 1e-6 of the kinetic energy),
 chaotic (MEGNO above 4, by the exact tangent map; chaos = false leaves that out, as is the default
 for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up,
 left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost, no start (map:at
 says why), no value (of watch).
-watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are
-refined to resolution = 1e-3 (refine = false: not). map:limit(row), :theory(row), :at(row, column),
-:table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows, map.notes
+With a duration t cells are compared with the resolved flow, two unlike rules with unlike steps that
+agree to a thousandth of the accuracy: wrong is where at some step up to t an observable is further
+off than accuracy (0.01) times its range, greatest less least value of the flow, or the velocity
+leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all), momenta
+(p_x), "energy", or name = f(q, v, t, p). accuracy = false: nothing is compared. Where the flow is
+chaotic it is known up to a time (horizon of map:at), and cells are compared up to there.
+watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost, and to
+what is wrong, are refined to resolution = 1e-3 (refine = false: not). seconds: CPU time after which
+cells are left out; map.cut says which. map:limit(row), :limit(row, "right"), :theory(row),
+:resonances(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the
+axes, map.rows the rows, map.notes
 what to know of the start and the axes (an equilibrium does not move, whatever the step; a parameter
 that changes no cell).
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends
@@ -201,7 +148,7 @@ it with dm.failure, whose field `map` is what is there.]]
 
 local function new_map(options, names)
   local map = setmetatable({ options = options, names = names, rule_list = read_rules(options),
-    rules = {}, borders = {}, drift = options.drift or 1e-6,
+    rules = {}, borders = {}, right = {}, drift = options.drift or 1e-6,
     resolution = options.resolution or 1e-3 }, maps.class)
   for i, rule in ipairs(map.rule_list) do map.rules[i] = (tostring(rule):gsub("^rule ", "")) end
   map.h = axes.read("h", options.h)
@@ -259,14 +206,6 @@ local function until_stop(f, ...)
   return blame.stopped(stopped)
 end
 
-local function find_borders(map)
-  for i, row in ipairs(map.cells) do
-    compare_row(map, row)
-    local low, high = border(row)
-    map.borders[i] = { low = low, high = high }
-  end
-end
-
 -- runs the cells; returns what stopped it, if anything
 local function fill(map)
   local all = all_cells(map)
@@ -274,14 +213,40 @@ local function fill(map)
   local first = given_.first(map)
   given_.check_first(map, first)
   map.notes = given_.notes(map, first)
+  map.beside = flows.prepare(map, map.system_of(first))
   map.chaos = wants_chaos(map, first)
   local stopped = cells.run(map, all, map.chaos)
   if not map.started and not stopped then error(map.refusal, 0) end
-  find_borders(map)
+  borders.find(map)
   if stopped then return stopped end
   given_.note_idle(map)
   if map.options.refine == false then return nil end
-  return refine(map)
+  return borders.refine(map)
+end
+
+-- what stopped the map, where its own time did not
+local function fill_within(map, seconds)
+  if not seconds then return until_stop(fill, map) end
+  local start = core.cpu()
+  local fine, stopped = core.within(seconds, until_stop, fill, map)
+  if core.cpu() - start < seconds then return fine and stopped or not fine and stopped end
+  local left = 0
+  for _, row in ipairs(map.cells) do
+    for _, cell in ipairs(row) do
+      left = left + (cell.class == cells.NUMBER["not run"] and 1 or 0)
+    end
+  end
+  if not fine or stopped or left > 0 then
+    map.cut = ("after %g s of CPU time: %d of %d cells were not run%s"):format(seconds, left,
+      map.count or 0, left == 0 and ", and borders are not refined" or "")
+    map.notes[#map.notes + 1] = map.cut
+  end
+end
+
+-- lays out what is there, should it have been stopped before
+local function complete(map)
+  if not map.count then map.count = #all_cells(map) end
+  if #map.borders < #map.cells then borders.find(map) end
 end
 
 M.stability = blame.caller(function(options)
@@ -296,12 +261,10 @@ M.stability = blame.caller(function(options)
   lay_out(map)
   map.notes = {}
   local start = core.clock()
-  local stopped = until_stop(fill, map)
-  -- stopped among them: laid out anew, none is run
-  if not map.count then map.count = #all_cells(map) end
+  local stopped = fill_within(map, options.seconds)
+  complete(map)
   map.seconds = core.clock() - start
   if stopped then
-    if #map.borders < #map.cells then find_borders(map) end
     stopped.map, stopped.path = map, map
     stopped.message = map.started
       and "dm.stability: stopped on request; what is there is in the failure's field map"

@@ -1,9 +1,12 @@
 --- What a stability map tells: limits, cells and why they are of their class, linear theory.
 local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
+local closer = require "dm.stability.closer"
 local core = require "dm.core"
 
 local fail = require "dm.base.options".failing "dm.stability"
+
+local abs = math.abs
 
 local Map = core.class({ __name = "dm.stability_map" }, [[
 dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}
@@ -23,22 +26,51 @@ local function text_of(map, cell)
   return (text:gsub("the energy", "what is watched"))
 end
 
-local function sentence_of_limit(map, i)
-  local b, name = map.borders[i], map.column.name
-  for _, cell in ipairs(b.high and {} or map.cells[i]) do
+-- why nothing is known of a row that was not run to its end
+local function not_run(map, i)
+  for _, cell in ipairs(map.cells[i]) do
     if cell.class == cells.NUMBER["not run"] then
-      return nil, "stopped before all cells of the row were run"
+      return "stopped before all cells of the row were run"
     end
   end
+end
+
+-- the end of a border, and what is beyond it; `none`, `first`: what to say where nothing is, or the
+-- first cell
+local function border_text(map, i, b, none, first, why)
+  local name = map.column.name
+  local gap = not b.high and not_run(map, i)
+  if gap then return nil, gap end
   if not b.high then
-    return math.huge, ("none is lost up to %s = %.4g"):format(name, map.column[#map.column])
+    return math.huge, ("%s up to %s = %.4g"):format(none, name, map.column[#map.column])
   end
-  local why = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x,
-    text_of(map, b.high))
-  if not b.low then
-    return map.column == map.h and 0 or -math.huge, "lost from the first cell on, " .. why
+  local text = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x,
+    why)
+  if not b.low then return map.column == map.h and 0 or -math.huge, first .. ", " .. text end
+  return b.low.x, text
+end
+
+local function sentence_of_limit(map, i)
+  local b = map.borders[i]
+  return border_text(map, i, b, "none is lost", "lost from the first cell on",
+    b.high and text_of(map, b.high))
+end
+
+-- the end of what is right, and what is wrong beyond it
+local function sentence_of_right(map, i)
+  if not map.beside then
+    return nil, "nothing is compared with a resolved flow: give t, a duration, and no accuracy = "
+      .. "false"
   end
-  return b.low.x, why
+  local b, why = map.right[i], nil
+  local high = b.high
+  if high and high.unresolved then return nil, "no resolved flow: " .. high.unresolved end
+  if high and high.off and high.observable then
+    why = ("%s is off by %.3g, and its range is %.3g"):format(
+      map.beside.observed.names[high.observable], high.off, high.range)
+  end
+  return border_text(map, i, b, "all are right", "not right from the first cell on",
+    why or high and text_of(map, high))
 end
 
 local function find_row(map, which)
@@ -64,15 +96,20 @@ local function find_row(map, which)
   return best
 end
 
-class.method("dm.stability_map", "limit", function(self, which)
+class.method("dm.stability_map", "limit", function(self, which, of)
+  if of ~= nil and of ~= "right" then
+    fail("the limit is that of what is lost, or \"right\" (got %s)", tostring(of))
+  end
+  if of == "right" then return sentence_of_right(self, find_row(self, which)) end
   return sentence_of_limit(self, find_row(self, which))
 end, [[
-map:limit(row) -> number, sentence   or   nil, sentence
+map:limit(row [, "right"]) -> number, sentence   or   nil, sentence
 The largest value of the columns (the step h, or the last parameter of a map with one step) before
 the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
-infinity when none is lost, 0 when the first is, nil where the map was stopped before. row: its
-number, or a table such as { rule = "verlet", k = 100 } (the nearest). The sentence says what
-happens beyond.]])
+infinity when none is lost, 0 when the first is, nil where the map was stopped before. "right": the
+same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
+where no flow is known. row: its number, or a table such as { rule = "verlet", k = 100 } (the
+nearest). The sentence says what happens beyond.]])
 
 local function nearest_column(map, x)
   local best = 1
@@ -83,7 +120,11 @@ local function nearest_column(map, x)
 end
 
 local FIELDS = { "h", "steps", "error", "slope", "slope_error", "growth", "exponent", "megno",
-  "code" }
+  "code", "off", "range", "horizon", "phase", "hidden", "cause" }
+
+local function observable_of(map, cell)
+  return cell.observable and map.beside and map.beside.observed.names[cell.observable]
+end
 
 local function why(map, cell)
   local class = cells.CLASSES[cell.class]
@@ -102,7 +143,20 @@ local function why(map, cell)
   if class.name == "chaotic" then
     add("; Lyapunov exponent %.3g, MEGNO %.3g", cell.exponent, cell.megno)
   end
-  if class.name == "bounded" or class.name == "off" then
+  if cell.cause then
+    add(cell.cause == "flow" and "; the flow itself is chaotic"
+      or "; by the step: the flow is not chaotic")
+  end
+  if class.name == "wrong" then
+    if cell.off and not (cell.loose and cell.off <= map.beside.accuracy * cell.range) then
+      add("; %s is off by %.3g, its range is %.3g", observable_of(map, cell), cell.off, cell.range)
+    end
+    if cell.loose then add("; the velocity leaves the constraint by |G v| = %.3g", cell.hidden) end
+    if cell.phase then
+      add("; %s by %.6g at the end", cell.phase > 0 and "ahead" or "behind", abs(cell.phase))
+    end
+  end
+  if class.name == "bounded" or class.name == "wrong" or class.name == "off" then
     add(map.options.watch and "; it changes by %.2g" or "; energy error %.2g", cell.error)
   end
   return text
@@ -116,37 +170,63 @@ class.method("dm.stability_map", "at", function(self, which, column)
   local j = type(which) == "table" and nearest_column(self, column) or column
   local cell = self.cells[i][j]
   if not cell then fail("there are columns 1 to %d (got %s)", #self.column, tostring(column)) end
+  closer.look(self, cell)
   local out = { class = cells.CLASSES[cell.class].name, why = why(self, cell),
-    rule = self.rules[cell.rule] }
+    rule = self.rules[cell.rule], observable = observable_of(self, cell) }
   for _, name in ipairs(FIELDS) do out[name] = cell[name] end
   for name, value in pairs(cell.values) do out[name] = value end
   return core.result(out)
 end, [[
-map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, exponent, megno, ...}
+map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, exponent, megno, cause,
+  observable, off, range, phase, hidden, horizon, ...}
 What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
 as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
 is watched); slope per unit of time with its standard error; growth: factor a step from the first to
-the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or
-"ok".]])
+the last quarter; exponent, megno: of the exact tangent map; cause of chaos: "flow", or "step" where
+the resolved flow is not chaotic; steps finished; code: of dm.failure or "ok". Of maps over a
+duration t, at every step up to it: observable: the one that is furthest off in parts of its range,
+off: by how much, range: greatest less least value of it in the resolved flow, both in its units;
+phase: the time by which the run is ahead at the end (behind: negative), the shift of the flow that
+fits it best, followed from the start; nil where none does; hidden: largest |G v + g_t| of the
+constraints g(q, t), G = dg/dq as written, v from p; horizon: the time up to which the flow is
+known, where chaos ends it early.]])
+
+-- what linear theory says of the cells of a row
+local function linear_of(map, i, what)
+  local row = map.rows[i]
+  row.linear = row.linear or {}
+  if not row.linear[what] then
+    local cell = { rule = row.number, values = row.values, h = map.h[1] }
+    row.linear[what] = table.pack(require "dm.stability.linear"[what](map, cell, map.h))
+  end
+  return table.unpack(row.linear[what], 1, row.linear[what].n)
+end
 
 class.method("dm.stability_map", "theory", function(self, which)
   local i = find_row(self, which)
-  local row = self.rows[i]
   if self.column ~= self.h then return nil, "the map has no axis of steps" end
-  if not row.theory then
-    row.theory = { require "dm.stability.linear".limit_at_start(self,
-      { rule = row.number, values = row.values, h = self.h[1] }, self.h) }
-  end
-  return row.theory[1], row.theory[2]
+  return linear_of(self, i, "limit_along_orbit")
 end, [[
 map:theory(row) -> number, sentence   or   nil, sentence
-The step at which the linear theory of the rule loses the fastest oscillation of the system
-linearised at the start of the row: the limit of h omega from dm.stability_limit over the largest
-frequency from system:linearize. Beside map:limit(row), which is measured. nil, and why, where there
-is none: for rules other than Runge-Kutta ones also where forces linear in v (magnetic, Coriolis,
-friction) couple the oscillations.]])
+The step at which the linear theory of the rule loses an oscillation of the system linearised along
+the orbit of the row: where one of its frequencies (system:linearize) meets the first window of
+growth of dm.stability_limit, however narrow. Beside map:limit(row), which is measured. nil, and
+why, where there is none: for rules other than Runge-Kutta ones also where forces linear in v
+(magnetic, Coriolis, friction) couple the oscillations.]])
 
-local RESERVED = { class = true, why = true, rule = true }
+class.method("dm.stability_map", "resonances", function(self, which)
+  local i = find_row(self, which)
+  if self.column ~= self.h then return core.result {}, "the map has no axis of steps" end
+  local list, why = linear_of(self, i, "resonances")
+  return list and core.result(list) or core.result {}, why
+end, [[
+map:resonances(row) -> list of {n, h, omega}, sentence
+The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
+linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
+nonlinear forces. omega: the frequency, its mean along the orbit. The sentence says why where there
+are none.]])
+
+local RESERVED = { class = true, why = true, rule = true, observable = true }
 for _, name in ipairs(FIELDS) do RESERVED[name] = true end
 
 --- Has a map, or a cell of map:at, a field or method of that name? No parameter may be called so.

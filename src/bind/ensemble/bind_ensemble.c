@@ -228,6 +228,22 @@ static const dml_row methods[] =
       "- first| and largest - least in their second half (infinite without rows there); megno: the "
       "mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a "
       "tangent vector. NaN without rows."},
+     {"departure", dml_ensemble_departure,
+      "ensemble:departure(i, flow, j, names [, until, bounds]) -> table of numbers, number\n"
+      "How far the rows of member i are at most from those of member j of the ensemble `flow`, for "
+      "each of these watched columns, up to the time `until`: that member's rows lie at even times "
+      "and so dense that the polynomial through eight of them is the motion; where rows of i leave "
+      "steps out parabolas tell the largest value between them. NaN where a number is none. With a "
+      "table of bounds it ends at the first row beyond one, whose time is the second number, else "
+      "infinite."},
+     {"range", dml_ensemble_range,
+      "ensemble:range(i, name [, until]) -> number\n"
+      "Greatest less least value of a watched column of member i up to the time `until`, between "
+      "its rows, too."},
+     {"stride", dml_ensemble_stride,
+      "ensemble:stride(i, names, share) -> integer\n"
+      "The largest power of two s such that every s-th row of member i tells those between, of "
+      "these watched columns, to `share` of their ranges."},
      {NULL, NULL, NULL}};
 static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,

@@ -113,8 +113,12 @@ const dm_pace *dml_read_steps(lua_State *L, const dml_solver *solver, long membe
 /* every = k, or rows = n: about n rows of `steps` steps; 1 without either */
 long dml_read_every(lua_State *L, long steps);
 
-/* ensemble:summary(name) */
+/* ensemble:summary(name), :departure(i, flow, j, names), :range(i, name),
+ * :stride(i, names, share) */
 int dml_ensemble_summary(lua_State *L);
+int dml_ensemble_departure(lua_State *L);
+int dml_ensemble_range(lua_State *L);
+int dml_ensemble_stride(lua_State *L);
 
 /* solver:ensemble{} */
 int dml_solver_ensemble(lua_State *L);

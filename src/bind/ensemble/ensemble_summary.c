@@ -1,8 +1,10 @@
-/* ensemble_summary.c - `ensemble:summary(name)`: what the rows of members say of a watched
- * column. */
+/* ensemble_summary.c - what the rows of members say of watched columns: `ensemble:summary`, and
+ * beside a resolved flow `ensemble:departure` and `ensemble:range`. */
 #include "bind/ensemble/bind_ensemble.h"
+#include "run/departure.h"
 #include "run/summary.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -17,9 +19,9 @@ static const struct {
               {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
 enum { FIELDS = sizeof fields / sizeof *fields };
 
-/* place of a watched column in a row */
-static uint32_t find_column(lua_State *L, const char *name) {
-    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_COLUMNS) != LUA_TTABLE)
+/* place of the column `name` in a row of the ensemble at `arg` */
+static uint32_t find_column(lua_State *L, int arg, const char *name) {
+    if (lua_getiuservalue(L, arg, DML_ENSEMBLE_COLUMNS) != LUA_TTABLE)
         luaL_error(L, "this ensemble watched nothing: ask for rows with watch = { ... }");
     const lua_Integer count = luaL_len(L, -1);
     for (lua_Integer k = 1; k <= count; k++) {
@@ -31,6 +33,11 @@ static uint32_t find_column(lua_State *L, const char *name) {
     return (uint32_t)luaL_error(L, "no column '%s' was watched", name);
 }
 
+/* how many steps lie between two rows of member i */
+static long every_of(const dml_ensemble *e, long i) {
+    return e->pace ? e->pace[i].every : e->rows.every;
+}
+
 static void summarize(dm_summary *out, const dml_ensemble *e, long i, uint32_t column, double *y) {
     const dm_ensemble_rows *rows = &e->rows;
     const double *data = dm_ensemble_rows_of(rows, i);
@@ -40,7 +47,7 @@ static void summarize(dm_summary *out, const dml_ensemble *e, long i, uint32_t c
 
 int dml_ensemble_summary(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
-    const uint32_t column = find_column(L, luaL_checkstring(L, 2));
+    const uint32_t column = find_column(L, 1, luaL_checkstring(L, 2));
     double *y = lua_newuserdatauv(L, ((size_t)e->rows.room + 1) * sizeof *y, 0);
     const int first = lua_gettop(L) + 2;
     luaL_checkstack(L, FIELDS + 4, NULL);
@@ -60,5 +67,92 @@ int dml_ensemble_summary(lua_State *L) {
         }
     }
     lua_settop(L, first - 1);
+    return 1;
+}
+
+/* ---- beside a resolved flow ---- */
+
+/* the ensemble at `arg` and the rows of its member, whose number is behind it */
+static dm_run_table table_at(lua_State *L, int arg, long *member) {
+    const dml_ensemble *e = luaL_checkudata(L, arg, DML_ENSEMBLE);
+    const lua_Integer i = luaL_checkinteger(L, arg + 1);
+    if (i < 1 || i > e->members)
+        luaL_error(L, "there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
+                   (LUAI_UACINT)i);
+    *member = (long)i - 1;
+    return (dm_run_table){.data = dm_ensemble_rows_of(&e->rows, *member),
+                          .rows = e->rows.room ? e->rows.count[*member] : 0,
+                          .width = e->rows.width};
+}
+
+static void read_columns(lua_State *L, int arg, int names, uint32_t *out, uint32_t count) {
+    for (uint32_t k = 0; k < count; k++) {
+        lua_rawgeti(L, names, (lua_Integer)k + 1);
+        out[k] = find_column(L, arg, luaL_checkstring(L, -1));
+        lua_pop(L, 1);
+    }
+}
+
+/* bounds[count] of the table at `arg`, or NULL */
+static const double *read_bounds(lua_State *L, int arg, double *out, uint32_t count) {
+    if (lua_isnoneornil(L, arg)) return NULL;
+    luaL_checktype(L, arg, LUA_TTABLE);
+    for (uint32_t k = 0; k < count; k++) {
+        lua_rawgeti(L, arg, (lua_Integer)k + 1);
+        out[k] = luaL_checknumber(L, -1);
+        lua_pop(L, 1);
+    }
+    return out;
+}
+
+/* (ensemble, member, flow, member, names, until, bounds) */
+int dml_ensemble_departure(lua_State *L) {
+    long i, j;
+    lua_settop(L, 7);
+    const dm_run_table own = table_at(L, 1, &i), flow = table_at(L, 3, &j);
+    luaL_checktype(L, 5, LUA_TTABLE);
+    const uint32_t count = (uint32_t)lua_rawlen(L, 5);
+    double *work = lua_newuserdatauv(L, (5 * sizeof *work + 2 * sizeof(uint32_t)) * (count + 1), 0);
+    uint32_t *columns = (uint32_t *)(void *)(work + 5 * (size_t)count);
+    read_columns(L, 1, 5, columns, count);
+    read_columns(L, 3, 5, columns + count, count);
+    const dm_departure d = {.own = columns,
+                            .flow = columns + count,
+                            .count = count,
+                            .until = luaL_optnumber(L, 6, INFINITY),
+                            .bound = read_bounds(L, 7, work + 4 * (size_t)count, count),
+                            .between = every_of(lua_touserdata(L, 1), i) > 1};
+    const double beyond = dm_departure_find(work, &d, &own, &flow, work + count);
+    lua_createtable(L, (int)count, 0);
+    for (uint32_t k = 0; k < count; k++) {
+        lua_pushnumber(L, work[k]);
+        lua_rawseti(L, -2, (lua_Integer)k + 1);
+    }
+    lua_pushnumber(L, beyond);
+    return 2;
+}
+
+/* (ensemble, member, name, until) */
+int dml_ensemble_range(lua_State *L) {
+    long i;
+    lua_settop(L, 4);
+    const dm_run_table rows = table_at(L, 1, &i);
+    const uint32_t column = find_column(L, 1, luaL_checkstring(L, 3));
+    lua_pushnumber(L, dm_flow_range(&rows, column, luaL_optnumber(L, 4, INFINITY)));
+    return 1;
+}
+
+/* (ensemble, member, names, share) */
+int dml_ensemble_stride(lua_State *L) {
+    long i;
+    lua_settop(L, 4);
+    const dm_run_table rows = table_at(L, 1, &i);
+    luaL_checktype(L, 3, LUA_TTABLE);
+    const uint32_t count = (uint32_t)lua_rawlen(L, 3);
+    double *work = lua_newuserdatauv(L, (5 * sizeof *work + sizeof(uint32_t)) * (count + 1), 0);
+    uint32_t *columns = (uint32_t *)(void *)(work + 5 * (size_t)count);
+    read_columns(L, 1, 3, columns, count);
+    const long most = rows.rows > 0 ? rows.rows : 1;
+    lua_pushinteger(L, dm_flow_stride(&rows, columns, count, luaL_checknumber(L, 4), most, work));
     return 1;
 }

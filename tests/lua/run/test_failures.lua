@@ -37,7 +37,10 @@ local swing = { q = { sin(1), -cos(1) }, v = { 0, 0 }, steps = 2000, chaos = fal
 local rules = { "verlet", "yoshida(4)", "suzuki(4)", "blanes-moan(4)", "kahan-li(6)", "blanes-moan(6)", "blanes-moan(6, 14)", "suzuki-umeno(8)", "sofroniou-spaletta(10)", "rk4" }
 map = stiff(1e6):stability(with(swing, { rules = rules, h = { 1.4e-3, 1.1e-2, 24, "log" } }))
 for i, rule in ipairs(rules) do
-  within(map:limit(i), map:theory(i), 0.03, ("stiff spring, %s: h sqrt(k) = %.4g"):format(rule, map:limit(i) * 1e3))
+  local gaps, wide = select(2, dm.stability_limit(rule)).gaps, nil
+  for _, gap in ipairs(gaps) do wide = wide or gap[2] > 1.05 * gap[1] and gap[1] end
+  within(map:limit(i) * 1e3, wide, 0.03, ("stiff spring, %s: h sqrt(k) = %.4g, the first wide window"):format(rule, map:limit(i) * 1e3))
+  within(map:theory(i) * 1e3, gaps[1][1], 1e-3, "and theory stops at the first one, however narrow")
 end
 within(map:limit(1) * 1e3, 2, 0.01, "of which Verlet's is 2"); within(map:limit(2) * 1e3, 1.5734, 0.01, "and Yoshida's 1.5734")
 -- the midpoint rule has no linear limit, but the rod of a pendulum swings through its chords: step equations with several solutions
@@ -79,7 +82,7 @@ local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 +
 local orbit = { q = { 0.4, 0 }, v = { 0, 2 }, t = 200 * pi }
 map = kepler:stability(with(orbit, { rules = { "rk4", "rk8", "verlet", "gauss(2)" }, h = 0.1, chaos = false }))
 ok(map:at(1, 1).class == "drifting" and map:at(2, 1).class == "drifting", "explicit Runge-Kutta methods drift", map:at(1, 1).why .. " " .. map:at(2, 1).why)
-ok(map:at(3, 1).class == "bounded" and map:at(4, 1).class == "bounded", "Verlet and Gauss do not")
+ok(map:at(3, 1).class == "wrong" and map:at(4, 1).class == "wrong", "Verlet and Gauss do not: bounded, but late or early after a hundred turns", map:at(4, 1).why)
 raises("not finite", function() error((select(2, pcall(function()
   kepler:solver({ rule = "log-hamiltonian", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 1.5 }, steps = 10000 }
 end))).code:gsub("_", " ")) end)

@@ -1,0 +1,128 @@
+--- Borders of a stability map: to what is lost, and to what is not right, refined by cells between.
+local axes = require "dm.stability.axes"
+local cells = require "dm.stability.cells"
+
+local M = {}
+
+local abs, max, min, log, huge = math.abs, math.max, math.min, math.log, math.huge
+
+local PARTS = 7   -- cells between two neighbours of which one is lost, run at once
+local ROUNDS = 16 -- of refinement at most
+local DENSER = 4  -- rows of cells by which the border of what is right is found
+
+--- A cell of a row at x; cells of a row share its parameters, where the columns are steps.
+function M.cell_at(map, row, x)
+  local values = row.values
+  if map.column ~= map.h then
+    values = { [map.column.name] = x }
+    for name, value in pairs(row.values) do values[name] = value end
+  end
+  return { rule = row.number, h = map.column == map.h and x or map.h[1], values = values, x = x,
+    row = row }
+end
+
+local function is_lost(cell) return cells.CLASSES[cell.class].lost end
+
+local function is_not_right(cell)
+  return not cell.is_right and cell.class ~= cells.NUMBER["not run"]
+end
+
+-- cells of a row against their neighbour of smaller step
+local function compare_row(map, row)
+  if map.column ~= map.h then return end
+  local smaller
+  for _, cell in ipairs(row) do
+    if smaller then cells.compare(cell, smaller) end
+    if not is_lost(cell) then smaller = cell end
+  end
+end
+
+-- the last cell before the first for which test holds, and that one
+local function border(row, test)
+  for j, cell in ipairs(row) do
+    if test(cell) then return { low = row[j - 1], high = cell } end
+  end
+  return {}
+end
+
+--- map.borders[i], map.right[i] = { low, high }: the last cell of a row before the first that is
+-- lost, or not right, and that one.
+function M.find(map)
+  for i, row in ipairs(map.cells) do
+    compare_row(map, row)
+    map.borders[i] = border(row, is_lost)
+    map.right[i] = map.beside and border(row, is_not_right) or {}
+  end
+end
+
+local function is_open(map, b)
+  return b.low and b.high and abs(b.high.x - b.low.x) > map.resolution * max(abs(b.high.x),
+    abs(b.low.x))
+end
+
+-- where in a border that is lost: nothing is known between its ends
+local function even_places()
+  local out = {}
+  for k = 1, PARTS do out[k] = k / (PARTS + 1) end
+  return out
+end
+
+-- Two places about the one where the error, a power of x, comes to what is allowed, so near to each
+-- other that they are a border; where an error is not known even ones.
+local function places_by_error(map, b)
+  local low, high = b.low.ratio, b.high.ratio
+  if not (low and high and low > 0 and low < 1 and high > 1 and high < huge) then
+    return even_places()
+  end
+  local s = -log(low) / (log(high) - log(low))
+  local apart = 0.4 * map.resolution * max(abs(b.high.x), abs(b.low.x)) / abs(b.high.x - b.low.x)
+  return { max(s - apart, 0.02), min(max(s + apart, 0.04), 0.98) }
+end
+
+-- cells between the ends of all borders that are open
+local function between(map, list, places_of)
+  local open, todo = {}, {}
+  for i, b in ipairs(list) do
+    local parts = {}
+    for k, s in ipairs(is_open(map, b) and places_of(map, b) or {}) do
+      local cell = M.cell_at(map, map.rows[i], axes.between(map.column, b.low.x, b.high.x, s))
+      cell.number, cell.denser = k, list == map.right and DENSER or nil
+      parts[k], todo[#todo + 1] = cell, cell
+    end
+    if #parts > 0 then open[#open + 1] = { border = b, parts = parts } end
+  end
+  return open, todo
+end
+
+-- narrow all borders of a list at once: cells in each, run by `run`, then the part in which the
+-- first is such
+local function narrow(map, list, places_of, test, run)
+  for _ = 1, ROUNDS do
+    local open, todo = between(map, list, places_of)
+    if #todo == 0 then return end
+    local stopped = run(map, todo)
+    if stopped then return stopped end
+    for _, one in ipairs(open) do
+      for _, cell in ipairs(one.parts) do
+        if list ~= map.right and map.column == map.h then cells.compare(cell, one.border.low) end
+        if test(cell) then
+          one.border.high = cell
+          break
+        end
+        one.border.low = cell
+      end
+    end
+  end
+end
+
+--- Narrow all borders to the resolution of the map; what a stop on request was, or nothing.
+function M.refine(map)
+  local beside = map.beside
+  map.beside = nil
+  local stopped = narrow(map, map.borders, even_places, is_lost, cells.run)
+  map.beside = beside
+  return stopped or beside
+    and narrow(map, map.right, places_by_error, is_not_right, cells.run_right) or nil
+end
+
+return M

@@ -1,0 +1,254 @@
+--- Resolved flows that cells of a stability map are compared with: two unlike rules with unlike
+-- steps, both halved until they agree along the whole way.
+local blame = require "dm.base.blame"
+local jobs = require "dm.stability.jobs"
+local observables = require "dm.stability.observables"
+
+local M = {}
+
+local max, min, ceil, huge = math.max, math.min, math.ceil, math.huge
+
+-- Unlike rules in the order of preference, with their steps in parts of those of a level. The first
+-- one makes the flow, the second confirms it. Splittings step many members at once for next to
+-- nothing where L separates; where they do not apply they are the last to be tried.
+local SEPARABLE = { { "kahan-li(8)", 1 }, { "gauss(6)", 0.61 }, { "rk8", 1.37 } }
+local GENERAL = { { "gauss(6)", 1 }, { "rk8", 1.37 }, { "lobatto(6)", 1.13 },
+  { "kahan-li(8)", 1.61 }, { "gauss(8)", 0.73 }, { "degenerate(4)", 1.21 },
+  { "degenerate(3)", 1.43 } }
+
+local FIRST = 64          -- steps of the first level
+local MOST, ALL = 2 ^ 16, 2 ^ 20  -- steps that a flow may take, and all of a part of the map
+local FINEST = 4          -- or as many times those of the finest cell
+local ROOM = 2 ^ 22       -- numbers of rows at once
+local FINER = 1e-3        -- of the accuracy: two flows that agree so well are one
+local NEAR = 30           -- times that: the next level, 256 times better, will
+local ROUND_OFF = 1e-11   -- of the numbers observed
+local SHARE = 1e-3        -- of the range: what rows of cells may miss between them
+
+---- rules ----
+
+local function can_step(job, rule, cell, T)
+  local start = job.map.start
+  local fine, why = pcall(function()
+    job.system:solver({ rule = rule, h = T / 2 ^ 20 }):run { q = start.q(cell),
+      v = start.v and start.v(cell), p = start.p and start.p(cell), steps = 1,
+      t0 = job.map.options.t0, project = job.map.options.project }
+  end)
+  if not fine and blame.is_stop(why) then error(why, 0) end
+  return fine, why
+end
+
+--- Two rules that step the system up to the time T, none of them among those of the map, each with
+-- its steps in parts of those of a level; or nil, and why.
+function M.rules_of(job, cell, T)
+  if job.pair then return job.pair end
+  local measured, out, why = {}, {}, nil
+  for _, rule in ipairs(job.map.rules) do measured[rule] = true end
+  local s = job.system:structure()
+  local splits = s.separable and s.constant_mass and s.constraints == 0 and s.rolling == 0
+    and not s.forced
+  for _, one in ipairs(splits and SEPARABLE or GENERAL) do
+    if not measured[one[1]] and #out < 2 then
+      local fine, refused = can_step(job, one[1], cell, T)
+      if fine then out[#out + 1] = one else why = why or refused end
+    end
+  end
+  if #out == 2 then
+    job.pair = out
+    return out
+  end
+  return nil, "there are no two rules for it: " .. tostring(why):match "^[^\n]*"
+end
+
+---- one level: all flows with so many steps ----
+
+-- an ensemble of flows by one of the rules of a pair
+local function run(job, flows, one, level)
+  local pseudo, map, T = {}, job.map, job.map.options.t
+  local steps = ceil(one[2] * level)
+  for i, flow in ipairs(flows) do
+    pseudo[i] = { values = flow.values, rule = flow.rule, h = T / steps }
+  end
+  local its = { map = map, rule = one[1], system = job.system, vary = job.vary }
+  local o = jobs.starts(its, pseudo)
+  o.every, o.watch, o.t = 1, map.beside.observed.watch, T
+  local e, stopped = jobs.guarded(its, its.system, o)
+  if stopped then error(stopped, 0) end
+  return e
+end
+
+-- ranges of the observables, and how far two flows may be apart to be one
+local function measure(map, flow, e, i, first)
+  local accuracy, scale = map.beside.accuracy, 0
+  flow.range, flow.tolerance, flow.bound, flow.near = {}, {}, {}, {}
+  for k, column in ipairs(map.beside.observed.columns) do
+    flow.range[k] = e:range(i, column)
+    scale = max(scale, math.abs(first[k][i]) + flow.range[k])
+  end
+  local slack = ROUND_OFF * scale
+  local fine = max(FINER * accuracy, min(0.1 * accuracy, 1e-10))
+  for k, range in ipairs(flow.range) do
+    flow.tolerance[k] = fine * range + slack
+    flow.near[k] = NEAR * flow.tolerance[k]
+    flow.bound[k] = accuracy * range + slack + flow.tolerance[k]
+  end
+end
+
+-- the time up to which member i of e is the flow of another run, within these bounds
+local function agreed(map, e, i, flow, bounds)
+  if e.status[i] ~= "ok" or not flow.e then return -huge end
+  local b = map.beside
+  local _, beyond = e:departure(i, flow.e, flow.i, b.observed.columns, b.horizon * (1 + 1e-14),
+    bounds)
+  return beyond
+end
+
+-- The first rule of the pair, beside its level before: flows that hardly changed, and the others.
+local function refine(job, flows, one, level)
+  local map, e, first, near, far = job.map, run(job, flows, one, level), {}, {}, {}
+  for k, column in ipairs(map.beside.observed.columns) do first[k] = e:summary(column).first end
+  for i, flow in ipairs(flows) do
+    local fine = e.status[i] == "ok"
+    if fine then measure(map, flow, e, i, first) end
+    flow.parted = flow.horizon
+    flow.horizon = fine and agreed(map, e, i, flow, flow.near) or -huge
+    flow.e, flow.i, flow.steps = fine and e or nil, i, ceil(one[2] * level)
+    local list = flow.horizon == huge and near or far
+    list[#list + 1] = flow
+  end
+  return near, far
+end
+
+-- The second rule: flows that it agrees with are settled; the others are added to `far`.
+local function confirm(job, near, far, one, level)
+  if #near == 0 then return end
+  local map, e = job.map, run(job, near, one, level)
+  for i, flow in ipairs(near) do
+    flow.horizon = min(flow.horizon, agreed(map, e, i, flow, flow.tolerance))
+    if flow.horizon == huge then
+      flow.horizon = map.beside.horizon
+      flow.rows = flow.steps // flow.e:stride(flow.i, map.beside.observed.columns, SHARE)
+    else
+      far[#far + 1] = flow
+    end
+  end
+end
+
+-- all flows of a job in parts that fit into memory; those that are left
+local function take_level(job, flows, pair, level)
+  local left, width = {}, 1 + #job.map.beside.observed.columns
+  local at_once = max(1, ROOM // ceil(2 * level * width))
+  for from = 1, #flows, at_once do
+    local some = table.move(flows, from, min(from + at_once - 1, #flows), 1, {})
+    local near, far = refine(job, some, pair[1], level)
+    confirm(job, near, far, pair[2], level)
+    table.move(far, 1, #far, #left + 1, left)
+  end
+  return left
+end
+
+---- flows of cells ----
+
+--- What a map needs to compare: accuracy, observed, t0, horizon, flows so far by flow_key(cell).
+-- Nothing where nothing is to be compared.
+function M.prepare(map, system)
+  local accuracy = observables.accuracy(map.options)
+  if not accuracy then return nil end
+  if system.given.control then
+    map.notes[#map.notes + 1] = "the control is held over every step, so that the step is part of "
+      .. "the system: nothing is called wrong"
+    return nil
+  end
+  local t0, keys = map.options.t0 or 0, setmetatable({}, { __mode = "k" })
+  local function flow_key(cell)
+    local text = {}
+    for i, name in ipairs(map.names) do text[i] = ("%a"):format(cell.values[name]) end
+    keys[cell.values] = keys[cell.values] or table.concat(text, "/")
+    return keys[cell.values]
+  end
+  return { accuracy = accuracy, observed = observables.read(map.options, system), t0 = t0,
+    horizon = t0 + map.options.t, flows = {}, flow_key = flow_key }
+end
+
+local LEAST = 0.01  -- of the duration: what is resolved for less is not resolved
+
+-- Where flows part on the way, as chaotic ones do, what both rules agree on is kept.
+local function give_up(job, flows, pair, level, why)
+  local map, some = job.map, {}
+  for _, flow in ipairs(flows) do
+    local resolved = flow.e and flow.horizon > map.beside.t0 + LEAST * map.options.t
+    if resolved then some[#some + 1] = flow else flow.e, flow.why = nil, why end
+  end
+  if #some == 0 then return end
+  local e = run(job, some, pair[2], level)
+  for i, flow in ipairs(some) do
+    flow.horizon = min(flow.horizon, agreed(map, e, i, flow, flow.near), map.beside.horizon)
+    flow.rows, flow.why = flow.steps, why
+    if not (flow.horizon > map.beside.t0 + LEAST * map.options.t) then flow.e = nil end
+  end
+end
+
+-- steps that a flow may take
+local function most_of(map, flows, part)
+  local finest = huge
+  for _, cell in ipairs(part) do finest = min(finest, cell.h) end
+  return max(FINEST * map.options.t / finest, min(MOST, ALL / #flows), 16 * FIRST)
+end
+
+local function resolve(job, flows, part)
+  local pair, why = M.rules_of(job, flows[1], job.map.options.t)
+  if not pair then
+    for _, flow in ipairs(flows) do flow.why = why end
+    return
+  end
+  local level, left, most = FIRST, flows, most_of(job.map, flows, part)
+  while #left > 0 and level <= most do
+    left = take_level(job, left, pair, level)
+    level = 2 * level
+  end
+  if #left == 0 then return end
+  give_up(job, left, pair, level / 2, ("%s and %s do not agree on it with up to %d steps")
+    :format(pair[1][1], pair[2][1], level // 2))
+end
+
+-- those of cells before are forgotten where they take much room
+local function make_room(map)
+  local rows = 0
+  for _, flow in pairs(map.beside.flows) do rows = rows + (flow.e and flow.steps or 0) end
+  if rows * (1 + #map.beside.observed.columns) > 4 * ROOM then map.beside.flows = {} end
+end
+
+--- Give every cell of a part the flow that it is compared with, as cell.flow: { e, i (its rows are
+-- those of member i of the ensemble e), horizon (the time up to which it is known), range, bound
+-- (of the observables), rows (that show it) }, or { why } without e.
+function M.attach(job, part)
+  local map, todo = job.map, {}
+  if not map.beside then return end
+  make_room(map)
+  for _, cell in ipairs(part) do
+    local key = map.beside.flow_key(cell)
+    if not map.beside.flows[key] then
+      map.beside.flows[key] = { values = cell.values, rule = cell.rule, T = map.options.t }
+      todo[#todo + 1] = map.beside.flows[key]
+    end
+    cell.flow = map.beside.flows[key]
+  end
+  if #todo == 0 then return end
+  local fine, why = pcall(resolve, job, todo, part)
+  if not fine and (blame.is_stop(why) or type(why) ~= "string") then error(why, 0) end
+  for _, flow in ipairs(fine and {} or todo) do
+    flow.e, flow.why = nil, blame.bare(why):match "^[^\n]*"
+  end
+end
+
+--- Steps of the first rule that show the flow of a cell as well as they could; nil where flows are
+-- not looked for.
+function M.steps_of(job, cell)
+  if not job.map.beside then return nil end
+  M.attach(job, { cell })
+  local flow = cell.flow
+  cell.flow = nil
+  return flow.steps
+end
+
+return M

@@ -1,0 +1,133 @@
+--- What is right or wrong in a cell of a stability map: observables, and the velocity that
+-- constraints leave over.
+local bound = require "dm.base.bound"
+local core = require "dm.core"
+local lists = require "dm.base.lists"
+
+local M = {}
+
+local fail = require "dm.base.options".failing "dm.stability"
+
+local ACCURACY = 0.01  -- of the range of an observable
+
+--- The accuracy that is asked for; nil: nothing is compared.
+function M.accuracy(options)
+  local given = options.accuracy
+  if given == false then return nil end
+  if given ~= nil and not (type(given) == "number" and given > 0 and given < 1) then
+    fail("option 'accuracy' must be a number between 0 and 1, in parts of the range of an "
+      .. "observable, or false (got %s)", tostring(given))
+  end
+  for _, key in ipairs { "accuracy", "observe" } do
+    if options[key] ~= nil and not options.t then
+      fail("option '%s' is of what is right up to one time for all cells: give t, a duration, in "
+        .. "place of steps", key)
+    end
+  end
+  return options.t and (given or ACCURACY)
+end
+
+-- the number of a coordinate by its name, and "q" or "p" for its momentum
+local function entry_of(names, name)
+  for i, own in ipairs(names) do
+    if name == own or name == "q" .. i then return "q", i end
+    if name == "p_" .. own or name == "p" .. i then return "p", i end
+  end
+end
+
+-- columns as solvers call them, so that none is mistaken for a number of ours
+local function column_of(system, names, name)
+  local kind, i = entry_of(names, name)
+  if kind and not system.coordinates then return name end
+  if kind then return kind == "q" and names[i] or "p_" .. names[i] end
+  if name ~= "energy" then
+    fail("option 'observe': there is no '%s'; observe coordinates (%s), momenta (p_%s), "
+      .. "\"energy\", or name = function(q, v, t, p) ... end", tostring(name),
+      table.concat(names, ", "), names[1])
+  end
+  return name
+end
+
+local function names_of(system)
+  local out = {}
+  for i = 1, system.Q.dimension do
+    out[i] = system.coordinates and system.coordinates[i] or "q" .. i
+  end
+  return out
+end
+
+-- entries of the option: names, and functions under their names, in an order of their own
+local function entries(observe)
+  if type(observe) == "string" then observe = { observe } end
+  if type(observe) ~= "table" or next(observe) == nil then
+    fail("option 'observe' must be a list of names: { \"q1\", r = function(q, v, t, p) ... end } "
+      .. "(got %s)", type(observe))
+  end
+  local out = {}
+  for key, value in pairs(observe) do
+    local named = type(key) == "string" and type(value) == "function"
+    if not named and type(value) ~= "string" then
+      fail("option 'observe': entry '%s' must be a name, or name = function(q, v, t, p) ... end",
+        tostring(key))
+    end
+    out[#out + 1] = { name = named and key or value, f = named and value or nil }
+  end
+  table.sort(out, function(a, b) return a.name < b.name end)
+  return out
+end
+
+--- { names, columns, watch }: what is observed, what its columns are called in runs of a system,
+-- and what to watch for them.
+function M.read(options, system)
+  local names, out = names_of(system), { names = {}, columns = {}, watch = {} }
+  for i, entry in ipairs(entries(options.observe or names)) do
+    out.names[i] = entry.name
+    if entry.f then
+      out.columns[i] = "observed_" .. entry.name
+      out.watch[out.columns[i]] = entry.f
+    else
+      out.columns[i] = column_of(system, names, entry.name)
+      table.insert(out.watch, out.columns[i])
+    end
+  end
+  return out
+end
+
+---- what constraints g(q, t) = 0 ask of the velocity: G v + g_t = 0 ----
+
+-- rows of (G, g_t) at (q, t)
+local function slopes(given, n)
+  local g = bound(given.constraint, given.params)
+  local J = core.derivative(function(q, t) return core.vector(lists.entries(g(q, t))) end, n,
+    "number")
+  return function(q, t)
+    local out = {}
+    for i, row in ipairs(J(q, t):totable()) do out[i] = row end
+    return out
+  end
+end
+
+--- |G v + g_t|^2, and |G|^2 |v|^2 to compare it with, as functions to be watched.
+function M.hidden(system)
+  local n = system.Q.dimension
+  local rows = slopes(system.given, n)
+  local function missed(q, v, t)
+    local sum = 0
+    for _, row in ipairs(rows(q, t)) do
+      local rate = row[n + 1] or 0
+      for k = 1, n do rate = rate + row[k] * v[k] end
+      sum = sum + rate ^ 2
+    end
+    return sum
+  end
+  local function size(q, v, t)
+    local sum = 0
+    for _, row in ipairs(rows(q, t)) do
+      for k = 1, n do sum = sum + row[k] ^ 2 end
+    end
+    return sum * v:dot(v)
+  end
+  return missed, size
+end
+
+return M

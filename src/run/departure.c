@@ -1,0 +1,122 @@
+#include "run/departure.h"
+
+#include "base/largest.h"
+
+#include <math.h>
+
+enum { NODES = 8 };
+
+/* rows first .. first + count - 1 of a flow, and the weights of their values at a time */
+typedef struct {
+    long first;
+    uint32_t count;
+    double weight[NODES];
+} stencil;
+
+/* weight[k] = prod_(i != k) (s - i) / (k - i) over the nodes i = 0 .. count - 1: products from both
+ * sides, and (k - i) as factorials */
+static void find_weights(double *weight, double s, uint32_t count) {
+    static const double factorial[NODES] = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0};
+    double left = 1.0, right = 1.0;
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t after = count - 1 - k;
+        const double below = factorial[k] * factorial[after];
+        weight[k] = left / (after & 1u ? -below : below);
+        left *= s - (double)k;
+    }
+    for (uint32_t k = count; k-- > 0;) {
+        weight[k] *= right;
+        right *= s - (double)k;
+    }
+}
+
+/* the rows nearest to t, as many before as behind it where there are so many */
+static stencil stencil_at(const dm_run_table *flow, double t) {
+    const double t0 = flow->data[0];
+    const double dt = flow->rows > 1 ? flow->data[flow->width] - t0 : 1.0;
+    const double place = (t - t0) / dt, last = (double)(flow->rows - 1);
+    stencil out = {.count = flow->rows < NODES ? (uint32_t)flow->rows : NODES};
+    const double least = floor(fmin(fmax(place, 0.0), last)) - 0.5 * out.count + 1.0;
+    out.first = (long)fmax(0.0, fmin(least, last + 1.0 - out.count));
+    find_weights(out.weight, place - (double)out.first, out.count);
+    return out;
+}
+
+static double value_at(const dm_run_table *flow, const stencil *at, uint32_t column) {
+    const double *y = flow->data + (size_t)at->first * flow->width + column;
+    double sum = 0.0;
+    for (uint32_t k = 0; k < at->count; k++, y += flow->width) sum += at->weight[k] * *y;
+    return sum;
+}
+
+/* what the parabola through three numbers has at its top or bottom, where that lies between the
+ * outer ones; the middle one else */
+static double turn(double before, double here, double after) {
+    const double bend = before - 2.0 * here + after, rise = 0.5 * (after - before);
+    if ((here - before) * (after - here) >= 0.0 || !(fabs(bend) > 0.0)) return here;
+    return here - 0.5 * rise * rise / bend;
+}
+
+/* has one of the numbers come to its bound? */
+static int is_beyond(const dm_departure *d, const double *largest) {
+    for (uint32_t k = 0; d->bound && k < d->count; k++)
+        if (!(largest[k] <= d->bound[k])) return 1;
+    return 0;
+}
+
+double dm_departure_find(double *largest, const dm_departure *d, const dm_run_table *own,
+                         const dm_run_table *flow, double *scratch) {
+    const uint32_t count = d->count;
+    double *last = scratch, *before = last + count, *here = before + count;
+    for (uint32_t k = 0; k < count; k++) largest[k] = last[k] = before[k] = 0.0;
+    for (long i = 0; i < own->rows && flow->rows; i++) {
+        const double *row = own->data + (size_t)i * own->width;
+        if (!(row[0] <= d->until)) break;
+        const stencil at = stencil_at(flow, row[0]);
+        for (uint32_t k = 0; k < count; k++) {
+            here[k] = row[d->own[k]] - value_at(flow, &at, d->flow[k]);
+            largest[k] = dm_largest(largest[k], here[k]);
+            if (d->between && i > 1)
+                largest[k] = dm_largest(largest[k], turn(before[k], last[k], here[k]));
+            before[k] = last[k];
+            last[k] = here[k];
+        }
+        if (is_beyond(d, largest)) return row[0];
+    }
+    return INFINITY;
+}
+
+double dm_flow_range(const dm_run_table *flow, uint32_t column, double until) {
+    const double *y = flow->data + column;
+    const uint32_t width = flow->width;
+    double least = INFINITY, most = -INFINITY;
+    for (long i = 0; i < flow->rows && flow->data[(size_t)i * width] <= until; i++, y += width) {
+        const int inside = i > 0 && i + 1 < flow->rows;
+        const double best = inside ? turn(y[-(long)width], *y, y[width]) : *y;
+        least = fmin(least, fmin(*y, best));
+        most = fmax(most, fmax(*y, best));
+    }
+    return most >= least ? most - least : 0.0;
+}
+
+long dm_flow_stride(const dm_run_table *flow, const uint32_t *column, uint32_t count, double share,
+                    long most, double *scratch) {
+    double *bound = scratch + 4 * (size_t)count;
+    long stride = 1;
+    for (uint32_t k = 0; k < count; k++)
+        bound[k] = share * dm_flow_range(flow, column[k], INFINITY) + 1e-300;
+    const dm_departure d = {.own = column,
+                            .flow = column,
+                            .count = count,
+                            .bound = bound,
+                            .until = INFINITY};
+    while (2 * stride <= most && flow->rows > 2 * NODES * stride) {
+        const long next = 2 * stride;
+        const dm_run_table thin = {.data = flow->data,
+                                   .rows = (flow->rows - 1) / next + 1,
+                                   .width = flow->width * (uint32_t)next};
+        if (dm_departure_find(scratch, &d, flow, &thin, scratch + count) < INFINITY) break;
+        stride = next;
+    }
+    return stride;
+}
