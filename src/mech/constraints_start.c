@@ -165,10 +165,13 @@ static void find_dependent(frame *f, dm_constraints_defect *out) {
 
 /* ---- the nearest point ---- */
 
-/* out = W A_i */
+/* out = W A_i, most of whose entries are zero; W is symmetric */
 static void raise_row(const frame *f, double *out, uint32_t i) {
     const double *row = f->A + i * (size_t)f->n;
-    for (uint32_t c = 0; c < f->n; c++) out[c] = dot(f->W + c * (size_t)f->n, row, f->n);
+    memset(out, 0, f->n * sizeof *out);
+    for (uint32_t j = 0; j < f->n; j++)
+        for (uint32_t c = 0; row[j] != 0.0 && c < f->n; c++)
+            out[c] += f->W[j * (size_t)f->n + c] * row[j];
 }
 
 /* move = -W A^T (A W A^T)^-1 y */

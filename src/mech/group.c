@@ -2,6 +2,7 @@
  * graph, whose derivatives are those of the natural chart (Leok 5.3.2). */
 #include "mech/group_inside.h"
 
+#include "algebra/body_sum.h"
 #include "algebra/derive.h"
 #include "mech/constraints.h"
 
@@ -115,11 +116,17 @@ static int add_force(dm_joining *j) {
     return dm_joining_covector(j, f, j->slope, j->slope + j->d);
 }
 
+dm_graph *dm_group_graph(const dm_model *m) {
+    const dm_source *s = &m->source;
+    return s->graph || !s->sums || dm_sums(s->sums) ? s->graph : s->sums;
+}
+
 int dm_joining_slopes(dm_joining *j) {
     const uint32_t n = j->n, d = j->d, e = n + 2 * d + 1 + j->extras;
-    dm_node L, *with = dm_joining_at_element(j, dm_graph_inputs(j->m->source.graph));
+    dm_graph *from = dm_group_graph(j->m);
+    dm_node L, *with = dm_joining_at_element(j, dm_graph_inputs(from));
     if (!with) return 0;
-    dm_transplant(j->g, j->m->source.graph, &j->m->source.lagrangian, 1, with, &L);
+    dm_transplant(j->g, from, &j->m->source.lagrangian, 1, with, &L);
     dm_gradient(j->g, L, e, d, j->slope);
     dm_gradient(j->g, L, n, 2 * d, j->slope + d);
     return add_force(j);

@@ -73,6 +73,10 @@ static inline uint32_t dm_momenta(const dm_model *m) {
     return m->group ? m->group->momenta : m->n;
 }
 
+/* The graph of L, also where it has very many coordinates; NULL: it was not traced, or has sums that
+ * stay loops. */
+dm_graph *dm_group_graph(const dm_model *m);
+
 /* Make the kernels of tau for a model that was built, in its arena. */
 dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
 

@@ -149,7 +149,7 @@ static dm_status make_hidden(dm_group_joints *out, making *b) {
     dm_node *values = dm_joining_take(j, d + (size_t)b->m);
     dm_node *rows = dm_joining_take(j, (size_t)b->m * n);
     if (!g || !values || !rows) return DM_NO_MEMORY;
-    dm_status status = bring(b, g, j->m->source.graph, j->m->source.gradient + n, d, values);
+    dm_status status = bring(b, g, dm_group_graph(j->m), j->m->source.gradient + n, d, values);
     if (status == DM_OK) status = bring(b, g, c->graph, c->G, k * n, rows);
     if (status == DM_OK) status = bring(b, g, c->graph, c->E, l * n, rows + (size_t)k * n);
     if (status == DM_OK) status = bring(b, g, c->graph, c->g_t, k, values + d);

@@ -19,7 +19,7 @@ static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
 /* A static sentence, or NULL. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->source.graph ? NULL : "its L must be traced";
+    return dm_group_graph(m) ? NULL : "its L must be traced";
 }
 
 /* The chart of one tau; the mass for the first guess where it is no constant. */

@@ -17,7 +17,7 @@ int dm_lie_is_jointed(const dm_model *m) {
 /* A static sentence, or NULL. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->source.graph ? NULL : "its L must be traced";
+    return dm_group_graph(m) ? NULL : "its L must be traced";
 }
 
 /* The chart of one tau, by entries; what the model has of constraints; the mass for the first guess
@@ -105,14 +105,13 @@ static dm_status find_velocity(dm_lie_joints *e, double *v) {
     return dm_legendre_inverse(e->model, v, e->state, e->state + e->n, e->t, e->work);
 }
 
-/* the velocity of the state at all nodes, its momentum, no impulses */
+/* the velocity of the state at all nodes, no impulses */
 static dm_status guess_at_rest(dm_lie_joints *e) {
     double *v = e->work + dm_legendre_work(e->model);
     const dm_status status = find_velocity(e, v);
     if (status != DM_OK) return status;
     memset(e->z, 0, e->N * sizeof *e->z);
     for (uint32_t j = 0; j < e->s; j++) memcpy(e->z + j * e->d, v, e->d * sizeof *v);
-    for (uint32_t i = 0; i < e->d; i++) e->z[e->s * e->d + i] = e->state[e->n + i] / e->mass;
     return DM_OK;
 }
 

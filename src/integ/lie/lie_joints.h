@@ -5,8 +5,8 @@
  *   g = 0 at t_1 .. t_K,  phi = 0 at the K Gauss points of the curve,
  *   p1 = Ad*_tau(xi1) w + I_K,  I_K for G v1 + g_t = 0 and phi(g1, v1) = 0,
  * the discrete Lagrange-d'Alembert principle with g0 varied, the chart fixed (Marsden-West 2001
- * sec. 3.2; on R^n it is constrained/constrained.h; s = 1 is RATTLE on the group). The covector w
- * is an unknown beside the velocities, so that the matrix of a chain of bodies stays a band. */
+ * sec. 3.2; on R^n it is constrained/constrained.h; s = 1 is RATTLE on the group). The matrix of a
+ * chain of bodies is a band: dtau_R keeps what belongs to one factor of a product together. */
 #ifndef DM_LIE_JOINTS_H
 #define DM_LIE_JOINTS_H
 

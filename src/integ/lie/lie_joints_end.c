@@ -128,7 +128,7 @@ void dm_lie_joints_look(dm_lie_joints *e, const double *q, const double *v, doub
 
 /* multipliers of the step, in units of momentum */
 static void keep_multipliers(dm_lie_joints *e) {
-    const double *inner = e->z + (e->s + 1) * e->d;
+    const double *inner = e->z + e->s * e->d;
     for (uint32_t i = 0; i <= e->K; i++)
         for (uint32_t c = 0; c < e->m; c++)
             e->momenta[i * e->m + c] =

@@ -1,4 +1,5 @@
 /* lie_joints_equation.c - the step equation of lie_joints.h and its exact matrix. */
+#include "base/largest.h"
 #include "integ/lie/lie_joints_inside.h"
 
 #include <math.h>
@@ -14,6 +15,7 @@ enum { BLOCKS = 4 };
 typedef struct {
     uint32_t first, length, count, at, stride;
     const double *w, *unit;
+    int pulled; /* they are a part of the covector w, from where dtau_R(xi1)^T takes them to all V */
 } block;
 
 typedef struct {
@@ -36,12 +38,29 @@ static double weight(const block *b, uint32_t i, uint32_t place) {
 static void add_values(dm_lie_joints *e, double *R, const double *values, const blocks *rows) {
     for (int k = 0; k < rows->count; k++) {
         const block *b = rows->of + k;
+        double *out = b->pulled ? e->w : R + b->at;
         for (uint32_t p = 0; p < b->count; p++)
             for (uint32_t i = 0; i < b->length; i++) {
                 const double term = weight(b, b->first + i, p) * values[b->first + i];
-                R[b->at + p * b->stride + i] += term;
-                e->size = fmax(e->size, fabs(term));
+                out[p * b->stride + i] += term;
+                e->size = dm_largest(e->size, term);
             }
+    }
+}
+
+/* J += x in these rows and one column */
+static void add_down(const dm_lie_joints *e, double *J, const block *r, uint32_t row, size_t column,
+                     double x) {
+    for (uint32_t p = 0; p < r->count && !r->pulled; p++)
+        J[e->step.row[r->at + p * r->stride + row - r->first] + column] += weight(r, row, p) * x;
+    if (!r->pulled) return;
+    const dm_group_entries *f = &e->joints->pull;
+    const uint32_t *first = e->pull_first + row - r->first;
+    for (uint32_t i = first[0]; i < first[1]; i++) {
+        const uint32_t entry = e->pull_entry[i];
+        const double y = *r->w * e->pull[f->values + entry] * x;
+        for (uint32_t j = 0; j < e->s; j++)
+            J[e->step.row[j * e->d + f->row[entry]] + column] -= e->beta[j] * y;
     }
 }
 
@@ -50,12 +69,10 @@ static void add_entries(const dm_lie_joints *e, double *J, const dm_group_entrie
                         const double *values, const blocks *rows, const blocks *columns) {
     for (uint32_t i = 0; i < f->count; i++) {
         const block *r = find(rows, f->row[i]), *c = find(columns, f->column[i]);
-        const double x = values[f->values + i];
-        for (uint32_t p = 0; r && c && p < r->count; p++)
-            for (uint32_t q = 0; q < c->count; q++)
-                J[e->step.row[r->at + p * r->stride + f->row[i] - r->first] +
-                  e->step.column[c->at + q * c->stride + f->column[i] - c->first]] +=
-                    weight(r, f->row[i], p) * weight(c, f->column[i], q) * x;
+        for (uint32_t q = 0; r && c && q < c->count; q++)
+            add_down(e, J, r, f->row[i],
+                     e->step.column[c->at + q * c->stride + f->column[i] - c->first],
+                     weight(c, f->column[i], q) * values[f->values + i]);
     }
 }
 
@@ -111,17 +128,17 @@ static void keep_for_w(dm_lie_joints *e, uint32_t i, const double *of_e) {
 
 /* ---- the terms of the equation; J NULL: its matrix is not asked for ---- */
 
-/* L at point i of the quadrature: L_e goes to w, the rest to the rows of V */
+/* L at point i of the quadrature */
 static void add_slope(dm_lie_joints *e, double *R, double *J, uint32_t i, const double *V) {
     const uint32_t d = e->d, s = e->s;
-    weights w = {.of_e = -e->h * e->b[i]};
+    weights w = {.of_e = e->h * e->b[i]};
     for (uint32_t j = 0; j < s; j++) {
         w.of_xi[j] = e->h * e->b[i] * e->at.a[i * s + j];
         w.of_rate[j] = e->b[i] * e->at.d[i * s + j];
     }
     const blocks rows =
         {.count = 3,
-         .of = {{.length = d, .count = 1, .at = s * d, .w = &w.of_e},
+         .of = {{.length = d, .count = 1, .w = &w.of_e, .pulled = 1},
                 {.first = d, .length = d, .count = s, .stride = d, .w = w.of_xi},
                 {.first = 2 * d, .length = d, .count = s, .stride = d, .w = w.of_rate}}};
     place(e, &e->at, i, V);
@@ -136,9 +153,9 @@ static void add_slope(dm_lie_joints *e, double *R, double *J, uint32_t i, const 
 
 /* g and the impulse at constraint point i: g stands in the rows of the point before */
 static void add_reaction(dm_lie_joints *e, double *R, double *J, uint32_t i, const double *z) {
-    const uint32_t d = e->d, s = e->s, k = e->k, first = s * d + d;
+    const uint32_t d = e->d, s = e->s, k = e->k, first = s * d;
     const int acts = i<e->K, holds = i> 0;
-    const double of_g = 1.0 / e->h, of_e = -1.0;
+    const double of_g = 1.0 / e->h;
     weights w = {0};
     for (uint32_t j = 0; j < s; j++) w.of_xi[j] = e->nodes.a[i * s + j];
     blocks rows = {.of = {{.length = k,
@@ -146,7 +163,7 @@ static void add_reaction(dm_lie_joints *e, double *R, double *J, uint32_t i, con
                            .at = first + (i - (uint32_t)holds) * e->m,
                            .w = &of_g,
                            .unit = e->row_unit},
-                          {.first = k, .length = d, .count = 1, .at = s * d, .w = &of_e},
+                          {.first = k, .length = d, .count = 1, .w = &ONE, .pulled = 1},
                           {.first = k + d, .length = d, .count = s, .stride = d, .w = w.of_xi}}};
     rows.count = acts ? 3 : 1;
     place(e, &e->nodes, i, z);
@@ -171,7 +188,7 @@ static void add_reaction(dm_lie_joints *e, double *R, double *J, uint32_t i, con
 
 /* phi at Gauss point i, behind the rows of g of constraint point i + 1 */
 static void add_rolling(dm_lie_joints *e, double *R, double *J, uint32_t i, const double *V) {
-    const uint32_t first = e->s * e->d + e->d;
+    const uint32_t first = e->s * e->d;
     weights w = {0};
     const blocks rows = {.count = 1,
                          .of = {{.length = e->l,
@@ -188,7 +205,15 @@ static void add_rolling(dm_lie_joints *e, double *R, double *J, uint32_t i, cons
     add_entries(e, J, &e->joints->rolling, e->phi, &rows, &columns);
 }
 
-/* - beta_j dtau_R(xi1)^T w, with the unknown w */
+/* dtau_R(xi1)^T w into e->pull */
+static void pull(dm_lie_joints *e, int with_entries, const double *z) {
+    combine(e->xi, e, e->beta, e->h, z);
+    memcpy(e->in, e->xi, e->d * sizeof *e->in);
+    memcpy(e->in + e->d, e->w, e->d * sizeof *e->in);
+    evaluate(&e->joints->pull, e->in, e->pull, with_entries);
+}
+
+/* - beta_j dtau_R(xi1)^T w; its derivative in w is that of what w is the sum of */
 static void add_pull(dm_lie_joints *e, double *R, double *J, const double *z) {
     const uint32_t d = e->d, s = e->s;
     double minus[DM_QUADRATURE_NODES], of_xi[DM_QUADRATURE_NODES];
@@ -197,35 +222,16 @@ static void add_pull(dm_lie_joints *e, double *R, double *J, const double *z) {
         of_xi[j] = e->h * e->beta[j];
     }
     const blocks rows = {.count = 1, .of = {{.length = d, .count = s, .stride = d, .w = minus}}};
-    const blocks columns =
-        {.count = 2,
-         .of = {{.length = d, .count = s, .stride = d, .w = of_xi},
-                {.first = d, .length = d, .count = 1, .at = s * d, .w = &e->mass}}};
-    combine(e->xi, e, e->beta, e->h, z);
-    memcpy(e->in, e->xi, d * sizeof *e->in);
-    for (uint32_t k = 0; k < d; k++) e->in[d + k] = e->mass * z[s * d + k];
-    if (R) evaluate(&e->joints->pull, e->in, e->pull, J != NULL);
+    const blocks columns = {.count = 1, .of = {{.length = d, .count = s, .stride = d, .w = of_xi}}};
+    if (R) pull(e, J != NULL, z);
     if (R) add_values(e, R, e->pull, &rows);
     if (J) add_entries(e, J, &e->joints->pull, e->pull, &rows, &columns);
-}
-
-/* w - p0 - ..., which the rows hold the rest of; e->w is what the unknown must become */
-static void close_momentum(dm_lie_joints *e, double *R, double *J, const double *z) {
-    const uint32_t d = e->d, first = e->s * d;
-    for (uint32_t k = 0; k < d; k++) {
-        if (R) {
-            e->w[k] = e->state[e->n + k] - R[first + k];
-            R[first + k] = e->mass * z[first + k] - e->w[k];
-            e->size = fmax(e->size, fabs(e->w[k]));
-        }
-        if (J) J[e->step.row[first + k] + e->step.column[first + k]] += e->mass;
-    }
 }
 
 /* rounding the element moves g by about G q, which is no error of the step */
 static double position_size(const dm_lie_joints *e) {
     double most = 0.0;
-    for (uint32_t i = 0; i < e->n; i++) most = fmax(most, fabs(e->state[i]));
+    for (uint32_t i = 0; i < e->n; i++) most = dm_largest(most, e->state[i]);
     return e->k ? e->mass * most / fabs(e->h) : 0.0;
 }
 
@@ -235,14 +241,16 @@ static void add_all(dm_lie_joints *e, double *R, double *J, const double *z) {
     for (uint32_t i = 0; i <= e->K && e->m; i++) add_reaction(e, R, J, i, z);
     for (uint32_t i = 0; i < e->K && e->l; i++) add_rolling(e, R, J, i, z);
     add_pull(e, R, J, z);
-    close_momentum(e, R, J, z);
 }
 
+/* The map that w is taken by is known before w is: its entries come first. */
 dm_status dm_lie_joints_equation(void *joints, double *R, double *J, const double *z) {
     dm_lie_joints *e = joints;
     memset(R, 0, e->N * sizeof *R);
-    if (J) dm_step_matrix_zero(J, &e->step);
+    memcpy(e->w, e->state + e->n, e->d * sizeof *e->w);
     e->size = position_size(e);
+    if (J) dm_step_matrix_zero(J, &e->step);
+    if (J) pull(e, 1, z);
     add_all(e, R, J, z);
     e->evaluations += e->at.count;
     return DM_OK;

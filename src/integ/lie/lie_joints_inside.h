@@ -18,8 +18,7 @@ typedef struct {
 } dm_lie_points;
 
 /* Sizes: n flat coordinates, d dimension of the group, s velocities, K constraint points less one,
- * k and l constraints, m both; unknowns V[s][d], w[d] / M, multipliers[K][m] in units of velocity,
- * N in all. */
+ * k and l constraints, m both; unknowns V[s][d], multipliers[K][m] in units of velocity, N in all. */
 typedef struct {
     const dm_model *model;
     const dm_group_joints *joints;
@@ -37,7 +36,9 @@ typedef struct {
     double *slope, *reaction, *phi; /* outputs of kernels at a point, */
     double *pull, *hidden;          /* then their entries */
     double *z;                      /* [N] the unknowns */
-    double *w;                      /* [d] */
+    double *w;                      /* [d] where the equation was last evaluated */
+    uint32_t *pull_first;           /* [d + 1] entries of pull in the columns of w: */
+    uint32_t *pull_entry;           /* those of column i from pull_first[i] on */
     double *xi;                     /* [d] at the end of the step */
     double *last;                   /* [d + m] v1, multipliers of the last constraint point */
     double *in, *end;               /* [n + 2d] and [n + d + arcs] of the end */

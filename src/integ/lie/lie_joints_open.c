@@ -91,7 +91,7 @@ static dm_lie_joints sizes(const dm_galerkin *g, const dm_model *m) {
     e.l = c ? c->rolling : 0;
     e.m = e.k + e.l;
     e.K = e.m ? dm_constrained_nodes(g) - 1 : 0;
-    e.N = e.s * e.d + e.d + e.K * e.m;
+    e.N = e.s * e.d + e.K * e.m;
     e.at.count = (uint32_t)g->q.r;
     return e;
 }
@@ -143,6 +143,8 @@ static size_t lay_out(dm_lie_joints *e, double *memory) {
     e->inner_impulse = take(&to, (size_t)e->K * (e->K + 1));
     e->of_e = take(&to, (e->at.count + e->K + 1) * d);
     lay_out_outputs(e, &to);
+    e->pull_first = (uint32_t *)(void *)take(&to, d + 1);
+    e->pull_entry = (uint32_t *)(void *)take(&to, e->joints->pull.count);
     e->z = take(&to, e->N);
     e->w = take(&to, d);
     e->xi = take(&to, d);
@@ -179,6 +181,18 @@ static void prepare(dm_lie_joints *e) {
     if (e->l) dm_kernel_prepare(&e->constraints->rolling_kernel, e->rolling);
 }
 
+/* entries of pull by the columns of w, as a sparse matrix by columns */
+static void sort_pull(dm_lie_joints *e) {
+    const dm_group_entries *f = &e->joints->pull;
+    uint32_t count = 0;
+    for (uint32_t column = 0; column < e->d; column++) {
+        e->pull_first[column] = count;
+        for (uint32_t i = 0; i < f->count; i++)
+            if (f->column[i] == e->d + column) e->pull_entry[count++] = i;
+    }
+    e->pull_first[e->d] = count;
+}
+
 /* dense, and narrow where a look at the entries says that it pays */
 static void open_matrices(dm_lie_joints *e, double *memory) {
     const uint32_t closing = e->d + e->m;
@@ -201,6 +215,7 @@ dm_status dm_lie_joints_open(dm_stepper *s) {
     const size_t taken = dm_step_matrix_work(e->N) + dm_step_matrix_work(e->d + e->m);
     lay_out(e, matrices + taken);
     fill(e, &g);
+    sort_pull(e);
     open_matrices(e, matrices);
     prepare(e);
     memset(e->memory, 0, dm_lie_joints_memory_size(e) * sizeof *e->memory);
