@@ -22,11 +22,14 @@ typedef struct {
 } dm_chart_trace;
 
 /* Values; and values with, behind them, those entries of their matrix of derivatives that are not
- * zero everywhere. */
+ * zero everywhere. The kernels compute coordinate after coordinate, since what bodies far apart
+ * have in flight at the same time does not fit into a cache. */
 typedef struct {
     dm_kernel plain, kernel;
     uint32_t values, count;
     const uint32_t *row, *column; /* [count] from 0 */
+    const uint32_t *order;        /* [values + count] output i of `kernel` is number order[i] */
+    const uint32_t *plain_order;  /* [values] of `plain` */
 } dm_group_entries;
 
 /* What a step with constraints, or of many bodies, is made of (group_joints.c); m multipliers
@@ -82,6 +85,16 @@ dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile
 
 /* The same of its joints. */
 dm_status dm_group_want_joints(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+
+/* Doubles of `out` for one: values, entries, room for both as the kernels leave them. */
+static inline size_t dm_group_entries_size(const dm_group_entries *f) {
+    return 3 * (size_t)f->values + 2 * (size_t)f->count;
+}
+
+/* Constant outputs, once; then values and, where they are asked for, entries into out. */
+void dm_group_entries_prepare(const dm_group_entries *f, double *out);
+void dm_group_entries_eval(const dm_group_entries *f, const double *in, double *out,
+                           int with_entries);
 
 /* X[n*d] in a graph that begins with the inputs q[n]: d(coordinates of q near(e))/de at e = 0, by
  * rows. */

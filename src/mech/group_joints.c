@@ -19,32 +19,85 @@ typedef struct {
     uint32_t first, count, gap;
 } columns;
 
+/* rows, columns of slope[values * in.count] that are not zero */
+static int list_entries(dm_group_entries *out, const making *b, const dm_node *slope, columns in) {
+    const size_t all = (size_t)out->values * in.count;
+    for (size_t i = 0; i < all; i++) out->count += slope[i] != 0;
+    uint32_t *row = dm_arena_take(b->j.arena, (2 * (size_t)out->count + 1) * sizeof *row);
+    if (!row) return 0;
+    uint32_t *column = row + out->count;
+    out->row = row;
+    out->column = column;
+    for (size_t i = 0; i < all; i++) {
+        if (!slope[i]) continue;
+        *row++ = (uint32_t)(i / in.count);
+        *column++ = (uint32_t)(i % in.count);
+    }
+    return 1;
+}
+
+/* key[values]: the first coordinate that each value sees */
+static void find_keys(uint32_t *key, const dm_group_entries *f, uint32_t d, columns in) {
+    for (uint32_t i = 0; i < f->values; i++) key[i] = d;
+    for (uint32_t i = 0; i < f->count; i++) {
+        const uint32_t coordinate = f->column[i] % d;
+        const int is_multiplier = f->column[i] > in.gap;
+        if (!is_multiplier && coordinate < key[f->row[i]]) key[f->row[i]] = coordinate;
+    }
+    for (uint32_t i = 0; i < f->values; i++)
+        if (key[i] == d) key[i] = i % d;
+}
+
+/* numbers first .. last of the outputs by the keys of their values, behind the others; returns how
+ * many there are then */
+static uint32_t sort(uint32_t *order, const dm_group_entries *f, const uint32_t *key,
+                     uint32_t count, uint32_t d) {
+    uint32_t done = 0;
+    for (uint32_t a = 0; a < d; a++)
+        for (uint32_t i = 0; i < count; i++)
+            if (key[i < f->values ? i : f->row[i - f->values]] == a) order[done++] = i;
+    return done;
+}
+
 /* values[count] and those entries of their derivatives that are not zero */
 static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const dm_node *values,
                       uint32_t count, columns in) {
     const size_t all = (size_t)count * in.count;
     dm_node *slope = dm_joining_take(&b->j, all), *roots = dm_joining_take(&b->j, count + all);
-    if (!slope || !roots) return DM_NO_MEMORY;
+    uint32_t *key = dm_joining_take(&b->j, count), *order = dm_joining_take(&b->j, 2 * count + all);
+    if (!slope || !roots || !key || !order) return DM_NO_MEMORY;
     dm_jacobian(g, values, count, in.first, in.count, slope);
     for (uint32_t i = 0; i < count && in.gap < in.count; i++) slope[i * in.count + in.gap] = 0;
-    *out = (dm_group_entries){.values = count};
-    for (size_t i = 0; i < all; i++) out->count += slope[i] != 0;
-    uint32_t *place = dm_arena_take(b->j.arena, (2 * (size_t)out->count + 1) * sizeof *place);
-    if (!place) return DM_NO_MEMORY;
-    out->row = place;
-    out->column = place + out->count;
-    memcpy(roots, values, count * sizeof *roots);
-    for (size_t i = 0, at = 0; i < all; i++) {
-        if (!slope[i]) continue;
-        place[at] = (uint32_t)(i / in.count);
-        place[out->count + at] = (uint32_t)(i % in.count);
-        roots[count + at++] = slope[i];
-    }
+    *out = (dm_group_entries){.values = count, .plain_order = order, .order = order + count};
+    if (!list_entries(out, b, slope, in)) return DM_NO_MEMORY;
+    find_keys(key, out, b->j.d, in);
+    sort(order, out, key, count, b->j.d);
+    sort(order + count, out, key, count + out->count, b->j.d);
     dm_status status = dm_graph_status(g);
+    for (uint32_t i = 0; i < count; i++) roots[i] = values[order[i]];
     if (status == DM_OK) status = b->compile(&out->plain, g, roots, count, b->j.arena);
+    for (uint32_t i = 0; i < count + out->count; i++) {
+        const uint32_t k = out->order[i], entry = k - count;
+        roots[i] = k < count ? values[k] : slope[out->row[entry] * in.count + out->column[entry]];
+    }
     if (status == DM_OK)
         status = b->compile(&out->kernel, g, roots, count + out->count, b->j.arena);
     return status;
+}
+
+void dm_group_entries_prepare(const dm_group_entries *f, double *out) {
+    double *raw = out + f->values + f->count;
+    dm_kernel_prepare(&f->kernel, raw);
+    dm_kernel_prepare(&f->plain, raw + f->values + f->count);
+}
+
+void dm_group_entries_eval(const dm_group_entries *f, const double *in, double *out,
+                           int with_entries) {
+    const uint32_t count = f->values + (with_entries ? f->count : 0);
+    const uint32_t *order = with_entries ? f->order : f->plain_order;
+    double *raw = out + f->values + f->count + (with_entries ? 0 : f->values + f->count);
+    dm_kernel_eval(with_entries ? &f->kernel : &f->plain, in, raw);
+    for (uint32_t i = 0; i < count; i++) out[order[i]] = raw[i];
 }
 
 /* nodes[count] of the joined graph at e = 0, in a graph without e, by their entries */

@@ -58,7 +58,7 @@ static double find_mass(dm_lie_joints *e) {
     double most = 0.0;
     memset(e->x + e->n, 0, 2 * d * sizeof *e->x);
     e->x[e->n + 2 * d] = e->t;
-    dm_kernel_eval(&f->kernel, e->x, e->slope);
+    dm_group_entries_eval(f, e->x, e->slope, 1);
     for (uint32_t i = 0; i < f->count; i++)
         if (f->row[i] >= 2 * d && f->column[i] >= d && f->column[i] < 2 * d)
             most = fmax(most, fabs(e->slope[f->values + i]));

@@ -66,7 +66,7 @@ static dm_status closing_equation(void *joints, double *R, double *J, const doub
     const uint32_t n = e->n, d = e->d;
     memcpy(e->in + n, z, d * sizeof *z);
     for (uint32_t c = 0; c < e->m; c++) e->in[n + d + 1 + c] = z[d + c] * e->impulse_unit[c];
-    dm_kernel_eval(J ? &e->joints->hidden.kernel : &e->joints->hidden.plain, e->in, e->hidden);
+    dm_group_entries_eval(&e->joints->hidden, e->in, e->hidden, J != NULL);
     e->size = 0.0;
     for (uint32_t i = 0; i < d; i++)
         e->size = fmax(e->size, fmax(fabs(e->end[n + i]), e->mass * fabs(z[i])));
@@ -111,7 +111,7 @@ static void add_impulse(dm_lie_joints *e) {
     e->x[n + 2 * d] = e->t + e->h;
     for (uint32_t c = 0; c < e->m; c++)
         e->x[n + 2 * d + 1 + c] = e->last[d + c] * e->impulse_unit[c];
-    dm_kernel_eval(&e->joints->reaction.plain, e->x, e->reaction);
+    dm_group_entries_eval(&e->joints->reaction, e->x, e->reaction, 0);
     for (uint32_t i = 0; i < d; i++) e->end[n + i] += e->reaction[e->k + i];
 }
 

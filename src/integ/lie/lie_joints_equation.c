@@ -117,10 +117,6 @@ static blocks columns_of(const dm_lie_joints *e, const weights *w) {
 
 static const double ONE = 1.0;
 
-static void evaluate(const dm_group_entries *f, const double *in, double *out, int with_entries) {
-    dm_kernel_eval(with_entries ? &f->kernel : &f->plain, in, out);
-}
-
 /* what a point gives w, for turning.c */
 static void keep_for_w(dm_lie_joints *e, uint32_t i, const double *of_e) {
     if (dm_lie_joints_turn(e)) memcpy(e->of_e + i * e->d, of_e, e->d * sizeof *of_e);
@@ -142,7 +138,7 @@ static void add_slope(dm_lie_joints *e, double *R, double *J, uint32_t i, const 
                 {.first = d, .length = d, .count = s, .stride = d, .w = w.of_xi},
                 {.first = 2 * d, .length = d, .count = s, .stride = d, .w = w.of_rate}}};
     place(e, &e->at, i, V);
-    if (R) evaluate(&e->joints->slope, e->x, e->slope, J != NULL);
+    if (R) dm_group_entries_eval(&e->joints->slope, e->x, e->slope, J != NULL);
     if (R) add_values(e, R, e->slope, &rows);
     if (R) keep_for_w(e, i, e->slope);
     if (!J) return;
@@ -170,7 +166,7 @@ static void add_reaction(dm_lie_joints *e, double *R, double *J, uint32_t i, con
     if (acts) memcpy(e->x + e->n + 2 * d + 1 + e->m, e->v + i * e->n, d * sizeof *e->v);
     for (uint32_t c = 0; c < e->m; c++)
         e->x[e->n + 2 * d + 1 + c] = acts ? z[first + i * e->m + c] * e->impulse_unit[c] : 0.0;
-    if (R) evaluate(&e->joints->reaction, e->x, e->reaction, J != NULL);
+    if (R) dm_group_entries_eval(&e->joints->reaction, e->x, e->reaction, J != NULL);
     if (R) add_values(e, R, e->reaction, &rows);
     if (R && acts) keep_for_w(e, e->at.count + i, e->reaction + k);
     if (!J) return;
@@ -197,7 +193,7 @@ static void add_rolling(dm_lie_joints *e, double *R, double *J, uint32_t i, cons
                                  .w = &ONE,
                                  .unit = e->row_unit + e->k}}};
     place(e, &e->rolls, i, V);
-    if (R) evaluate(&e->joints->rolling, e->x, e->phi, J != NULL);
+    if (R) dm_group_entries_eval(&e->joints->rolling, e->x, e->phi, J != NULL);
     if (R) add_values(e, R, e->phi, &rows);
     if (!J) return;
     weigh_columns(&w, e, &e->rolls, i);
@@ -210,7 +206,7 @@ static void pull(dm_lie_joints *e, int with_entries, const double *z) {
     combine(e->xi, e, e->beta, e->h, z);
     memcpy(e->in, e->xi, e->d * sizeof *e->in);
     memcpy(e->in + e->d, e->w, e->d * sizeof *e->in);
-    evaluate(&e->joints->pull, e->in, e->pull, with_entries);
+    dm_group_entries_eval(&e->joints->pull, e->in, e->pull, with_entries);
 }
 
 /* - beta_j dtau_R(xi1)^T w; its derivative in w is that of what w is the sum of */

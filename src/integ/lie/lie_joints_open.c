@@ -100,18 +100,13 @@ size_t dm_lie_joints_memory_size(const dm_lie_joints *e) {
     return DM_LIE_AT_UNITS + 2 * (size_t)e->m + DM_LIE_JOINTS_KEPT * (size_t)e->N;
 }
 
-/* how many outputs, constant ones too */
-static size_t outputs(const dm_group_entries *f) {
-    return (size_t)f->values + f->count;
-}
-
 static void lay_out_outputs(dm_lie_joints *e, layout *to) {
     const size_t n = e->n;
-    e->slope = take(to, outputs(&e->joints->slope));
-    e->reaction = take(to, outputs(&e->joints->reaction));
-    e->phi = take(to, outputs(&e->joints->rolling));
-    e->pull = take(to, outputs(&e->joints->pull));
-    e->hidden = take(to, outputs(&e->joints->hidden));
+    e->slope = take(to, dm_group_entries_size(&e->joints->slope));
+    e->reaction = take(to, dm_group_entries_size(&e->joints->reaction));
+    e->phi = take(to, dm_group_entries_size(&e->joints->rolling));
+    e->pull = take(to, dm_group_entries_size(&e->joints->pull));
+    e->hidden = take(to, dm_group_entries_size(&e->joints->hidden));
     e->holonomic = take(to, e->k * (n + 2));
     e->rolling = take(to, e->l * (3 * n + 1));
 }
@@ -168,15 +163,15 @@ size_t dm_lie_joints_work(const dm_rule *rule, const dm_model *m) {
            lay_out(&e, NULL);
 }
 
-/* constant outputs of the kernels, once; those of values alone are constants of both */
+/* constant outputs of the kernels, once */
 static void prepare(dm_lie_joints *e) {
     const dm_group_joints *j = e->joints;
-    dm_kernel_prepare(&j->slope.kernel, e->slope);
-    dm_kernel_prepare(&j->pull.kernel, e->pull);
+    dm_group_entries_prepare(&j->slope, e->slope);
+    dm_group_entries_prepare(&j->pull, e->pull);
     dm_kernel_prepare(&j->finish, e->end);
-    if (e->m) dm_kernel_prepare(&j->reaction.kernel, e->reaction);
-    if (e->m) dm_kernel_prepare(&j->hidden.kernel, e->hidden);
-    if (e->l) dm_kernel_prepare(&j->rolling.kernel, e->phi);
+    if (e->m) dm_group_entries_prepare(&j->reaction, e->reaction);
+    if (e->m) dm_group_entries_prepare(&j->hidden, e->hidden);
+    if (e->l) dm_group_entries_prepare(&j->rolling, e->phi);
     if (e->k) dm_kernel_prepare(&e->constraints->holonomic_kernel, e->holonomic);
     if (e->l) dm_kernel_prepare(&e->constraints->rolling_kernel, e->rolling);
 }
