@@ -7,7 +7,9 @@
 local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
+local on_group = require "dm.measure.on_group"
 
 local M = {}
 
@@ -18,11 +20,11 @@ local entries = lists.entries
 local function functions_of(system)
   local given = system.given
   local p = given.params
-  if system.place then error("multipliers at a state: not for systems on groups yet", 0) end
   local L, g, phi, f = bound(given.L, p), bound(given.constraint, p), bound(given.rolling, p),
     bound(given.force, p)
   local control, E = bound(given.control, p), bound(given.reaction, p)
   return {
+    place = system.place and on_group.entries_of(system),
     L = function(q, v, t) return L(q, v, t) end,
     g = g and function(q, t) return core.vector(entries(g(q, t))) end,
     phi = phi and function(q, v, t) return core.vector(entries(phi(q, v, t))) end,
@@ -32,6 +34,24 @@ local function functions_of(system)
       return entries(f(q, v, t))
     end,
   }
+end
+
+-- derivatives of F(q, v, t) in (q, v, t), rows of 2 n + 1 numbers; on a group those of F(g near(e),
+-- xi, t) in (e, xi, t), and xi is the rate of e (right: near(e) g)
+local function derivative(f, F, n)
+  local P = f.place
+  if not P then return core.derivative(F, n, n, "number") end
+  local slope = core.derivative(function(q, e, v, t)
+    local moved = P.right and P.carry(P.near(e), q) or P.carry(q, P.near(e))
+    return F(P.element(moved), v, t)
+  end, P.size, n, n, "number")
+  return function(g, v, t)
+    local J = slope(core.vector(P.flat(g)), core.zeros(n), v, t)
+    if kits.is_scalar(J[1]) then return lists.part(J, P.size, 2 * n + 1) end
+    local out = {}
+    for i = 1, J.rows do out[i] = lists.part(J[i], P.size, 2 * n + 1) end
+    return out
+  end
 end
 
 -- the change in time of a vector of (q, v, t) with the derivatives J, at the acceleration a
@@ -47,16 +67,22 @@ end
 
 -- g' = G v + g_t as a function, and G
 local function of_constraint(f, n)
-  local slope = core.derivative(f.g, n, "number")
-  local speed = core.derivative(function(q, v, t)
-    local G, out = slope(q, t), {}
+  local slope = f.place and derivative(f, function(q, _, t) return f.g(q, t) end, n)
+    or core.derivative(f.g, n, "number")
+  local time, zero = f.place and 2 * n + 1 or n + 1, core.zeros(n)
+  local function across(q, t)
+    if f.place then return slope(q, zero, t) end
+    return slope(q, t)
+  end
+  local speed = derivative(f, function(q, v, t)
+    local G, out = across(q, t), {}
     for c = 1, #f.g(q, t) do
-      out[c] = G[c][n + 1]
+      out[c] = G[c][time]
       for k = 1, n do out[c] = out[c] + G[c][k] * v[k] end
     end
     return core.vector(out)
-  end, n, n, "number")
-  return slope, speed
+  end, n)
+  return across, speed
 end
 
 -- rows of reactions of the rolling constraints, from J = dphi/d(q, v, t) or as given
@@ -72,19 +98,24 @@ end
 
 -- y = (v', lambda, mu) -> what is left of the equations
 local function equations_of(f, n, k, l)
-  local slope = core.derivative(f.L, n, n, "number")
-  local momentum = core.derivative(function(q, v, t)
-    local s, p = slope(q, v, t), {}
-    for i = 1, n do p[i] = s[n + i] end
-    return core.vector(p)
-  end, n, n, "number")
-  local turned = f.phi and core.derivative(f.phi, n, n, "number")
+  local slope = derivative(f, f.L, n)
+  local function momentum_of(q, v, t) return core.vector(lists.part(slope(q, v, t), n, n)) end
+  local momentum = derivative(f, momentum_of, n)
+  local turned = f.phi and derivative(f, f.phi, n)
+  -- what of d/dt L_v = ... comes of the group itself: coad(xi, L_v), right: its negative
+  local function carried(q, v, t)
+    local P = f.place
+    return P and P.kit.coad(P.right and -v or v, momentum_of(q, v, t))
+  end
   local across, speed
   if f.g then across, speed = of_constraint(f, n) end
   return function(y, q, v, t)
     local s, force = slope(q, v, t), f.f and f.f(q, v, t)
-    local out = rates(momentum(q, v, t), n, v, y, 2 * n + 1)
-    for i = 1, n do out[i] = out[i] - s[i] - (force and force[i] or 0) end
+    local out, turn = rates(momentum(q, v, t), n, v, y, 2 * n + 1), carried(q, v, t)
+    for i = 1, n do
+      out[i] = out[i] - s[i] - (force and force[i] or 0)
+      if turn then out[i] = out[i] - turn[i] end
+    end
     local function push(rows, count, first)
       for c = 1, count do
         for i = 1, n do out[i] = out[i] - rows[c][i] * y[first + c] end
@@ -109,7 +140,9 @@ local MOST = 64  -- unknowns of an implicit function
 local function of_multipliers(system, f, n, k, l)
   local zero = {}
   for i = 1, n do zero[i] = 0 end
-  local inverse, all = system:mass(zero, zero):inverse(), equations_of(f, n, k, l)
+  local place = system.place
+  local inverse = system:mass(place and place.kit.identity() or zero, zero):inverse()
+  local all = equations_of(f, n, k, l)
   local function accelerations(lambda, q, v, t)
     local full, a = table.move(zero, 1, n, 1, {}), {}
     for c = 1, k + l do full[n + c] = lambda[c] end
@@ -137,9 +170,11 @@ local function solution(system, f, n, k, l)
   local failure = k + l > 0
     and "are the constraints independent of each other here, and d2L/dv2 regular along them?"
     or "is d2L/dv2 regular here?"
+  local P = f.place
   local function root(count, equations)
-    return core.root { name = "the acceleration", unknowns = count, equations = equations,
-      failure = failure }
+    local found = core.root { name = "the acceleration", unknowns = count, failure = failure,
+      equations = P and function(y, q, ...) return equations(y, P.element(q), ...) end or equations }
+    return P and function(q, ...) return found(core.vector(P.flat(q)), ...) end or found
   end
   if n + k + l <= MOST then return root(n + k + l, equations_of(f, n, k, l)) end
   if k + l > MOST or not system:structure().constant_mass then
@@ -175,6 +210,11 @@ local function fingerprint(f, at)
   return table.concat(text, " ")
 end
 
+-- of velocities
+local function dimension(system)
+  return system.place and system.place.dimension or system.Q.dimension
+end
+
 -- system -> { f, root, n, k, l, sample, seen }
 local kept = setmetatable({}, { __mode = "k" })
 
@@ -188,7 +228,7 @@ local function make(system)
     error("multipliers and accelerations need a Lagrangian, and this H has none (d2H/dp2 is "
       .. "singular, or H is not quadratic in p)", 0)
   end
-  local made = { f = functions_of(system), n = system.Q.dimension,
+  local made = { f = functions_of(system), n = dimension(system),
     k = structure.constraints or 0, l = structure.rolling or 0 }
   made.root = solution(system, made.f, made.n, made.k, made.l)
   return made
@@ -234,19 +274,19 @@ end
 
 -- a state as it is given: vectors of n entries, numbers or symbols
 local function state(system, q, v, t, what)
-  local n = system.Q.dimension
+  local n, place = dimension(system), system.place
   local function check(key, x)
     if lists.count(x) ~= n then
       error(("%s: %s must be %d numbers (got %s)"):format(what, key, n, lists.got(x)), 0)
     end
   end
-  check("q", q)
+  if not place then check("q", q) end
   check("v", v)
   local fine, symbol = pcall(function() return t == nil or type(t) == "number" or t + 0 end)
   if not fine or type(symbol) == "table" then
     error(("%s: t must be a number (got %s)"):format(what, type(t)), 0)
   end
-  return core.vector(q), core.vector(v), t or 0
+  return place and place.kit.element(q) or core.vector(q), core.vector(v), t or 0
 end
 
 M.multipliers = blame.caller(function(system, q, v, t)
@@ -283,7 +323,8 @@ M.along = blame.caller(function(path)
       .. "of its steps are record = { \"impulses\" }", 0)
   end
   local f, made = traced(path.system, "path:multipliers")
-  local lambda, v, out = core.trace(f, made.n, made.n, "number"), path:velocity(), {}
+  local v, out = path:velocity(), {}
+  local lambda = path.system.place and f or core.trace(f, made.n, made.n, "number")
   for i = 1, #path do out[i] = lambda(path.q[i], v[i], path.t[i]) end
   return core.matrix(out)
 end)

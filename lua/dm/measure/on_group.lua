@@ -21,8 +21,13 @@ local function lagrangian(system, what)
   return bound(given.L, given.params)
 end
 
--- the place of the same group with entries of matrices for coordinates, which elements have at once
-local function entries_of(system) return place.of(system.Q, { columns = "matrix" }) end
+--- The place of the same group with entries of matrices for coordinates, which elements have at
+-- once.
+local function entries_of(system)
+  local side = system.place.right and "right" or "left"
+  return place.of(system.Q, { columns = "matrix", trivialization = side })
+end
+M.entries_of = entries_of
 
 ---- the system linearized at a state ----
 

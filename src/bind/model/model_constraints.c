@@ -3,6 +3,7 @@
  * the list is traced, checked and compared alike. */
 #include "bind/model/model_constraints.h"
 #include "bind/model/named.h"
+#include "bind/model/space_group.h"
 
 #include "algebra/derive.h"
 #include "base/random.h"
@@ -421,6 +422,18 @@ static int push_outputs(lua_State *L, const dm_kernel *kernel, const double *x, 
     return 1;
 }
 
+/* q, and v, at 2 and 3 of a system on a group become flat coordinates */
+static void flatten(lua_State *L, int sees_v) {
+    const int top = lua_gettop(L);
+    lua_createtable(L, 0, 2);
+    lua_pushvalue(L, 2), lua_setfield(L, -2, "q");
+    if (sees_v) lua_pushvalue(L, 3), lua_setfield(L, -2, "v");
+    dml_place_options(L, 1, lua_gettop(L), "start");
+    lua_getfield(L, top + 1, "q"), lua_replace(L, 2);
+    if (sees_v) lua_getfield(L, top + 1, "v"), lua_replace(L, 3);
+    lua_settop(L, top);
+}
+
 /* x = (q, v, t) from arguments 2, 3, 4, or (q, t) from 2, 3; the model is pushed */
 static dml_model *read_point(lua_State *L, int which, double **x) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
@@ -439,6 +452,7 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
         2 * n + 1 + m->constraints.holonomic + m->constraints.rolling + m->constraints.controls;
     *x = lua_newuserdatauv(L, room * sizeof **x, 0);
     memset(*x, 0, room * sizeof **x);
+    if (s->placed) flatten(L, sees_v);
     dml_unname(L, 1, 2, "q");
     if (sees_v) dml_unname(L, 1, 3, "v");
     dml_vectorarg(L, 2, "q", *x, s->n);
@@ -476,7 +490,7 @@ static int system_force(lua_State *L) {
         dm_kernel_prepare(&m->constraints.control, x + behind);
         dm_kernel_eval(&m->constraints.control, x, x + behind);
     }
-    return push_outputs(L, &m->constraints.force, x, m->constraints.n, "force");
+    return push_outputs(L, &m->constraints.force, x, m->group.momenta, "force");
 }
 
 /* (q, v, t): u */
