@@ -14,6 +14,7 @@
 local core = require "dm.core"
 local flats = require "dm.group.flat"
 local kits = require "dm.group.kit"
+local spheres = require "dm.group.spheres"
 
 local M = {}
 
@@ -127,13 +128,14 @@ local REFUSED = { coordinates = "the coordinates of a group have names of their 
   derivatives = "derivatives on a group are exact" }
 
 --- The options of dm.system on R^N of a system on a group, and its place.
-function M.unfold(options)
+function M.unfold(given)
+  local options, out = spheres.unfold(given), {}
   for key, why in pairs(REFUSED) do
     if options[key] ~= nil then
       error(("field '%s': %s"):format(key, why), 0)
     end
   end
-  local place, out = M.of(options.Q, options), {}
+  local place = M.of(options.Q, options)
   for key, value in pairs(options) do out[key] = value end
   local function wrap(key, how)
     if type(options[key]) == "function" then out[key] = how(place, options[key]) end
@@ -161,6 +163,7 @@ local function append(out, list)
   for i = 1, #list do out[#out + 1] = list[i] end
   return out
 end
+
 
 -- the left differential of tau: g^-1 g' of tau(xi), as d/dt tau(xi) = tau(xi) hat(left(xi, xi'))
 local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }

@@ -172,8 +172,9 @@ local function solution(system, f, n, k, l)
     or "is d2L/dv2 regular here?"
   local P = f.place
   local function root(count, equations)
-    local found = core.root { name = "the acceleration", unknowns = count, failure = failure,
-      equations = P and function(y, q, ...) return equations(y, P.element(q), ...) end or equations }
+    local found = core.root { name = "the acceleration", unknowns = count,
+      equations = P and function(y, q, ...) return equations(y, P.element(q), ...) end or equations,
+      failure = failure }
     return P and function(q, ...) return found(core.vector(P.flat(q)), ...) end or found
   end
   if n + k + l <= MOST then return root(n + k + l, equations_of(f, n, k, l)) end

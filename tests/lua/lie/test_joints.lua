@@ -144,6 +144,59 @@ for _, row in ipairs { { "lie(3)", 60 }, { "lie(4)", 30 } } do
   ok(far(path.q[2][1], SE2:exp { 6, 0, 3 }) < 1e-10, row[1] .. ": a disk that rolls round")
 end
 
+---- spheres beside a group ----
+
+local held_by = dm.system { Q = dm.product(SO3, dm.S(2), dm.R(1)), L = function(q, v)
+  local d = q[1] * vector { 0, 0, 1 } - q[2]
+  return (v[1] ^ 2 + 2 * v[2] ^ 2 + 1.5 * v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2 + v[7] ^ 2) / 2
+    - d:dot(d) - q[3][1] ^ 2 / 2 - q[2][3]
+end }
+local beside = { q = { R, vector { 0, 0.6, 0.8 }, { 0.1 } }, v = { 0.1, 0.2, 0.3, 0.4, 0, 0, 0.2 } }
+local fine = finish(run(held_by, "lie(4)", 1, 64, beside))
+for _, row in ipairs { { "lie(1)", 2 }, { "lie(2)", 4 }, { "lie(3)", 6 } } do
+  near(order(held_by, row[1], 1, 6, beside, fine, finish), row[2], 0.15,
+    row[1] .. ": a body and a point on a sphere")
+end
+
+---- a chain of links: its matrix is a band ----
+
+local links = {}
+for i = 1, 6 do links[2 * i - 1], links[2 * i] = SO3, dm.R(3) end
+local chain = dm.system { Q = dm.product(table.unpack(links)),
+  L = function(q, v)
+    local sum = 0
+    for i = 0, 5 do
+      local k = 6 * i
+      sum = sum + (v[k + 1] ^ 2 / 12 + v[k + 2] ^ 2 / 12 + v[k + 3] ^ 2 / 100 + v[k + 4] ^ 2
+        + v[k + 5] ^ 2 + v[k + 6] ^ 2) / 2 - 9.81 * q[2 * i + 2][3]
+    end
+    return sum
+  end,
+  constraint = function(q)
+    local out, last = {}, vector { 0, 0, 0 }
+    for i = 1, 6 do
+      local half = q[2 * i - 1] * vector { 0, 0, 0.5 }
+      local joint = q[2 * i] + half - last
+      for k = 1, 3 do out[#out + 1] = joint[k] end
+      last = q[2 * i] - half
+    end
+    return out
+  end }
+local hanging, at = { q = {}, v = dm.zeros(36) }, vector { 0, 0, 0 }
+for i = 1, 6 do
+  local turn = SO3:exp { 0.5, 0.1 * sin(i), 0 }
+  local half = turn * vector { 0, 0, 0.5 }
+  hanging.q[2 * i - 1], hanging.q[2 * i], at = turn, at - half, at - 2 * half
+end
+local swung = finish(run(chain, "lie(3)", 0.5, 50, hanging))
+near(order(chain, "lie(1)", 0.5, 25, hanging, swung, finish), 2, 0.15, "lie(1): a chain")
+near(order(chain, "lie(2)", 0.5, 10, hanging, swung, finish), 4, 0.15, "lie(2): a chain")
+local swings = chain:solver { rule = "lie(1)", h = 0.01 }
+local whole = swings:run { q = hanging.q, v = hanging.v, steps = 2000, every = 20 }
+local drift = whole:drift "energy"
+ok(drift.largest < 0.01 and abs(drift.per_time) < 1e-4, "energy of a chain")
+ok(whole:worst "constraint" < 1e-13 and swings:report().newton_per_step < 6, "and its joints")
+
 ---- controls are held over a step ----
 
 local steered = dm.system { Q = SO3, L = function(_, v) return v:dot(v) / 2 end,
@@ -151,6 +204,27 @@ local steered = dm.system { Q = SO3, L = function(_, v) return v:dot(v) / 2 end,
   force = function(_, _, _, u) return { 0, 0, u[1] } end }
 near(run(steered, "lie(2)", 1, 4, { q = one, v = { 0, 0, 0 } }):velocity(2)[3],
   0.25 * (0.25 + 0.5 + 0.75), 1e-14, "a control")
+
+---- multipliers at a state: those of the step, and the motion of the equations ----
+
+for _, case in ipairs { { hung, tilt }, { mirrored, { q = tilt.q, v = V and
+  run(mirrored, "lie(2)", 1e-3, 1, { q = tilt.q, v = tilt.v, project = true }):velocity(1) } } } do
+  local system, state = case[1], case[2]
+  local a = system:acceleration(state.q, state.v)
+  local function velocity(h)
+    return run(system, "lie(3)", h, 1, state):velocity(2) - run(system, "lie(3)", h, 1, state)
+      :velocity(1)
+  end
+  local step = 1e-3 -- a difference without its part of order h
+  local slope = velocity(step) * (2 / step) - velocity(2 * step) * (1 / (2 * step))
+  ok(far(slope, a) < 1e-5, "acceleration at a state")
+end
+local recorded = hung:solver { rule = "lie(1)", h = 1e-4 }:run { q = tilt.q, v = tilt.v, steps = 2,
+  record = { "lambda", "impulses" } }
+near(recorded:column "impulse3"[2] / 1e-4, recorded:column "lambda3"[2], 1e-3,
+  "lambda and impulses")
+ok(far(hung:constraint(tilt.q), { 0, 0, 0 }) < 1e-15, "system:constraint of an element")
+near(suslov:rolling(one, { 1, 0, 3 })[1], 3, 0, "system:rolling of an element")
 
 ---- what a run keeps ----
 
