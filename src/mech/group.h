@@ -76,8 +76,8 @@ static inline uint32_t dm_momenta(const dm_model *m) {
     return m->group ? m->group->momenta : m->n;
 }
 
-/* The graph of L, also where it has very many coordinates; NULL: it was not traced, or has sums that
- * stay loops. */
+/* The graph of L, also where it has very many coordinates; NULL: it was not traced, or has sums
+ * that stay loops. */
 dm_graph *dm_group_graph(const dm_model *m);
 
 /* Make the kernels of tau for a model that was built, in its arena. */

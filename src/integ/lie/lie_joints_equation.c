@@ -15,7 +15,7 @@ enum { BLOCKS = 4 };
 typedef struct {
     uint32_t first, length, count, at, stride;
     const double *w, *unit;
-    int pulled; /* they are a part of the covector w, from where dtau_R(xi1)^T takes them to all V */
+    int pulled; /* they are a part of w, from where dtau_R(xi1)^T takes them to all V */
 } block;
 
 typedef struct {

@@ -18,7 +18,7 @@ typedef struct {
 } dm_lie_points;
 
 /* Sizes: n flat coordinates, d dimension of the group, s velocities, K constraint points less one,
- * k and l constraints, m both; unknowns V[s][d], multipliers[K][m] in units of velocity, N in all. */
+ * k and l constraints, m both; N unknowns V[s][d], multipliers[K][m] in units of velocity. */
 typedef struct {
     const dm_model *model;
     const dm_group_joints *joints;
