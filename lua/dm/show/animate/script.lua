@@ -208,7 +208,8 @@ function drawLayer(g, path, frame, see, shown) {
   const radius = path.points > 40 ? 2.5 : path.bodies.length > 0 ? 4 : 6;
   for (let point = 1; point <= path.points; point++) {
     const at = place(path, frame, point, see);
-    if (shown(at[2])) disk(g, at, radius, colour(point - 1));
+    const front = path.bodies.length > 1 ? shown(Infinity) : shown(at[2]);
+    if (front) disk(g, at, radius, colour(point - 1));
   }
 }
 
