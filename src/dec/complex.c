@@ -8,13 +8,16 @@
 
 #include <string.h>
 
-static inline int compare(const uint32_t *a, const uint32_t *b, const uint32_t length) {
+/* for functions whose length or degree is a constant where they are called: short straight loops */
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE int compare(const uint32_t *a, const uint32_t *b, const uint32_t length) {
     for (uint32_t i = 0; i < length; i++)
         if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
     return 0;
 }
 
-static inline void copy(uint32_t *to, const uint32_t *from, const uint32_t length) {
+INLINE void copy(uint32_t *to, const uint32_t *from, const uint32_t length) {
     for (uint32_t i = 0; i < length; i++) to[i] = from[i];
 }
 
@@ -29,12 +32,14 @@ typedef struct {
     uint32_t vertices;
 } buckets;
 
+enum { SHORT = 64 };
+
 /* by all entries, the source last: equal tuples keep the order of their sources. Shell's sort:
  * buckets are short, and a long one (a hub) still costs less than its square */
-static inline void sort_any(uint32_t *at, size_t count, const uint32_t length) {
+INLINE void sort_any(uint32_t *at, size_t count, const uint32_t length) {
     uint32_t moved[DM_DIMENSION + 2];
     size_t gap = 1;
-    while (count > 64 && gap < count / 3) gap = 3 * gap + 1;
+    while (count > SHORT && gap < count / 3) gap = 3 * gap + 1;
     for (; gap > 0; gap /= 3)
         for (size_t i = gap; i < count; i++) {
             size_t j = i;
@@ -45,21 +50,49 @@ static inline void sort_any(uint32_t *at, size_t count, const uint32_t length) {
         }
 }
 
+/* the first two entries as one number, with their order */
+INLINE uint64_t key_of(const uint32_t *at) {
+    return (uint64_t)at[0] << 32 | at[1];
+}
+
+/* The same for short buckets, whose records come in the order of their sources: insertion by the
+ * other entries alone, two at a time. */
+INLINE void sort_short(uint32_t *at, size_t count, const uint32_t length) {
+    uint32_t moved[DM_DIMENSION + 2];
+    for (size_t i = 1; i < count; i++) {
+        uint32_t *to = at + i * length;
+        const uint64_t key = length > 2 ? key_of(to) : *to;
+        copy(moved, to, length);
+        for (; to > at; to -= length) {
+            const uint32_t *before = to - length;
+            const uint64_t other = length > 2 ? key_of(before) : *before;
+            if (other < key) break;
+            if (other == key && (length < 4 || compare(before + 2, moved + 2, length - 3) <= 0))
+                break;
+            copy(to, before, length);
+        }
+        copy(to, moved, length);
+    }
+}
+
 /* different tuples of a sorted bucket */
-static inline uint32_t count_any(const uint32_t *at, size_t count, const uint32_t length) {
+INLINE uint32_t count_any(const uint32_t *at, size_t count, const uint32_t length) {
     uint32_t different = count > 0;
     for (size_t i = 1; i < count; i++)
         different += compare(at + (i - 1) * length, at + i * length, length - 1) != 0;
     return different;
 }
 
-/* sorts all buckets and counts the cells; lengths that are constants make short loops */
-static inline uint32_t sort_length(const buckets *b, const uint32_t length) {
+/* sorts all buckets and counts the cells */
+INLINE uint32_t sort_length(const buckets *b, const uint32_t length) {
     uint32_t cells = 0;
     for (uint32_t v = 0; v < b->vertices; v++) {
         uint32_t *at = b->at + (size_t)b->start[v] * length;
         const size_t count = b->start[v + 1] - b->start[v];
-        sort_any(at, count, length);
+        if (count <= SHORT)
+            sort_short(at, count, length);
+        else
+            sort_any(at, count, length);
         cells += count_any(at, count, length);
     }
     return cells;
@@ -74,15 +107,6 @@ static uint32_t sort_buckets(const buckets *b) {
 
 /* ---- what is given ---- */
 
-static void sort_tuple(uint32_t *tuple, uint32_t length) {
-    for (uint32_t i = 1; i < length; i++) {
-        const uint32_t moved = tuple[i];
-        uint32_t j = i;
-        for (; j > 0 && tuple[j - 1] > moved; j--) tuple[j] = tuple[j - 1];
-        tuple[j] = moved;
-    }
-}
-
 static dm_status refuse(dm_complex_report *report, dm_complex_fault fault, uint32_t simplex,
                         uint32_t other) {
     *report = (dm_complex_report){fault, simplex, other};
@@ -93,12 +117,21 @@ static uint32_t degree_of(const dm_simplices *given, uint32_t i) {
     return given->start[i + 1] - given->start[i] - 1;
 }
 
-/* given simplex i, ascending, or what is wrong with it */
-static dm_status read_given(uint32_t *tuple, const dm_simplices *given, uint32_t i,
+/* given simplex i of degree k, ascending */
+INLINE void read_ascending(uint32_t *tuple, const dm_simplices *given, uint32_t i,
+                           const uint32_t k) {
+    const uint32_t *v = given->vertex + given->start[i];
+    for (uint32_t at = 0; at <= k; at++) {
+        uint32_t j = at;
+        for (; j > 0 && tuple[j - 1] > v[at]; j--) tuple[j] = tuple[j - 1];
+        tuple[j] = v[at];
+    }
+}
+
+/* the same, or what is wrong with it */
+static dm_status read_given(uint32_t *tuple, const dm_simplices *given, uint32_t i, uint32_t k,
                             dm_complex_report *report) {
-    const uint32_t k = degree_of(given, i);
-    copy(tuple, given->vertex + given->start[i], k + 1);
-    sort_tuple(tuple, k + 1);
+    read_ascending(tuple, given, i, k);
     if (tuple[k] >= given->vertices) return refuse(report, DM_COMPLEX_UNKNOWN, i, i);
     for (uint32_t j = 0; j < k; j++)
         if (tuple[j] == tuple[j + 1]) return refuse(report, DM_COMPLEX_REPEATED, i, i);
@@ -116,7 +149,7 @@ static dm_status count_records(buckets *b, const dm_complex *K, const dm_simplic
     memset(b->start, 0, ((size_t)b->vertices + 1) * sizeof *b->start);
     for (uint32_t i = 0; i < given->simplices; i++) {
         if (degree_of(given, i) != k) continue;
-        const dm_status status = read_given(tuple, given, i, report);
+        const dm_status status = read_given(tuple, given, i, k, report);
         if (status != DM_OK) return status;
         b->start[tuple[0] + 1]++;
     }
@@ -127,8 +160,8 @@ static dm_status count_records(buckets *b, const dm_complex *K, const dm_simplic
     return DM_OK;
 }
 
-static inline void put(const buckets *b, uint32_t first, const uint32_t *rest, uint32_t source,
-                       const uint32_t k) {
+INLINE void put(const buckets *b, uint32_t first, const uint32_t *rest, uint32_t source,
+                const uint32_t k) {
     uint32_t *at = b->at + (size_t)b->start[first]++ * (k + 1);
     copy(at, rest, k);
     at[k] = source;
@@ -136,8 +169,7 @@ static inline void put(const buckets *b, uint32_t first, const uint32_t *rest, u
 
 /* the k + 2 faces of every cell of degree k + 1; the source of face j of cell i is
  * base + i (k + 2) + j */
-static inline void put_faces(const buckets *b, const dm_complex *K, uint32_t base,
-                             const uint32_t k) {
+INLINE void put_faces(const buckets *b, const dm_complex *K, uint32_t base, const uint32_t k) {
     const uint32_t *cell = K->vertex[k + 1];
     uint32_t rest[DM_DIMENSION + 1];
     for (uint32_t i = 0; i < K->count[k + 1]; i++, cell += k + 2, base += k + 2) {
@@ -150,28 +182,33 @@ static inline void put_faces(const buckets *b, const dm_complex *K, uint32_t bas
     }
 }
 
-static void put_records(const buckets *b, const dm_complex *K, const dm_simplices *given,
-                        dm_complex_report *report) {
-    const uint32_t k = b->k;
+INLINE void put_length(const buckets *b, const dm_complex *K, const dm_simplices *given,
+                       const uint32_t k) {
     uint32_t tuple[DM_DIMENSION + 1];
     for (uint32_t i = 0; i < given->simplices; i++) {
         if (degree_of(given, i) != k) continue;
-        read_given(tuple, given, i, report);
+        read_ascending(tuple, given, i, k);
         put(b, tuple[0], tuple + 1, i, k);
     }
-    if (k == K->n) return;
-    if (k == 1)
-        put_faces(b, K, given->simplices, 1);
-    else if (k == 2)
-        put_faces(b, K, given->simplices, 2);
+    if (k < K->n) put_faces(b, K, given->simplices, k);
+}
+
+/* given ones before faces; they have been looked at by count_records */
+static void put_records(const buckets *b, const dm_complex *K, const dm_simplices *given) {
+    if (b->k == 1)
+        put_length(b, K, given, 1);
+    else if (b->k == 2)
+        put_length(b, K, given, 2);
+    else if (b->k == 3)
+        put_length(b, K, given, 3);
     else
-        put_faces(b, K, given->simplices, k);
+        put_length(b, K, given, b->k);
 }
 
 /* What sorted record i tells: `cell` is its cell, is_first and is_last of the records of it. */
-static inline dm_status number_record(dm_complex *K, const uint32_t *at, const uint32_t k,
-                                      uint32_t cell, int is_first, int is_last, uint32_t base,
-                                      dm_complex_report *report) {
+INLINE dm_status number_record(dm_complex *K, const uint32_t *at, const uint32_t k, uint32_t cell,
+                               int is_first, int is_last, uint32_t base,
+                               dm_complex_report *report) {
     const uint32_t source = at[k];
     if (source >= base)
         K->face[k + 1][source - base] = cell;
@@ -183,8 +220,8 @@ static inline dm_status number_record(dm_complex *K, const uint32_t *at, const u
 }
 
 /* sorted records to cells, each once, and the faces of the degree above to their numbers */
-static inline dm_status number_length(dm_complex *K, const buckets *b, uint32_t base,
-                                      dm_complex_report *report, const uint32_t k) {
+INLINE dm_status number_length(dm_complex *K, const buckets *b, uint32_t base,
+                               dm_complex_report *report, const uint32_t k) {
     const uint32_t *at = b->at;
     uint32_t *tuple = K->vertex[k], cell = UINT32_MAX;
     for (uint32_t v = 0; v < b->vertices; v++) {
@@ -228,7 +265,7 @@ static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,
     b.at = dm_arena_take(scratch, ((size_t)b.start[given->vertices] + 1) * (k + 1) * sizeof *b.at);
     if (faces) K->face[k + 1] = dm_arena_take(arena, faces * sizeof(uint32_t));
     if (!b.at || (faces && !K->face[k + 1])) return DM_NO_MEMORY;
-    put_records(&b, K, given, report);
+    put_records(&b, K, given);
     b.start = start;
     K->count[k] = sort_buckets(&b);
     K->vertex[k] = dm_arena_take(arena, ((size_t)K->count[k] + 1) * (k + 1) * sizeof(uint32_t));
@@ -265,7 +302,9 @@ static dm_status make_cofaces(dm_complex *K, dm_arena *arena, uint32_t k) {
         const uint32_t here = i < count ? at[i] : 0;
         at[i] = sum += here; /* the end of the list of i, from which it is filled backwards */
     }
-    for (size_t i = pairs; i-- > 0;) coface[--at[K->face[k + 1][i]]] = (uint32_t)(i / length);
+    const uint32_t *face = K->face[k + 1] + pairs;
+    for (uint32_t cell = above; cell-- > 0;)
+        for (uint32_t j = 0; j < length; j++) coface[--at[*--face]] = cell;
     K->coface_at[k] = at;
     K->coface[k] = coface;
     return DM_OK;

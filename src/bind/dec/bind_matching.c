@@ -3,8 +3,8 @@
  * from 1; a chain is a table from cells to integers. */
 #include "bind/dec/bind_mesh.h"
 #include "bind/value/array.h"
-#include "dec/matching.h"
-#include "dec/smith.h"
+#include "dec/homology/matching.h"
+#include "dec/homology/smith.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* matchings of complexes whose homology is known, and Smith's form of a matrix worked by hand */
 #include "check.h"
 
-#include "dec/matching.h"
-#include "dec/smith.h"
+#include "dec/homology/matching.h"
+#include "dec/homology/smith.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* smith.c - elimination in integers, the smallest entry as pivot. */
-#include "dec/smith.h"
+#include "dec/homology/smith.h"
 
 #include <string.h>
 

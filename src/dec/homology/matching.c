@@ -1,5 +1,5 @@
 /* matching.c - coreductions and collapses, and chains that flow along the pairs. */
-#include "dec/matching.h"
+#include "dec/homology/matching.h"
 
 #include <string.h>
 
