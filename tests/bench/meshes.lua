@@ -1,38 +1,72 @@
--- make bench: making a mesh, with its volumes and signed duals, from arrays of simplices and points; and the bytes that it holds. The same
--- by hand in C: tests/bench/c/by_hand/meshes.c, which make bench runs after it. Arguments: levels of the icosphere, cubes a side.
-require "dm" -- the verbs of meshes
+-- make bench: making a mesh, with its volumes and signed duals, from arrays of simplices and points, and by name; the bytes that it
+-- holds; Delaunay triangulations; Betti numbers of 10^6 cells. Meshes by hand in C: tests/bench/c/by_hand/meshes.c, which make bench
+-- runs after it. Arguments: levels of the icosphere, cubes a side.
+local dm = require "dm"
 local core = require "dm.core"
 local named = require "dm.dec.named"
 
 local REPEATS = 9
 
-local function flat(simplices)
-  local out = {}
-  for _, s in ipairs(simplices) do
-    for _, v in ipairs(s) do out[#out + 1] = v end
-  end
-  return core.vector(out)
-end
-
--- the tables of a mesh by name are gone before anything is timed: the collector would go through them meanwhile
-local function arrays(made)
-  return flat(made.simplices), core.matrix(made.points), #made.simplices[1] - 1, #made.simplices
-end
-
-local function race(name, simplices, points, degree, cells)
-  local best, bytes, total = math.huge, 0, 0
+-- make(): the mesh
+local function race(name, make)
+  local best, bytes, total, cells = math.huge, 0, 0, 0
   for _ = 1, REPEATS do
     collectgarbage()
     local began = os.clock()
-    local K = core.complex { simplices = simplices, degree = degree, points = points }
+    local K = make()
     best = math.min(best, os.clock() - began)
-    bytes, total = K.bytes, 0
-    for k = 0, degree do total = total + K:count(k) end
+    bytes, total, cells = K.bytes, 0, K:count(K.dimension)
+    for k = 0, K.dimension do total = total + K:count(k) end
   end
   print(("%-28s %s %9.1f ns a cell   (%d cells, %.1f bytes a cell of any degree)"):format(name, "dmlua               ",
     best / cells * 1e9, cells, bytes / total))
 end
 
+local function of_arrays(made)
+  local given = { simplices = made.simplices, degree = made.degree, points = core.matrix(made.points) }
+  return function() return core.complex(given) end
+end
+
+local function by_name(key, size)
+  return function() return dm.mesh { [key] = size } end
+end
+
+local level, side = tonumber(arg[1]) or 7, tonumber(arg[2]) or 30
 print "\nmeshes: cells, incidences, volumes, signed duals"
-race("mesh of triangles", arrays(named.icosphere(tonumber(arg[1]) or 7)))
-race("mesh of tetrahedra", arrays(named.cube_tiling(tonumber(arg[2]) or 30)))
+race("mesh of triangles", of_arrays(named.icosphere(level)))
+race("mesh of tetrahedra", of_arrays(named.cube_tiling(side)))
+race("icosphere by name", by_name("icosphere", level))
+race("cube tiling by name", by_name("cube_tiling", side))
+
+-- the best of three: run(make())
+local function seconds(name, size, unit, make, run)
+  local best = math.huge
+  for _ = 1, 3 do
+    local x = make()
+    collectgarbage()
+    local began = os.clock()
+    run(x)
+    best = math.min(best, os.clock() - began)
+  end
+  print(("%-28s %s %9.3f s   (%d %s)"):format(name, "dmlua               ", best, size, unit))
+end
+
+print "\nDelaunay triangulations (qhull), topology"
+for _, row in ipairs { { 2, 100000 }, { 3, 30000 } } do
+  local n, count = row[1], row[2]
+  seconds("Delaunay, dimension " .. n, count, "points", function()
+    local points = {}
+    math.randomseed(1)
+    for i = 1, count do
+      points[i] = {}
+      for c = 1, n do points[i][c] = math.random() end
+    end
+    return core.matrix(points)
+  end, core.delaunay)
+end
+for _, given in ipairs { { grid = 408 }, { bcc = 27 } } do
+  local function make() return dm.mesh(given) end
+  local K, cells = make(), 0
+  for k = 0, K.dimension do cells = cells + K:count(k) end
+  seconds("Betti numbers, dimension " .. K.dimension, cells, "cells of any degree", make, function(x) x:betti() end)
+end

@@ -23,41 +23,40 @@ end
 
 ---- of the plane ----
 
+local SQUARE = { 0, 0, 1, 0, 1, 1,  0, 0, 1, 1, 0, 1 } -- cut along the diagonal to (1, 1)
+-- axes i, r of an annulus: (r, i) (r + 1, i) (r, i + 1) and (r, i + 1) (r + 1, i) (r + 1, i + 1)
+local TURNED_OUT = { 0, 0, 0, 1, 1, 0,  1, 0, 0, 1, 1, 1 }
+local TURNED = { 0, 0, 1, 0, 0, 1,  1, 0, 1, 1, 0, 1 } -- along that from (1, 0) to (0, 1)
+
 --- grid = N: the unit square in N x N squares, each cut along its diagonal to (1, 1).
 function M.grid(N)
   whole(N, "grid", 1)
-  local points, simplices = {}, {}
-  for j = 0, N do
-    for i = 0, N do points[#points + 1] = { i / N, j / N } end
-  end
-  local function id(i, j) return 1 + i + (N + 1) * j end
-  for j = 0, N - 1 do
-    for i = 0, N - 1 do
-      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i + 1, j + 1) }
-      simplices[#simplices + 1] = { id(i, j), id(i + 1, j + 1), id(i, j + 1) }
-    end
-  end
-  return { points = points, simplices = simplices }
+  local cells, vertices = { N, N }, { N + 1, N + 1 }
+  return { points = core.lattice(cells, vertices), degree = 2,
+    simplices = core.tiling(cells, vertices, SQUARE) }
 end
 
 --- triangle = N: the equilateral triangle of side 1 in N^2 equilateral ones.
 function M.triangle(N)
   whole(N, "triangle", 1)
-  local points, simplices, row = {}, {}, {}
+  local points, ids, row = {}, {}, {}
   for j = 0, N do
     row[j] = #points
     for i = 0, N - j do points[#points + 1] = { (i + j / 2) / N, j * sqrt(3) / 2 / N } end
   end
-  local function id(i, j) return 1 + row[j] + i end
+  local count = 0
+  local function add(a, b, c)
+    ids[count + 1], ids[count + 2], ids[count + 3] = a, b, c
+    count = count + 3
+  end
   for j = 0, N - 1 do
     for i = 0, N - 1 - j do
-      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i, j + 1) }
-      if i < N - 1 - j then
-        simplices[#simplices + 1] = { id(i + 1, j), id(i + 1, j + 1), id(i, j + 1) }
-      end
+      local a, b = 1 + row[j] + i, 1 + row[j + 1] + i
+      add(a, a + 1, b)
+      if i < N - 1 - j then add(a + 1, b + 1, b) end
     end
   end
-  return { points = points, simplices = simplices }
+  return { points = points, simplices = core.vector(ids), degree = 2 }
 end
 
 --- annulus = {rings, m}, ratio =: rings of m vertices, each turned by half a step against the last.
@@ -68,44 +67,23 @@ function M.annulus(given, options)
     fail("ratio must be a number > 1, of the outer radius to the inner (got %s)",
       option.got(ratio))
   end
-  local points, simplices = {}, {}
+  local points = {}
   for r = 0, rings do
     for i = 0, m - 1 do
       local radius, angle = ratio ^ (r / rings), 2 * pi * (i + r / 2) / m
       points[#points + 1] = { radius * cos(angle), radius * sin(angle) }
     end
   end
-  local function id(r, i) return 1 + r * m + i % m end
-  for r = 0, rings - 1 do
-    for i = 0, m - 1 do
-      simplices[#simplices + 1] = { id(r, i), id(r + 1, i), id(r, i + 1) }
-      simplices[#simplices + 1] = { id(r, i + 1), id(r + 1, i), id(r + 1, i + 1) }
-    end
-  end
-  return { points = points, simplices = simplices }
+  return { points = points, degree = 2,
+    simplices = core.tiling({ m, rings }, { m, rings + 1 }, TURNED_OUT) }
 end
 
 ---- surfaces without a plane ----
 
-local function torus_simplices(N, M_, shift)
-  local simplices = {}
-  local function id(i, j)
-    if j == M_ then i, j = i + shift, 0 end
-    return 1 + i % N + N * j
-  end
-  for j = 0, M_ - 1 do
-    for i = 0, N - 1 do
-      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i, j + 1) }
-      simplices[#simplices + 1] = { id(i + 1, j), id(i + 1, j + 1), id(i, j + 1) }
-    end
-  end
-  return simplices
-end
-
 --- hex_torus = N: the flat torus of N^2 vertices, all edges 1/N.
 function M.hex_torus(N)
   whole(N, "hex_torus", 3)
-  return { simplices = torus_simplices(N, N, 0), lengths = 1 / N }
+  return { simplices = core.tiling({ N, N }, { N, N }, TURNED), degree = 2, lengths = 1 / N }
 end
 
 --- square_torus = N: the flat unit torus, squares cut along the diagonal from (1, 0) to (0, 1).
@@ -116,7 +94,7 @@ function M.square_torus(N)
     local is_straight = i % N == 0 or j % N == 0
     return (is_straight and 1 or sqrt(2)) / N
   end
-  return { simplices = torus_simplices(N, N, 0), lengths = length }
+  return { simplices = core.tiling({ N, N }, { N, N }, TURNED), degree = 2, lengths = length }
 end
 
 --- torus = {nu, nv}, radii = {R, r}: the torus in space, every other ring turned by half a step.
@@ -136,7 +114,8 @@ function M.torus(given, options)
       points[#points + 1] = { a * cos(u), a * sin(u), r * sin(v) }
     end
   end
-  return { points = points, simplices = torus_simplices(nu, nv, nv // 2) }
+  return { points = points, degree = 2,
+    simplices = core.tiling({ nu, nv }, { nu, nv }, TURNED, nv // 2) }
 end
 
 --- klein = n: Klein's bottle of n x n squares, edges 1.
@@ -156,117 +135,69 @@ function M.klein(n)
   return { simplices = simplices, lengths = 1 }
 end
 
-local g = (1 + sqrt(5)) / 2
-local ICOSAHEDRON = {
-  { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 }, { 0, -1, g }, { 0, 1, g },
-  { 0, -1, -g }, { 0, 1, -g }, { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 },
-}
-local ICOSAHEDRON_FACES = {
-  { 1, 12, 6 }, { 1, 6, 2 }, { 1, 2, 8 }, { 1, 8, 11 }, { 1, 11, 12 }, { 2, 6, 10 }, { 6, 12, 5 },
-  { 12, 11, 3 }, { 11, 8, 7 }, { 8, 2, 9 }, { 4, 10, 5 }, { 4, 5, 3 }, { 4, 3, 7 }, { 4, 7, 9 },
-  { 4, 9, 10 }, { 5, 10, 6 }, { 3, 5, 12 }, { 7, 3, 11 }, { 9, 7, 8 }, { 10, 9, 2 },
-}
-
-local function on_sphere(p)
-  local r = sqrt(p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
-  return { p[1] / r, p[2] / r, p[3] / r }
-end
-
--- each face in four, new vertices where an edge is first met
-local function split(points, faces)
-  local middle, out = {}, {}
-  local function half(a, b)
-    local key = a < b and a << 32 | b or b << 32 | a
-    if not middle[key] then
-      local p, q = points[a], points[b]
-      points[#points + 1] = on_sphere { p[1] + q[1], p[2] + q[2], p[3] + q[3] }
-      middle[key] = #points
-    end
-    return middle[key]
-  end
-  for _, f in ipairs(faces) do
-    local a, b, c = f[1], f[2], f[3]
-    local ab, bc, ca = half(a, b), half(b, c), half(c, a)
-    out[#out + 1] = { a, ab, ca }
-    out[#out + 1] = { b, bc, ab }
-    out[#out + 1] = { c, ca, bc }
-    out[#out + 1] = { ab, bc, ca }
-  end
-  return out
-end
-
 --- icosphere = s: the icosahedron, s times split in four, on the unit sphere.
 function M.icosphere(s)
-  whole(s, "icosphere", 0)
-  local points, faces = {}, ICOSAHEDRON_FACES
-  for i, p in ipairs(ICOSAHEDRON) do points[i] = on_sphere(p) end
-  for _ = 1, s do faces = split(points, faces) end
-  return { points = points, simplices = faces }
+  local ids, points = core.icosphere(whole(s, "icosphere", 0))
+  return { points = points, simplices = ids, degree = 2 }
 end
 
 ---- in space ----
 
+-- The tetrahedra round the squares between a cube and its neighbours in directions x, y, z: both
+-- centres and an edge of the square. A fourth axis tells corners (0) from centres (1).
+local function bcc_pattern()
+  local out = {}
+  for a = 0, 2 do
+    local b, c = (a + 1) % 3, (a + 2) % 3
+    local function add(x, y, z, is_centre)
+      local p = { 0, 0, 0, is_centre }
+      p[a + 1], p[b + 1], p[c + 1] = x, y, z
+      table.move(p, 1, 4, #out + 1, out)
+    end
+    local square = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } }
+    for e = 1, 4 do
+      local from, to = square[e], square[e % 4 + 1]
+      add(0, 0, 0, 1)
+      add(1, 0, 0, 1)
+      add(1, from[1], from[2], 0)
+      add(1, to[1], to[2], 0)
+    end
+  end
+  return out
+end
+
 --- bcc = N: the flat unit 3-torus in tetrahedra of the body-centred cubic lattice.
 function M.bcc(N)
   whole(N, "bcc", 3)
-  local cubes, simplices = N * N * N, {}
-  local function corner(i, j, k) return 1 + i % N + N * (j % N + N * (k % N)) end
-  local function centre(i, j, k) return cubes + corner(i, j, k) end
-  -- the face between two neighbouring cubes, a square in directions b and c
-  local function add(i, j, k, a, b, c)
-    local at = { i, j, k }
-    local function moved(x, y)
-      local p = { at[1], at[2], at[3] }
-      p[a] = p[a] + 1
-      p[b], p[c] = p[b] + x, p[c] + y
-      return corner(p[1], p[2], p[3])
-    end
-    local next_ = { at[1], at[2], at[3] }
-    next_[a] = next_[a] + 1
-    local square = { moved(0, 0), moved(1, 0), moved(1, 1), moved(0, 1) }
-    for e = 1, 4 do
-      simplices[#simplices + 1] = { centre(i, j, k), centre(next_[1], next_[2], next_[3]),
-        square[e], square[e % 4 + 1] }
-    end
-  end
-  for k = 0, N - 1 do
-    for j = 0, N - 1 do
-      for i = 0, N - 1 do
-        add(i, j, k, 1, 2, 3)
-        add(i, j, k, 2, 3, 1)
-        add(i, j, k, 3, 1, 2)
-      end
-    end
-  end
+  local cubes = N * N * N
   local function length(a, b) return ((a <= cubes) == (b <= cubes) and 1 or sqrt(3) / 2) / N end
-  return { simplices = simplices, lengths = length }
+  return { simplices = core.tiling({ N, N, N, 1 }, { N, N, N, 2 }, bcc_pattern()), degree = 3,
+    lengths = length }
 end
 
 -- the six orders of three axes
 local ORDERS = { { 1, 2, 3 }, { 1, 3, 2 }, { 2, 1, 3 }, { 2, 3, 1 }, { 3, 1, 2 }, { 3, 2, 1 } }
 
+-- from a corner of the cube along the axes in one order after the other
+local function cube_pattern()
+  local out = {}
+  for _, order in ipairs(ORDERS) do
+    local p = { 0, 0, 0 }
+    table.move(p, 1, 3, #out + 1, out)
+    for _, axis in ipairs(order) do
+      p[axis] = 1
+      table.move(p, 1, 3, #out + 1, out)
+    end
+  end
+  return out
+end
+
 --- cube_tiling = N: the unit cube in N^3 cubes, each in six tetrahedra round its diagonal.
 function M.cube_tiling(N)
   whole(N, "cube_tiling", 1)
-  local points, simplices = {}, {}
-  for k = 0, N do
-    for j = 0, N do
-      for i = 0, N do points[#points + 1] = { i / N, j / N, k / N } end
-    end
-  end
-  local function id(p) return 1 + p[1] + (N + 1) * (p[2] + (N + 1) * p[3]) end
-  for cube = 0, N * N * N - 1 do
-    for _, order in ipairs(ORDERS) do
-      local p = { cube % N, cube // N % N, cube // (N * N) }
-      local tetrahedron = { id(p) }
-      for _, axis in ipairs(order) do
-        p[axis] = p[axis] + 1
-        tetrahedron[#tetrahedron + 1] = id(p)
-      end
-      simplices[#simplices + 1] = tetrahedron
-    end
-  end
-  return { points = points, simplices = simplices }
+  local cells, vertices = { N, N, N }, { N + 1, N + 1, N + 1 }
+  return { points = core.lattice(cells, vertices), degree = 3,
+    simplices = core.tiling(cells, vertices, cube_pattern()) }
 end
 
 ---- of any dimension ----
@@ -370,7 +301,7 @@ end
 M.names = { "grid", "triangle", "annulus", "hex_torus", "square_torus", "torus", "klein",
   "icosphere", "bcc", "cube_tiling", "simplex_boundary", "cross_polytope", "shells", "named" }
 
---- What dm.complex takes, points as a dm.matrix.
+--- What dm.complex takes, points as a dm.matrix; simplices are lists, or with degree a dm.vector.
 function M.make(name, options)
   local made = M[name](options[name], options)
   made.points = made.points and core.matrix(made.points)

@@ -160,85 +160,137 @@ static void centre(double *lambda, double *volume, double l[4][4]) {
     *volume = sqrt(det) / 6;
 }
 
-static double tetrahedra(const input *in) {
-    static const int pair[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-    const int T = in->cells;
-    int *row = get((size_t)T * 12 * sizeof *row), *face = get((size_t)T * 4 * sizeof *face), faces,
-        edges;
+/* the edges of a tetrahedron as pairs of its vertices */
+static const int pair[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/* cells of every degree: faces of tetrahedra, sides of triangles, ends of edges, and back */
+typedef struct {
+    int T, faces, edges, vertices;
+    int *face, *triangle, *side, *edge;
+    int *at2, *list2, *at1, *list1, *at0, *list0;
+} solid;
+
+static void find_cells(solid *s, const input *in) {
+    const int T = s->T = in->cells;
+    int *row = get((size_t)T * 12 * sizeof *row);
+    s->vertices = in->vertices;
+    s->face = get((size_t)T * 4 * sizeof(int));
     for (int t = 0; t < T; t++)
         for (int j = 0; j < 4; j++)
             for (int i = 0, at = 0; i < 4; i++)
                 if (i != j) row[12 * t + 3 * j + at++] = in->cell[4 * t + i];
-    int *triangle = unique_rows(face, &faces, row, 4 * T, 3, in->vertices);
-    int *row2 = get((size_t)faces * 6 * sizeof *row2),
-        *side = get((size_t)faces * 3 * sizeof *side);
-    for (int f = 0; f < faces; f++) {
-        const int *v = triangle + 3 * f;
+    s->triangle = unique_rows(s->face, &s->faces, row, 4 * T, 3, in->vertices);
+    free(row);
+    row = get((size_t)s->faces * 6 * sizeof *row);
+    s->side = get((size_t)s->faces * 3 * sizeof(int));
+    for (int f = 0; f < s->faces; f++) {
+        const int *v = s->triangle + 3 * f;
         const int r[6] = {v[1], v[2], v[0], v[2], v[0], v[1]};
-        memcpy(row2 + 6 * f, r, sizeof r);
+        memcpy(row + 6 * f, r, sizeof r);
     }
-    int *edge = unique_rows(side, &edges, row2, 3 * faces, 2, in->vertices);
-    int *at2 = get(((size_t)faces + 1) * sizeof *at2), *list2 = get((size_t)T * 4 * sizeof *list2);
-    int *at1 = get(((size_t)edges + 1) * sizeof *at1),
-        *list1 = get((size_t)faces * 3 * sizeof *list1);
-    int *at0 = get(((size_t)in->vertices + 1) * sizeof *at0),
-        *list0 = get((size_t)edges * 2 * sizeof *list0);
-    cofaces(at2, list2, face, T, 4, faces);
-    cofaces(at1, list1, side, faces, 3, edges);
-    cofaces(at0, list0, edge, edges, 2, in->vertices);
-    double *length2 = get((size_t)edges * sizeof *length2),
-           *dual1 = calloc((size_t)edges, sizeof *dual1);
-    double *area = get((size_t)faces * sizeof *area), *dual2 = calloc((size_t)faces, sizeof *dual2);
-    double *volume = get((size_t)T * sizeof *volume),
-           *dual0 = calloc((size_t)in->vertices, sizeof *dual0);
-    double *star0 = get((size_t)in->vertices * sizeof *star0),
-           *star1 = get((size_t)edges * sizeof *star1);
-    double *star2 = get((size_t)faces * sizeof *star2), *star3 = get((size_t)T * sizeof *star3),
-           sum = 0.0;
-    if (!dual0 || !dual1 || !dual2) exit(1);
-    for (int e = 0; e < edges; e++) length2[e] = distance2(in, edge[2 * e], edge[2 * e + 1]);
-    for (int f = 0; f < faces; f++) {
-        const double a = length2[side[3 * f]], b = length2[side[3 * f + 1]],
-                     c = length2[side[3 * f + 2]];
+    s->edge = unique_rows(s->side, &s->edges, row, 3 * s->faces, 2, in->vertices);
+    free(row);
+}
+
+static void find_cofaces(solid *s) {
+    s->at2 = get(((size_t)s->faces + 1) * sizeof(int));
+    s->list2 = get((size_t)s->T * 4 * sizeof(int));
+    s->at1 = get(((size_t)s->edges + 1) * sizeof(int));
+    s->list1 = get((size_t)s->faces * 3 * sizeof(int));
+    s->at0 = get(((size_t)s->vertices + 1) * sizeof(int));
+    s->list0 = get((size_t)s->edges * 2 * sizeof(int));
+    cofaces(s->at2, s->list2, s->face, s->T, 4, s->faces);
+    cofaces(s->at1, s->list1, s->side, s->faces, 3, s->edges);
+    cofaces(s->at0, s->list0, s->edge, s->edges, 2, s->vertices);
+}
+
+static void free_cells(solid *s) {
+    free(s->face), free(s->triangle), free(s->side), free(s->edge);
+    free(s->at2), free(s->list2), free(s->at1), free(s->list1), free(s->at0), free(s->list0);
+}
+
+/* squares of lengths, areas, volumes; duals begin at 0 */
+typedef struct {
+    double *length2, *area, *volume, *dual[3], *star[4];
+} sizes;
+
+static void open_sizes(sizes *m, const solid *s) {
+    const size_t count[4] = {(size_t)s->vertices, (size_t)s->edges, (size_t)s->faces, (size_t)s->T};
+    m->length2 = get(count[1] * sizeof(double));
+    m->area = get(count[2] * sizeof(double));
+    m->volume = get(count[3] * sizeof(double));
+    for (int k = 0; k < 4; k++) m->star[k] = get(count[k] * sizeof(double));
+    for (int k = 0; k < 3; k++)
+        if (!(m->dual[k] = calloc(count[k], sizeof(double)))) exit(1);
+}
+
+static void free_sizes(sizes *m) {
+    free(m->length2), free(m->area), free(m->volume);
+    for (int k = 0; k < 4; k++) free(m->star[k]);
+    for (int k = 0; k < 3; k++) free(m->dual[k]);
+}
+
+static void measure_faces(sizes *m, const solid *s, const input *in) {
+    for (int e = 0; e < s->edges; e++)
+        m->length2[e] = distance2(in, s->edge[2 * e], s->edge[2 * e + 1]);
+    for (int f = 0; f < s->faces; f++) {
+        const double a = m->length2[s->side[3 * f]], b = m->length2[s->side[3 * f + 1]],
+                     c = m->length2[s->side[3 * f + 2]];
         const double mixed = a + b - c;
-        area[f] = sqrt(4 * a * b - mixed * mixed) / 4;
+        m->area[f] = sqrt(4 * a * b - mixed * mixed) / 4;
     }
-    for (int t = 0; t < T; t++) {
-        const int *v = in->cell + 4 * t, *F = face + 4 * t;
-        /* edges of the tetrahedron: 01 02 12 of face 3, 03 13 of face 2 and 1, 23 of face 0 */
-        const int *f3 = side + 3 * F[3], *f2 = side + 3 * F[2], *f0 = side + 3 * F[0];
-        const int E[6] = {f3[2], f3[1], f2[1], f3[0], f0[1], f0[0]};
-        double l[4][4] = {{0}}, lambda[4], one[6] = {0};
-        for (int p = 0; p < 6; p++)
-            l[pair[p][0]][pair[p][1]] = l[pair[p][1]][pair[p][0]] = length2[E[p]];
-        centre(lambda, volume + t, l);
-        star3[t] = 1 / volume[t];
-        for (int j = 0; j < 4; j++) {
-            const double share = lambda[j] * 3 * volume[t] / area[F[j]];
-            dual2[F[j]] += share;
-            const double scale = 1 / (16 * area[F[j]] * area[F[j]]);
-            for (int p = 0; p < 6; p++) {
-                const int a = pair[p][0], b = pair[p][1];
-                if (a == j || b == j) continue;
-                const int w = 6 - a - b - j;
-                const double x = l[a][b] * (l[a][w] + l[b][w] - l[a][b]) * scale;
-                one[p] += x * area[F[j]] * share; /* times |e|, height and half */
-            }
-        }
+}
+
+/* to the duals of the faces of tetrahedron t; one[p]: of edge p, times its length, for later */
+static void add_faces(sizes *m, const solid *s, int t, double l[4][4], double *one) {
+    double lambda[4];
+    const int *F = s->face + 4 * t;
+    centre(lambda, m->volume + t, l);
+    m->star[3][t] = 1 / m->volume[t];
+    for (int j = 0; j < 4; j++) {
+        const double share = lambda[j] * 3 * m->volume[t] / m->area[F[j]];
+        m->dual[2][F[j]] += share;
+        const double scale = 1 / (16 * m->area[F[j]] * m->area[F[j]]);
         for (int p = 0; p < 6; p++) {
-            dual1[E[p]] += one[p] / sqrt(l[pair[p][0]][pair[p][1]]);
-            dual0[v[pair[p][0]]] += one[p] / 6;
-            dual0[v[pair[p][1]]] += one[p] / 6;
+            const int a = pair[p][0], b = pair[p][1];
+            if (a == j || b == j) continue;
+            const int w = 6 - a - b - j;
+            const double x = l[a][b] * (l[a][w] + l[b][w] - l[a][b]) * scale;
+            one[p] += x * m->area[F[j]] * share; /* times |e|, height and half */
         }
     }
-    for (int f = 0; f < faces; f++) star2[f] = dual2[f] / area[f];
-    for (int e = 0; e < edges; e++) star1[e] = dual1[e] / sqrt(length2[e]);
-    for (int x = 0; x < in->vertices; x++) sum += star0[x] = dual0[x];
-    free(row), free(face), free(triangle), free(row2), free(side), free(edge), free(at2),
-        free(list2);
-    free(at1), free(list1), free(at0), free(list0), free(length2), free(dual1), free(area),
-        free(dual2);
-    free(volume), free(dual0), free(star0), free(star1), free(star2), free(star3);
+}
+
+static void add_tetrahedron(sizes *m, const solid *s, const input *in, int t) {
+    const int *v = in->cell + 4 * t, *F = s->face + 4 * t;
+    /* edges of the tetrahedron: 01 02 12 of face 3, 03 13 of face 2 and 1, 23 of face 0 */
+    const int *f3 = s->side + 3 * F[3], *f2 = s->side + 3 * F[2], *f0 = s->side + 3 * F[0];
+    const int E[6] = {f3[2], f3[1], f2[1], f3[0], f0[1], f0[0]};
+    double l[4][4] = {{0}}, one[6] = {0};
+    for (int p = 0; p < 6; p++)
+        l[pair[p][0]][pair[p][1]] = l[pair[p][1]][pair[p][0]] = m->length2[E[p]];
+    add_faces(m, s, t, l, one);
+    for (int p = 0; p < 6; p++) {
+        m->dual[1][E[p]] += one[p] / sqrt(l[pair[p][0]][pair[p][1]]);
+        m->dual[0][v[pair[p][0]]] += one[p] / 6;
+        m->dual[0][v[pair[p][1]]] += one[p] / 6;
+    }
+}
+
+static double tetrahedra(const input *in) {
+    solid s;
+    sizes m;
+    double sum = 0.0;
+    find_cells(&s, in);
+    find_cofaces(&s);
+    open_sizes(&m, &s);
+    measure_faces(&m, &s, in);
+    for (int t = 0; t < s.T; t++) add_tetrahedron(&m, &s, in, t);
+    for (int f = 0; f < s.faces; f++) m.star[2][f] = m.dual[2][f] / m.area[f];
+    for (int e = 0; e < s.edges; e++) m.star[1][e] = m.dual[1][e] / sqrt(m.length2[e]);
+    for (int x = 0; x < s.vertices; x++) sum += m.star[0][x] = m.dual[0][x];
+    free_cells(&s);
+    free_sizes(&m);
     return sum;
 }
 
@@ -318,23 +370,34 @@ static input cubes(int N) {
     return in;
 }
 
-static void race(const char *name, const input *in, double (*build)(const input *)) {
+static double by_name(int size, input (*make)(int), double (*build)(const input *)) {
+    const input in = make(size);
+    const double sum = build(&in);
+    free(in.point), free(in.cell);
+    return sum;
+}
+
+/* `made`: the input is made each time, too */
+static void race(const char *name, int size, int made, input (*make)(int),
+                 double (*build)(const input *)) {
+    const input in = make(size);
     double best = INFINITY, sum = 0;
     for (int i = 0; i < 9; i++) {
         const double began = now();
-        sum = build(in);
+        sum = made ? by_name(size, make, build) : build(&in);
         const double took = now() - began;
         best = took < best ? took : best;
     }
-    printf("%-28s by hand in C      %9.1f ns a cell   (|K| = %.12g)\n", name,
-           best / in->cells * 1e9, sum);
-    free(in->point), free(in->cell);
+    printf("%-28s by hand in C      %9.1f ns a cell   (|K| = %.12g)\n", name, best / in.cells * 1e9,
+           sum);
+    free(in.point), free(in.cell);
 }
 
 int main(int count, char **word) {
-    const input sphere = icosphere(count > 1 ? atoi(word[1]) : 7);
-    race("mesh of triangles", &sphere, triangles);
-    const input cube = cubes(count > 2 ? atoi(word[2]) : 30);
-    race("mesh of tetrahedra", &cube, tetrahedra);
+    const int level = count > 1 ? atoi(word[1]) : 7, side = count > 2 ? atoi(word[2]) : 30;
+    race("mesh of triangles", level, 0, icosphere, triangles);
+    race("mesh of tetrahedra", side, 0, cubes, tetrahedra);
+    race("icosphere by name", level, 1, icosphere, triangles);
+    race("cube tiling by name", side, 1, cubes, tetrahedra);
     return 0;
 }
