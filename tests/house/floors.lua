@@ -7,7 +7,8 @@ local floors = {}
 floors.src = {
   "base", "numbers", "linalg", "linalg/solve", "linalg/sparse", "sparse", "graph", "algebra",
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
-  "geom", "geom/action", "chain", "mech", "dec", "dec/homology", "delaunay",
+  "geom", "geom/action", "chain", "mech", "dec", "dec/homology",
+  "dec/named", "delaunay",
   -- kept free: field
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",

@@ -35,30 +35,57 @@ static int32_t add_column(const dense_column *c, dm_sparse *out, int32_t to, int
     return to;
 }
 
-/* the sums of column j to its values */
-/* rows stay in the order in which they were met */
-static void close_column(const dense_column *c, dm_sparse *out, int32_t j, int32_t to) {
-    for (int32_t p = out->start[j]; p < to; p++) out->value[p] = c->sum[out->row[p]];
-    out->start[j + 1] = to;
+/* Shell's sort, which is insertion where there are few */
+static void sort_rows(int32_t *row, int32_t count) {
+    int32_t gap = 1;
+    while (count > 32 && gap < count / 3) gap = 3 * gap + 1;
+    for (; gap > 0; gap /= 3)
+        for (int32_t i = gap; i < count; i++) {
+            const int32_t moved = row[i];
+            int32_t j = i;
+            for (; j >= gap && row[j - gap] > moved; j -= gap) row[j] = row[j - gap];
+            row[j] = moved;
+        }
 }
 
+/* the rows of column j in order with their sums, without those that are 0; where the column ends */
+static int32_t close_column(const dense_column *c, dm_sparse *out, int32_t j, int32_t to) {
+    int32_t end = out->start[j];
+    sort_rows(out->row + end, to - end);
+    for (int32_t p = end; p < to; p++) {
+        const int32_t row = out->row[p];
+        if (c->sum[row] == 0.0) continue;
+        out->row[end] = row, out->value[end++] = c->sum[row];
+    }
+    return out->start[j + 1] = end;
+}
+
+/* Column j of a A + b B behind `to` entries of out; without `out` they are only counted. */
+static int32_t merge_column(dm_sparse *out, int32_t to, int32_t j, double a, const dm_sparse *A,
+                            double b, const dm_sparse *B) {
+    int32_t p = A->start[j], q = B->start[j];
+    const int32_t ends[2] = {A->start[j + 1], B->start[j + 1]};
+    while (p < ends[0] || q < ends[1]) {
+        const int32_t i = p < ends[0] ? A->row[p] : INT32_MAX;
+        const int32_t k = q < ends[1] ? B->row[q] : INT32_MAX;
+        double x = i <= k ? A->value[p++] * a : 0.0;
+        if (k <= i) x += B->value[q++] * b;
+        if (x == 0.0) continue;
+        if (out) out->row[to] = i < k ? i : k, out->value[to] = x;
+        to++;
+    }
+    return to;
+}
+
+/* both have ascending rows: the columns are walked side by side, first to count */
 dm_status dm_sparse_sum(dm_sparse *out, dm_arena *arena, double a, const dm_sparse *A, double b,
                         const dm_sparse *B) {
-    dm_arena *scratch = dm_arena_scratch(arena);
-    dense_column c;
-    dm_sparse raw, turned;
-    if (!scratch) return DM_NO_MEMORY;
-    const int64_t most = (int64_t)A->start[A->columns] + B->start[B->columns];
-    dm_status status = dm_sparse_room(&raw, scratch, A->rows, A->columns, most);
-    if (status == DM_OK) status = open_column(&c, scratch, A->rows);
-    int32_t to = 0;
-    for (int32_t j = 0; status == DM_OK && j < A->columns; j++) {
-        to = add_column(&c, &raw, to, j, A, j, a);
-        to = add_column(&c, &raw, to, j, B, j, b);
-        close_column(&c, &raw, j, to);
-    }
-    if (status == DM_OK) status = dm_sparse_transpose(&turned, scratch, &raw);
-    return status == DM_OK ? dm_sparse_transpose(out, arena, &turned) : status;
+    int64_t entries = 0;
+    for (int32_t j = 0; j < A->columns; j++) entries += merge_column(NULL, 0, j, a, A, b, B);
+    const dm_status status = dm_sparse_room(out, arena, A->rows, A->columns, entries);
+    for (int32_t j = 0; status == DM_OK && j < A->columns; j++)
+        out->start[j + 1] = merge_column(out, out->start[j], j, a, A, b, B);
+    return status;
 }
 
 /* how many entries A B has at most: those of its pattern */
@@ -77,18 +104,18 @@ static int64_t pattern(const dense_column *c, const dm_sparse *A, const dm_spars
     return entries;
 }
 
-/* A B, rows of a column in the order in which they are met, in the scratch arena */
-static dm_status multiply(dm_sparse *raw, dm_arena *scratch, const dm_sparse *A, const dm_sparse *B,
-                          volatile const int *stop) {
+/* A B to the arena, working in its scratch */
+static dm_status multiply(dm_sparse *out, dm_arena *arena, dm_arena *scratch, const dm_sparse *A,
+                          const dm_sparse *B, volatile const int *stop) {
     dense_column c;
     dm_status status = open_column(&c, scratch, A->rows);
     if (status != DM_OK) return status;
-    status = dm_sparse_room(raw, scratch, A->rows, B->columns, pattern(&c, A, B));
+    status = dm_sparse_room(out, arena, A->rows, B->columns, pattern(&c, A, B));
     int32_t to = 0;
     for (int32_t j = 0; status == DM_OK && j < B->columns; j++) {
         for (int32_t q = B->start[j]; q < B->start[j + 1]; q++)
-            to = add_column(&c, raw, to, j, A, B->row[q], B->value[q]);
-        close_column(&c, raw, j, to);
+            to = add_column(&c, out, to, j, A, B->row[q], B->value[q]);
+        to = close_column(&c, out, j, to);
         if (stop && *stop) status = DM_STOPPED;
     }
     return status;
@@ -97,21 +124,16 @@ static dm_status multiply(dm_sparse *raw, dm_arena *scratch, const dm_sparse *A,
 dm_status dm_sparse_product(dm_sparse *out, dm_arena *arena, const dm_sparse *A, const dm_sparse *B,
                             volatile const int *stop) {
     dm_arena *scratch = dm_arena_scratch(arena);
-    dm_sparse raw, turned;
-    if (!scratch) return DM_NO_MEMORY;
-    dm_status status = multiply(&raw, scratch, A, B, stop);
-    if (status == DM_OK) status = dm_sparse_transpose(&turned, scratch, &raw);
-    return status == DM_OK ? dm_sparse_transpose(out, arena, &turned) : status;
+    return scratch ? multiply(out, arena, scratch, A, B, stop) : DM_NO_MEMORY;
 }
 
-/* The transpose of the product is the product: once is enough to order its rows. */
+/* (diag(w) A)^T A */
 dm_status dm_sparse_gram(dm_sparse *out, dm_arena *arena, const dm_sparse *A, const double *w,
                          volatile const int *stop) {
     dm_arena *scratch = dm_arena_scratch(arena);
-    dm_sparse turned, weighted, raw;
+    dm_sparse turned, weighted;
     if (!scratch) return DM_NO_MEMORY;
-    dm_status status = dm_sparse_transpose(&turned, scratch, A);
-    if (status == DM_OK) status = dm_sparse_scaled(&weighted, scratch, A, w, NULL);
-    if (status == DM_OK) status = multiply(&raw, scratch, &turned, &weighted, stop);
-    return status == DM_OK ? dm_sparse_transpose(out, arena, &raw) : status;
+    dm_status status = dm_sparse_scaled(&weighted, scratch, A, w, NULL);
+    if (status == DM_OK) status = dm_sparse_transpose(&turned, scratch, &weighted);
+    return status == DM_OK ? multiply(out, arena, scratch, &turned, A, stop) : status;
 }
