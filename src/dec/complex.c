@@ -250,7 +250,8 @@ static dm_status number_cells(dm_complex *K, const buckets *b, uint32_t base,
 }
 
 static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,
-                             const dm_simplices *given, uint32_t k, dm_complex_report *report) {
+                             const dm_simplices *given, uint32_t k, volatile const int *stop,
+                             dm_complex_report *report) {
     const uint32_t base = given->simplices;
     const size_t faces = k < K->n ? (size_t)K->count[k + 1] * (k + 2) : 0;
     if (base + faces >= UINT32_MAX) return DM_TOO_LARGE;
@@ -267,7 +268,9 @@ static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,
     if (!b.at || (faces && !K->face[k + 1])) return DM_NO_MEMORY;
     put_records(&b, K, given);
     b.start = start;
+    if (stop && *stop) return DM_STOPPED;
     K->count[k] = sort_buckets(&b);
+    if (stop && *stop) return DM_STOPPED;
     K->vertex[k] = dm_arena_take(arena, ((size_t)K->count[k] + 1) * (k + 1) * sizeof(uint32_t));
     if (!K->vertex[k]) return DM_NO_MEMORY;
     return number_cells(K, &b, base, report);
@@ -329,10 +332,11 @@ dm_status dm_complex_build(dm_complex *K, dm_arena *arena, const dm_simplices *g
         dm_arena *scratch = dm_arena_scratch(arena);
         if (!scratch) return DM_NO_MEMORY;
         if (stop && *stop) return DM_STOPPED;
-        status = make_degree(K, arena, scratch, given, k, report);
+        status = make_degree(K, arena, scratch, given, k, stop, report);
     }
     if (status == DM_OK) status = make_vertices(K, arena, given);
-    for (uint32_t k = 0; status == DM_OK && k < K->n; k++) status = make_cofaces(K, arena, k);
+    for (uint32_t k = 0; status == DM_OK && k < K->n; k++)
+        status = stop && *stop ? DM_STOPPED : make_cofaces(K, arena, k);
     if (status == DM_OK) K->pure = K->pure && !has_loose_vertices(K);
     return status;
 }

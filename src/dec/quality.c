@@ -11,13 +11,16 @@ static double least_of(const double *lambda, uint32_t n) {
     return least;
 }
 
-void dm_quality_measure(dm_quality *out, const dm_complex *K, const dm_metric *metric) {
+dm_status dm_quality_measure(dm_quality *out, const dm_complex *K, const dm_metric *metric,
+                             volatile const int *stop) {
+    enum { EVERY = 4096 };
     dm_cell_metric c;
     *out = (dm_quality){.least = INFINITY};
     for (uint32_t k = 0; k <= K->n; k++) {
         const double zero = dm_metric_least(K, metric, k);
         for (uint32_t i = 0; i < K->count[k]; i++) {
             const double dual = metric->dual[k][i];
+            if (i % EVERY == 0 && stop && *stop) return DM_STOPPED;
             out->zero[k] += fabs(dual) <= zero;
             out->negative[k] += dual < -zero;
             out->crossed +=
@@ -28,6 +31,7 @@ void dm_quality_measure(dm_quality *out, const dm_complex *K, const dm_metric *m
             out->least = fmin(out->least, least_of(c.centre, k));
         }
     }
+    return DM_OK;
 }
 
 /* ---- flips ---- */

@@ -12,7 +12,9 @@ typedef struct {
     double least;     /* least barycentric coordinate of a circumcentre of any cell */
 } dm_quality;
 
-void dm_quality_measure(dm_quality *out, const dm_complex *K, const dm_metric *metric);
+/* DM_OK, or DM_STOPPED when *stop was set (stop may be NULL). */
+dm_status dm_quality_measure(dm_quality *out, const dm_complex *K, const dm_metric *metric,
+                             volatile const int *stop);
 
 /* Triangles that are to be flipped: everything in one list, changed in place. Edge i of a triangle
  * is opposite to its vertex i. */

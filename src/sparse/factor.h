@@ -30,6 +30,12 @@ struct dm_factor {
 void dm_library_enter(dm_factor *f);
 void dm_library_leave(void);
 
+/* Between them: is the factorization to stop? Then it is noted as stopped. */
+int dm_library_is_stopped(void);
+
+/* Is this function there? Where it is not, the factorization is given up. */
+int dm_library_has(const void *function);
+
 /* All blocks back to the allocator. */
 void dm_library_release(dm_factor *f);
 

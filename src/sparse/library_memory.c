@@ -19,14 +19,21 @@ struct dm_library_block {
 static _Thread_local dm_factor *owner;
 static _Thread_local struct SuiteSparse_config_struct before;
 
+int dm_library_is_stopped(void) {
+    if (!owner || !owner->stop || !*owner->stop) return 0;
+    owner->stopped = 1;
+    return 1;
+}
+
+int dm_library_has(const void *function) {
+    if (!function && owner) owner->stopped = 1;
+    return function != NULL;
+}
+
 /* a block of the owner, or NULL: no memory, or it is to stop */
 static void *give(size_t size) {
     const size_t head = sizeof(dm_library_block) + ALIGNMENT;
-    if (owner->stop && *owner->stop) {
-        owner->stopped = 1;
-        return NULL;
-    }
-    if (size > SIZE_MAX - head) return NULL;
+    if (dm_library_is_stopped() || size > SIZE_MAX - head) return NULL;
     unsigned char *raw = owner->arena->allocate(owner->arena->ud, NULL, 0, size + head);
     if (!raw) return NULL;
     const uintptr_t at = ((uintptr_t)raw + head) & ~(uintptr_t)(ALIGNMENT - 1);

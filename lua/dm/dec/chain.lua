@@ -190,11 +190,7 @@ K:chain(k, {{2, {i, j}}, ...}) -> dm.chain
 The sum of 2 [i, j] + ... of cells of degree k. The order of vertices counts: [j, i] = -[i, j].]])
 
 class.method("dm.mesh", "fundamental", function(K)
-  local signs = K:orientation()
-  if not signs then
-    fail("mesh:fundamental", "the mesh is not orientable: d, Betti numbers and Laplacians go on")
-  end
-  local out = {}
+  local signs, out = K:oriented(core.constant(K:count(K.dimension), 1)), {}
   for i = 1, #signs do out[i] = math.tointeger(signs[i]) end
   return new(K, K.dimension, out)
 end, [[

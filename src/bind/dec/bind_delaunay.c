@@ -1,6 +1,7 @@
 /* bind_delaunay.c - Delaunay triangulations of points, by dm/delaunay.so. */
 #include "bind/core/bind.h"
 #include "bind/core/module.h"
+#include "bind/dec/delaunay_child.h"
 #include "bind/value/array.h"
 #include "dec/complex.h"
 #include "dec/delaunay.h"
@@ -111,8 +112,10 @@ static int delaunay(lua_State *L) {
     const dm_delaunay *table = load(L);
     sort_points(L, points, count, n, NULL);
     dm_arena *arena = dml_pusharena(L);
-    const dm_status status = table->triangulate(&cell, &cells, points, count, n, arena, &report);
+    const dm_status status =
+        dml_triangulate(table, &cell, &cells, points, count, n, arena, &dml_stop, &report);
     if (status == DM_SINGULAR) refuse(L, &report, n);
+    if (status == DM_STOPPED) dml_checkstop(L);
     if (status != DM_OK) luaL_error(L, "dm.mesh: %s", dm_status_text(status));
     return push_cells(L, cell, (size_t)cells * (n + 1));
 }

@@ -57,13 +57,6 @@ static void refuse(lua_State *L, const dml_mesh *m, const dm_sharp_fault *fault)
                cell);
 }
 
-/* Raise where the mesh has no coherent orientation: (cell, dual) is to be positive. */
-static void need_orientation(lua_State *L, const dml_mesh *m) {
-    if (!m->K.orientation)
-        luaL_error(L, "the mesh is not orientable: dual cells have no directions; d, Betti numbers "
-                      "and Laplacians go on");
-}
-
 /* stack: mesh, matrix, place, side; results: values, how many edges took plain means */
 static int mesh_flat(lua_State *L) {
     static const char *const sides[] = {"primal", "dual", NULL};
@@ -72,7 +65,7 @@ static int mesh_flat(lua_State *L) {
     const int to_dual = luaL_checkoption(L, 4, "primal", sides);
     uint32_t degenerate = 0;
     if (to_dual) {
-        need_orientation(L, m);
+        dml_needorientation(L, m);
         dm_flat_dual(dml_pushvector(L, m->K.count[m->K.n - 1]), &m->K, &m->metric, &X);
     } else {
         uint32_t *tops = work(L, m->K.count[1], sizeof *tops);
@@ -106,7 +99,7 @@ static int mesh_sharp(lua_State *L) {
     const int thesis = lua_toboolean(L, 5), pinv = lua_toboolean(L, 6);
     dm_sharp_fault fault;
     if (!from_dual) return sharp_primal(L, m, to_cells, thesis, pinv);
-    need_orientation(L, m);
+    dml_needorientation(L, m);
     const double *b = check_values(L, 2, m->K.count[m->K.n - 1]);
     double *out = dml_pushmatrix(L, m->K.count[m->K.n], m->ambient);
     if (dm_sharp_dual(out, &m->K, &m->metric, m->points, m->ambient, b, pinv, &fault) != DM_OK)
@@ -164,7 +157,7 @@ static int mesh_dual_wedge(lua_State *L) {
     const dm_dual_rule rule = (dm_dual_rule)luaL_checkoption(L, 6, "consistent", rules);
     dm_sharp_fault fault;
     dml_needmetric(L, m);
-    need_orientation(L, m);
+    dml_needorientation(L, m);
     if (k + l > n)
         luaL_error(L, "a product of degree %d is 0 on a mesh of dimension %d", (int)(k + l),
                    (int)n);

@@ -21,6 +21,23 @@ uint32_t dml_checkdegree(lua_State *L, int arg, const dml_mesh *m) {
     return (uint32_t)k;
 }
 
+void dml_needorientation(lua_State *L, const dml_mesh *m) {
+    static const char GOES_ON[] = "d, Betti numbers and Laplacians go on";
+    const uint32_t n = m->K.n, facet = dm_complex_crowded(&m->K);
+    if (m->K.orientation) return;
+    if (facet == UINT32_MAX)
+        luaL_error(L,
+                   "the mesh is not orientable: top forms are no functions, dual cells have no "
+                   "directions; %s",
+                   GOES_ON);
+    luaL_error(L,
+               "the mesh is not orientable: it is no manifold at %s, a face of %d cells of degree "
+               "%d; %s",
+               dml_pushcell(L, m->K.vertex[n - 1] + (size_t)facet * n, n),
+               (int)(m->K.coface_at[n - 1][facet + 1] - m->K.coface_at[n - 1][facet]), (int)n,
+               GOES_ON);
+}
+
 void dml_needmetric(lua_State *L, const dml_mesh *m) {
     if (!m->measured)
         luaL_error(L, "this mesh has no metric: make it with points = or lengths =; d, boundaries "
@@ -154,9 +171,7 @@ static int mesh_orientation(lua_State *L) {
 static int mesh_oriented(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t count = m->K.count[m->K.n];
-    if (!m->K.orientation)
-        luaL_error(L, "the mesh is not orientable: top forms are no functions; d, Betti numbers "
-                      "and Laplacians go on");
+    dml_needorientation(L, m);
     double *x = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *x, 0);
     dml_vectorarg(L, 2, "the values on top cells", x, count);
     double *out = dml_pushvector(L, count);

@@ -25,6 +25,10 @@ dml_mesh *dml_checkmesh(lua_State *L, int arg);
 /* The degree at arg, from 0 to the dimension; raises. */
 uint32_t dml_checkdegree(lua_State *L, int arg, const dml_mesh *m);
 
+/* Raises where the mesh has no coherent orientation, with the facet of more than two top cells
+ * where that is why: (cell, dual) is to be positive. */
+void dml_needorientation(lua_State *L, const dml_mesh *m);
+
 /* Raises where the mesh has no metric. */
 void dml_needmetric(lua_State *L, const dml_mesh *m);
 

@@ -109,7 +109,7 @@ static int mesh_quality(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     dm_quality q;
     dml_needmetric(L, m);
-    dm_quality_measure(&q, &m->K, &m->metric);
+    if (dm_quality_measure(&q, &m->K, &m->metric, &dml_stop) == DM_STOPPED) dml_checkstop(L);
     lua_createtable(L, 0, 5);
     dml_setresult(L);
     set_counts(L, "negative", q.negative, m->K.n);

@@ -221,9 +221,7 @@ int dml_mesh_integrals(lua_State *L) {
     if (!m->points)
         luaL_error(L, "a function of the point needs points, and this mesh has none: give values");
     luaL_argcheck(L, order >= 1 && order <= 21, ORDER, "an order from 1 to 21 is needed");
-    if (dual && k && !m->K.orientation)
-        luaL_error(L, "the mesh is not orientable: dual cells have no directions; d, Betti numbers "
-                      "and Laplacians go on");
+    if (dual && k) dml_needorientation(L, m);
     if (dual) dml_needmetric(L, m);
     make(L, &q, m, k, (uint32_t)order);
     double *out = dml_pushvector(L, m->K.count[dual ? m->K.n - k : k]);

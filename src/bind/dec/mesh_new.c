@@ -326,9 +326,11 @@ int dml_mesh_new(lua_State *L) {
     read_simplices(L, reading, &given);
     const dm_status status = dm_complex_build(&m->K, arena, &given, &dml_stop, &report);
     if (status == DM_SINGULAR) refuse(L, &given, &report);
+    if (status == DM_STOPPED) dml_checkstop(L);
     if (status != DM_OK) luaL_error(L, "dm.mesh: %s", dm_status_text(status));
     read_points(L, arena, m);
     orient(L, arena, m);
+    dml_checkstop(L);
     measure(L, arena, m);
     if (arena->scratch) dm_arena_release(arena->scratch);
     m->bytes = arena->total;

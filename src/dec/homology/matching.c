@@ -15,6 +15,9 @@ typedef struct {
     uint8_t *queue_degree;
     uint32_t *queue; /* a ring of `room` entries */
     size_t room, head, length;
+    volatile const int *stop;
+    uint32_t polls;
+    int stopped; /* *stop was seen: nobody comes any more */
 } taking;
 
 static int sign_of(uint32_t place) {
@@ -34,6 +37,12 @@ static void wait_for(taking *t, uint32_t k, uint32_t cell) {
     const size_t at = (t->head + t->length++) % t->room;
     t->queue_degree[at] = (uint8_t)k;
     t->queue[at] = cell;
+}
+
+static int is_somebody_waiting(taking *t) {
+    enum { EVERY = 8192 };
+    if (++t->polls % EVERY == 0 && t->stop && *t->stop) t->stopped = 1;
+    return t->length > 0 && !t->stopped;
 }
 
 static uint32_t next_waiting(taking *t, uint32_t *k) {
@@ -77,7 +86,7 @@ static void come(taking *t, uint32_t k, uint32_t cell) {
 }
 
 static void come_in_pairs(taking *t) {
-    while (t->length) {
+    while (is_somebody_waiting(t)) {
         uint32_t k = 0;
         const uint32_t b = next_waiting(t, &k);
         if (!t->alive[k][b] || t->faces[k][b] != 1) continue;
@@ -97,15 +106,13 @@ static void come_alone(taking *t, uint32_t k, uint32_t cell) {
 
 /* Every cell comes: in pairs as long as there are any, then the first one of the lowest degree,
  * all of whose faces are there, alone. */
-static dm_status coreduce(taking *t, uint32_t hub, volatile const int *stop) {
+static dm_status coreduce(taking *t, uint32_t hub) {
     come_in_pairs(t); /* beside a part that is taken as nothing */
     if (hub != UINT32_MAX && t->alive[0][hub]) come_alone(t, 0, hub);
     for (uint32_t k = 0; k <= t->K->n; k++)
-        for (uint32_t i = 0; i < t->K->count[k]; i++) {
-            if (i % 4096 == 0 && stop && *stop) return DM_STOPPED;
+        for (uint32_t i = 0; i < t->K->count[k] && !t->stopped; i++)
             if (t->alive[k][i]) come_alone(t, k, i);
-        }
-    return DM_OK;
+    return t->stopped ? DM_STOPPED : DM_OK;
 }
 
 /* ---- collapses: from the whole downwards ---- */
@@ -135,7 +142,7 @@ static uint32_t collapse(taking *t, uint32_t hub, uint32_t *lower) {
     for (uint32_t k = t->K->n; k-- > 0;)
         for (uint32_t i = 0; i < t->K->count[k]; i++)
             if (t->alive[k][i] && t->cofaces[k][i] == 1) wait_for(t, k, i);
-    while (t->length) {
+    while (is_somebody_waiting(t)) {
         uint32_t k = 0;
         const uint32_t a = next_waiting(t, &k);
         if (!is_free(t, k, a, hub)) continue;
@@ -225,7 +232,7 @@ static dm_status list_criticals(dm_matching *M, dm_arena *arena) {
 dm_status dm_matching_build(dm_matching *M, dm_arena *arena, const dm_complex *K,
                             const dm_matching_wish *wish, volatile const int *stop) {
     dm_arena *scratch = dm_arena_scratch(arena);
-    taking t = {.M = M, .K = K};
+    taking t = {.M = M, .K = K, .stop = stop};
     uint32_t pairs = 0, *lower = NULL;
     *M = (dm_matching){.K = K};
     if (!scratch || !take_arrays(M, &t, arena, scratch, wish->collapse)) return DM_NO_MEMORY;
@@ -237,7 +244,7 @@ dm_status dm_matching_build(dm_matching *M, dm_arena *arena, const dm_complex *K
         pairs = collapse(&t, wish->hub, lower);
         count_core(&t);
     }
-    const dm_status status = coreduce(&t, wish->hub, stop);
+    const dm_status status = coreduce(&t, wish->hub);
     if (status != DM_OK) return status;
     come_back(M, lower, pairs);
     return list_criticals(M, arena);

@@ -251,4 +251,9 @@ lemma = dm.five_lemma { top = short, bottom = short, maps = { { { 3 } }, { { 3, 
 ok(lemma.says.mono and not lemma.says.epi and lemma.holds, "what it does not say")
 lemma = dm.five_lemma { top = short, bottom = short, maps = { { { 1 } }, { { 1, 0 }, { 1, 1 } }, { { 1 } } } }
 ok(not lemma.commutes and not lemma.says.mono, "a square that does not commute")
+-- relative: a list of simplices and nothing else; nothing is passed over in silence
+local ball_ = require "dm".mesh { shells = { 3, 1 } }
+for _, part in ipairs { { [2] = { 1 } }, { x = { 1, 2 } }, { { 1, 2 }, [4] = { 1 } } } do
+  tap.raises("list of simplices", function() return ball_:homology(1, { relative = part }) end)
+end
 tap.done()

@@ -53,4 +53,7 @@ raises("too large", large.dot, large, large)
 raises("too large", large.norm, large)
 local sign = 1
 raises("infinite", function() return K:form(0, function() sign = -sign return sign * 1.7e308 end):d() end)
+-- why there is no orientation: an edge of three triangles is named
+tap.raises("no manifold at {1, 2}, a face of 3 cells", function() return require "dm".mesh { named = "dunce" }:fundamental() end)
+tap.raises("directions", function() return require "dm".mesh { klein = 3 }:fundamental() end)
 tap.done()

@@ -73,6 +73,12 @@ local function at_eigenvalue(shift)
   fail("the shift %.12g is an eigenvalue: move it a little", shift)
 end
 
+local function count_zeros(weights)
+  local zeros = 0
+  for i = 1, #weights do zeros = zeros + (weights[i] == 0 and 1 or 0) end
+  return zeros
+end
+
 local NEAR = 1e-13 -- of the largest eigenvalue: nothing tells values that are nearer apart
 
 local function dense(S, weights, m, options)
@@ -109,6 +115,11 @@ local function factored(S, weights, shift, lowest)
   local M_ = matrices.diagonal(weights)
   local shifted = S - shift * M_
   local factor = lowest and shifted:factor "cholesky" or shifted:factor "lu"
+  local zeros = not factor and count_zeros(weights) or 0
+  if zeros > 0 then
+    fail("%d cells have zero dual volume and leave the eigenvalue problem singular: dual = "
+      .. "\"barycentric\" makes a mesh without", zeros)
+  end
   if not factor or distance(factor, M_) < NEAR * largest(S, weights) then at_eigenvalue(shift) end
   return factor
 end
@@ -160,28 +171,22 @@ local function lanczos(A, S, weights, m, options)
   return pairs_, ("Lanczos iterations (ARPACK), %s"):format(FACTORS[factor.kind]), all
 end
 
-local function has_zero(weights)
-  for i = 1, #weights do
-    if weights[i] == 0 then return true end
-  end
-  return false
-end
-
 -- pairs, and which solver found them
 local function find(A, m, options)
   local S, weights = pencil(A)
-  local n, has_zeros = S.rows, has_zero(weights)
+  local n, zeros = S.rows, count_zeros(weights)
   local has_library, why = core.solvers()
-  local can_be_dense = n <= solver.MOST_DENSE and not has_zeros
+  local can_be_dense = n <= solver.MOST_DENSE and zeros == 0
   if n == 0 then fail("every cell is fixed: nothing is left") end
   if can_be_dense and (n <= SMALL or m > n // 4 or not has_library) then
     return dense(S, weights, m, options)
   end
   if not has_library then
-    fail("eigenvalues of %d unknowns%s: %s", n, has_zeros and ", some of zero dual volume," or "",
+    fail("eigenvalues of %d unknowns%s: %s", n, zeros > 0 and ", some of zero dual volume," or "",
       why)
   end
-  return lanczos(A, S, weights, math.min(m, n - 1), options)
+  -- what has no mass has no eigenvalue that is finite
+  return lanczos(A, S, weights, math.min(m, n - 1 - zeros), options)
 end
 
 local function check(m, options)

@@ -58,15 +58,19 @@ end
 
 local function boundary_part(K)
   local marks, n = no_marks(K), K.dimension
-  for cell = 1, K:count(n - 1) do
-    if #K:cofaces(n - 1, cell) == 1 then marks[n - 1][cell] = true end
-  end
+  for _, cell in ipairs(K:boundary_cells(n - 1)) do marks[n - 1][cell] = true end
   return closed(K, marks)
 end
 
 -- simplices as lists of vertices
 local function part_of(K, simplices)
   local marks = no_marks(K)
+  for i in pairs(simplices) do
+    if math.type(i) ~= "integer" or i < 1 or i > #simplices then
+      fail("mesh:homology", "option 'relative' is a list of simplices, and has the key %s",
+        option.got(i))
+    end
+  end
   for i, vertices in ipairs(simplices) do
     local cell = type(vertices) == "table" and K:find(vertices)
     if not cell then

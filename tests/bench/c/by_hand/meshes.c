@@ -71,13 +71,15 @@ static int *unique_rows(int *of, int *found, const int *row, int count, int widt
     return out;
 }
 
-/* cofaces of every face, one behind the other */
-static void cofaces(int *at, int *list, const int *face, int cells, int width, int faces) {
-    memset(at, 0, ((size_t)faces + 1) * sizeof *at);
-    for (int i = 0; i < cells * width; i++) at[face[i]]++;
-    for (int i = 1; i < faces; i++) at[i] += at[i - 1];
-    at[faces] = cells * width;
-    for (int i = cells * width; i-- > 0;) list[--at[face[i]]] = i / width;
+/* cofaces of every face, one behind the other: at[faces + 1], list[cells * width] */
+static void cofaces(int **at, int **list, const int *face, int cells, int width, int faces) {
+    int *start = *at = calloc((size_t)faces + 1, sizeof **at);
+    *list = get((size_t)cells * (size_t)width * sizeof **list);
+    if (!start) exit(1);
+    for (int i = 0; i < cells * width; i++) start[face[i]]++;
+    for (int i = 1; i < faces; i++) start[i] += start[i - 1];
+    start[faces] = cells * width;
+    for (int i = cells * width; i-- > 0;) (*list)[--start[face[i]]] = i / width;
 }
 
 static double distance2(const input *in, int a, int b) {
@@ -100,11 +102,9 @@ static double triangles(const input *in) {
         memcpy(row + 6 * t, r, sizeof r);
     }
     int *edge = unique_rows(face, &edges, row, 3 * T, 2, in->vertices);
-    int *at = get(((size_t)edges + 1) * sizeof *at), *list = get((size_t)T * 3 * sizeof *list);
-    int *vat = get(((size_t)in->vertices + 1) * sizeof *vat),
-        *vlist = get((size_t)edges * 2 * sizeof *vlist);
-    cofaces(at, list, face, T, 3, edges);
-    cofaces(vat, vlist, edge, edges, 2, in->vertices);
+    int *at, *list, *vat, *vlist;
+    cofaces(&at, &list, face, T, 3, edges);
+    cofaces(&vat, &vlist, edge, edges, 2, in->vertices);
     double *length2 = get((size_t)edges * sizeof *length2),
            *dual1 = calloc((size_t)edges, sizeof *dual1);
     double *area = get((size_t)T * sizeof *area),
@@ -193,15 +193,9 @@ static void find_cells(solid *s, const input *in) {
 }
 
 static void find_cofaces(solid *s) {
-    s->at2 = get(((size_t)s->faces + 1) * sizeof(int));
-    s->list2 = get((size_t)s->T * 4 * sizeof(int));
-    s->at1 = get(((size_t)s->edges + 1) * sizeof(int));
-    s->list1 = get((size_t)s->faces * 3 * sizeof(int));
-    s->at0 = get(((size_t)s->vertices + 1) * sizeof(int));
-    s->list0 = get((size_t)s->edges * 2 * sizeof(int));
-    cofaces(s->at2, s->list2, s->face, s->T, 4, s->faces);
-    cofaces(s->at1, s->list1, s->side, s->faces, 3, s->edges);
-    cofaces(s->at0, s->list0, s->edge, s->edges, 2, s->vertices);
+    cofaces(&s->at2, &s->list2, s->face, s->T, 4, s->faces);
+    cofaces(&s->at1, &s->list1, s->side, s->faces, 3, s->edges);
+    cofaces(&s->at0, &s->list0, s->edge, s->edges, 2, s->vertices);
 }
 
 static void free_cells(solid *s) {
