@@ -128,7 +128,8 @@ local function projected(a, basis, at)
   end
   local c = linear.solution(G, right)
   if not c then
-    option.fail("form:hodge", "the harmonic forms have no norm: the mesh has negative or zero stars")
+    option.fail("form:hodge",
+      "the harmonic forms have no norm: the mesh has negative or zero stars")
   end
   local out = 0 * a
   for i, h in ipairs(basis) do out = out + c[i] * h end
