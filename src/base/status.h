@@ -14,7 +14,8 @@
     X(TOO_LARGE, "too_large", "the expression graph grew too large")                               \
     X(NO_NATIVE, "no_native", "native code is not possible here")                                  \
     X(NOT_WRITTEN, "not_written", "a file could not be written")                                   \
-    X(NO_START, "no_start", "the run could not start")
+    X(NO_START, "no_start", "the run could not start")                                             \
+    X(OUT_OF_TIME, "out_of_time", "the seconds or steps allowed were over")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,
 typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;

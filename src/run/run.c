@@ -17,7 +17,7 @@ typedef struct {
     const dm_run_plan *plan;
     dm_stepper *s;
     double *state, *rows;
-    int own;     /* the method has a time of its own */
+    int own;     /* only what has been stepped knows the time: the method's own, or control */
     int goes_on; /* nothing but whole steps has been made, and the state is what they left */
     long done, rows_done;
     long flushed;        /* rows that have left the block */
@@ -25,6 +25,7 @@ typedef struct {
     long burst, until;   /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
     double saved;        /* s, time of the last call of save */
+    double cpu;          /* s of CPU when it began */
 } loop;
 
 long dm_run_rows(const dm_run_plan *plan) {
@@ -40,10 +41,18 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* s of CPU of the process. */
+static double cpu(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 /* the time of a step is computed from its number, never summed, unless the state carries it */
 static double time_now(const loop *l) {
     const dm_run_plan *plan = l->plan;
     if (plan->events && plan->events->ended) return plan->events->end;
+    if (plan->control) return plan->control->t;
     if (l->own) return l->state[4 * (size_t)l->s->model->n];
     return plan->t0 + (double)(l->done + (plan->resume ? plan->resume->steps : 0)) * l->plan->h;
 }
@@ -175,8 +184,10 @@ static dm_status step_watched(loop *l, double from) {
     double *before = events ? events->start : l->plan->between ? l->plan->between + size : NULL;
     long finished = 0;
     if (before) memcpy(before, l->state, size * sizeof *before);
-    dm_status status = dm_advance(l->s, l->state, from, l->plan->h, 1, &finished);
-    l->done += finished;
+    dm_status status = l->plan->control
+                           ? dm_control_step(l->plan->control, l->s, l->state)
+                           : dm_advance(l->s, l->state, from, l->plan->h, 1, &finished);
+    l->done += l->plan->control ? status == DM_OK : finished;
     if (status == DM_OK && events)
         status = dm_events_look(events, l->s, l->state, from, time_now(l));
     return status == DM_OK ? record_behind(l, before, from) : status;
@@ -297,6 +308,7 @@ static dm_status look(loop *l) {
     }
     if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= took < 0.05 * LOOK ? 8 : 2;
     if (took > LOOK && l->burst > 1) l->burst /= 2;
+    if (l->plan->seconds > 0.0 && cpu() - l->cpu > l->plan->seconds) status = DM_OUT_OF_TIME;
     l->looked = t;
     l->until = l->done + l->burst;
     return status;
@@ -344,6 +356,8 @@ static dm_status begin(loop *l) {
         const size_t size = dm_stepper_memory(l->s, &place);
         if (size) memcpy(place, resume->memory, size * sizeof *place);
     }
+    if (status == DM_OK && l->plan->control)
+        dm_control_begin(l->plan->control, l->s, l->state, l->plan->t0, l->plan->h);
     if (status == DM_OK && l->plan->inertia)
         dm_inertia_begin(l->plan->inertia, l->state, time_now(l));
     if (status == DM_OK && l->plan->events)
@@ -357,7 +371,8 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
                  long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
     dm_status status = DM_OK;
-    l.own = (s->rule->method->traits & DM_OWN_TIME) != 0;
+    l.own = plan->control || s->rule->method->traits & DM_OWN_TIME;
+    l.cpu = cpu();
     l.looked = l.told = now();
     l.saved = l.looked;
     status = begin(&l);
@@ -366,6 +381,7 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
         status = run(&l);
     else if (!plan->at)
         record(&l, state, plan->t0);
+    if (status == DM_OK && plan->control && time_now(&l) < plan->until) status = DM_OUT_OF_TIME;
     const dm_status end = record_end(&l);
     if (status == DM_OK) status = end;
     *done = l.done;

@@ -3,6 +3,7 @@
 #define DM_RUN_H
 
 #include "integ/method/method.h"
+#include "run/control.h"
 #include "run/events.h"
 #include "run/inertia.h"
 #include "run/observe.h"
@@ -42,10 +43,12 @@ typedef struct {
     long every;       /* keep one state in `every`, >= 1; the last is kept too */
     const double *at; /* or, not NULL: keep the states at these times, growing, from t0 on */
     long at_count;
-    double until;          /* methods with a time of their own: stop at the first step past it */
-    double *between;       /* with `at`: room for two states */
-    dm_observer *watch;    /* what a row holds beside t; NULL: q, p */
-    int beside;            /* and q, p in front of what is watched */
+    double until;        /* methods with a time of their own: stop at the first step past it */
+    dm_control *control; /* steps by their error, from h on, up to `until`; NULL: all are h long */
+    double seconds;      /* of CPU, then it ends with DM_OUT_OF_TIME; 0: as long as it takes */
+    double *between;     /* with `at`: room for two states */
+    dm_observer *watch;  /* what a row holds beside t; NULL: q, p */
+    int beside;          /* and q, p in front of what is watched */
     dm_impulses *impulses; /* behind all that; without `at` and events; NULL: none */
     dm_outlet *outlet;     /* NULL: all rows fit */
     dm_events *events;     /* NULL: none is looked for */

@@ -179,15 +179,13 @@ end
 ---- small terms together ----
 
 local STATES = 24   -- along the orbit, at which the size of a term is looked at
-local MOST_STEPS = 20000
 local GAP = 8       -- a term so much smaller than the next larger one ends a group
 local MOST_GROUPS = 6
 
 -- states (q, v, t) of the system as given along the whole time
 local function states(model)
-  local problem, N = model.problem, math.min(MOST_STEPS, 2 * math.ceil(pilot.first_N(model)))
-  local path = pilot.solver(model, "gauss(4)", N):run(pilot.options_of(model, {
-    at = pilot.times(problem, STATES, 0.3819660112501051) }))
+  local path = assert(pilot.free_run(model, 1e-6, {
+    at = pilot.times(model.problem, STATES, 0.3819660112501051) }))
   local v, out = path:velocity(), {}
   for i = 1, #path do out[i] = { path.q[i], v:row(i), path.t[i] } end
   return out

@@ -1,8 +1,10 @@
 --- dm.scene: no more than needed. What is watched, how well, how long; the cheapest model, rule and
 -- step that deliver it are found by pilot runs and checked.
 local blame = require "dm.base.blame"
+local choice = require "dm.scene.choice"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local deadline = require "dm.scene.deadline"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
 local option = require "dm.base.options"
@@ -19,7 +21,7 @@ local Scene = core.class({ __name = "dm.scene" }, [[
 dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, q=, v=, watch=, ...}
 fields: best (the choice), candidates (all that was measured), profile (the costs, to be saved)]])
 
-local max, min, floor = math.max, math.min, math.floor
+local max, min = math.max, math.min
 
 local WHERE = "dm.scene"
 local fail = option.failing(WHERE)
@@ -27,8 +29,7 @@ local fail = option.failing(WHERE)
 ---- options ----
 
 local KNOWN = { 1, "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules",
-  "symmetry",
-  "profile", "seconds", "project" }
+  "symmetry", "profile", "costs", "seconds", "project", "frame", "per_step" }
 local ROWS = { "at", "every", "file" }
 
 local function check_system(options)
@@ -49,11 +50,8 @@ local function check_rules(rules, system)
     if type(rule) ~= "string" then
       fail("option 'rules' must hold rules as texts, such as \"gauss(4)\" (got %s)", type(rule))
     end
-    if rule:find "^log%-hamiltonian" then
-      fail("option 'rules': '%s' has a time of its own, so that a scene cannot choose its step",
-        rule)
-    end
-    system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
+    -- a misspelled one is told here
+    system:solver { rule = pilot.controlled(rule) or rule, h = 1 }
   end
 end
 
@@ -66,7 +64,8 @@ local function check_options(options)
   if options.watch == nil then
     fail("nothing is watched: say in option 'watch' what is looked at")
   end
-  if options.tolerance == nil and options.watch ~= "picture" then
+  deadline.check(options, option, WHERE)
+  if options.tolerance == nil and options.watch ~= "picture" and not options.frame then
     fail("option 'tolerance' is missing: how well is it to be known?")
   end
   local t0 = option.number(options, "t0", WHERE, "a time", 0)
@@ -75,12 +74,16 @@ local function check_options(options)
   local last = option.number(options, "until_t", WHERE, after)
   option.demand(last > t0, options, "until_t", WHERE, after)
   option.positive(options, "seconds", WHERE)
+  if options.costs ~= nil and options.costs ~= "clock" and options.costs ~= "work" then
+    fail("option 'costs' must be \"work\", counted operations, or \"clock\" (got %s)",
+      option.got(options.costs))
+  end
   check_rules(option.list(options, "rules", WHERE, "rules", {}), system)
   return system
 end
 
-local function read_profile(given)
-  if given == nil then return profile.new() end
+local function read_profile(given, costs)
+  if given == nil then return profile.new(costs) end
   if type(given) == "string" then return profile.read(given) end
   if getmetatable(given) == profile then return given end
   fail("option 'profile' must be a file that scene.profile:save wrote, or the profile of another "
@@ -91,26 +94,14 @@ end
 
 local PIXELS = 500  -- of the side of a picture: what is smaller is not seen
 
--- a run of the whole with more and more steps until one reaches the end
-local function coarse_run(given)
-  local N, path = floor(max(256, min(1e5, pilot.first_N(given)))), nil
-  for _ = 1, 6 do
-    local fine
-    fine, path = pcall(function()
-      return pilot.solver(given, "gauss(2)", N):run(pilot.options_of(given,
-        { steps = N, every = max(1, N // 512), watch = given.watch }))
-    end)
-    if fine then return path end
-    pilot.pass_stop(path)
-    N = 4 * N
-  end
-  fail("watch = \"picture\": the tolerance was to be a pixel, but a first run failed: %s; give "
-    .. "option 'tolerance'", tostring(path))
-end
-
 -- tolerance of a picture: a pixel of the largest extent, seen by a coarse run of the whole
 local function picture_tolerance(problem, given)
-  local path, extent = coarse_run(given), 0
+  local path, why = pilot.free_run(given, 1e-6, { watch = given.watch })
+  if not path then
+    fail("watch = \"picture\": the tolerance was to be a pixel, but a first run failed: %s; give "
+      .. "option 'tolerance'", why)
+  end
+  local extent = 0
   for _, name in ipairs(problem.columns) do
     local lo, hi = math.huge, -math.huge
     for _, x in ipairs(path:column(name):totable()) do lo, hi = min(lo, x), max(hi, x) end
@@ -122,71 +113,18 @@ end
 
 ---- choosing ----
 
-local PILOT_TIMES, HOLD_OUT_TIMES = 96, 61
-local GOLDEN, SILVER = 0.6180339887498949, 0.4142135623730951
+-- times at which models and rules are compared with the reference, and those of the check: at
+-- least so many, at most so many, and per step of the reference; they fall in step with nothing
+local PILOT_TIMES = { 256, 3000, 1, 0.6180339887498949 }
+local CHECK_TIMES = { 2048, 20000, 8, 0.4142135623730951 }
 -- of CPU; with a profile that was given no clock shall decide
 local SECONDS, WITHOUT_CLOCK = 20, 600
+-- parts of the seconds that are over when reference, models, rules are to be done
+local REFERENCE_TIME, MODELS_TIME, RULES_TIME = 0.35, 0.55, 0.8
 
-local function merged(a, b)
-  local out = { table.unpack(a) }
-  for _, t in ipairs(b) do out[#out + 1] = t end
-  table.sort(out)
-  local distinct = {}
-  for _, t in ipairs(out) do
-    if t ~= distinct[#distinct] then distinct[#distinct + 1] = t end
-  end
-  return distinct
-end
-
--- rows of a record at some of its times
-local function at_times(problem, record, all, times)
-  local place, out = {}, {}
-  for i, t in ipairs(all) do place[t] = i end
-  for _, name in ipairs(problem.columns) do
-    local x = {}
-    for i, t in ipairs(times) do x[i] = record[name][place[t]] end
-    out[name] = core.vector(x)
-  end
-  return out
-end
-
--- both error and that of half the step must be inside, at times that were not used before
-local function hold_out(scene, c)
-  local record = pilot.run(c.model, c.rule, c.N, scene.held_times)
-  local finer = pilot.run(c.model, c.rule, 2 * c.N, scene.held_times)
-  local err = record and pilot.apart(scene.problem, record, scene.held) or math.huge
-  local finer_err = finer and pilot.apart(scene.problem, finer, scene.held) or math.huge
-  return err, finer_err
-end
-
--- the cheapest finalist that stands the check; a few more steps are allowed to it
-local function choose(scene)
-  local tried = {}
-  for _, c in ipairs(scene.finalists) do
-    for _ = 1, 4 do
-      local err, finer = hold_out(scene, c)
-      if err + scene.uncertainty <= 1 and finer <= 1 then
-        scene.best, scene.held_error, scene.finer_error = c, err, finer
-        return
-      end
-      tried[#tried + 1] = (
-        "%s with h = %.4g misses it on the hold-out run: error %s, with half the step %s")
-        :format(c.rule, c.h,
-        report.error(scene, err), report.error(scene, finer))
-      c.N = math.ceil(1.15 * c.N)
-      c.h = scene.problem.T / c.N
-    end
-    c.failed = "dropped: " .. tried[#tried]
-  end
-  local words = {}
-  for _, c in ipairs(scene.search.candidates) do
-    words[#words + 1] = ("%s with h = %.3g errs by %s")
-      :format(c.rule, c.h, report.error(scene, c.error))
-    if #words == 8 then break end
-  end
-  error(("dm.scene: nothing that was tried delivers the tolerance: %s. Take a larger tolerance, "
-    .. "or give more seconds")
-    :format(table.concat(#tried > 0 and tried or words, "; ")), 0)
+local function mesh(reference, how)
+  local steps = #reference.times
+  return reference:mesh(min(how[2], max(how[1], how[3] * steps)), how[4])
 end
 
 -- the one tolerance of all columns, nil where they have their own
@@ -199,67 +137,126 @@ local function unit_of(problem)
   return unit
 end
 
-local function sentence(problem, until_t)
+local function sentence(problem, until_t, known)
   local parts = {}
   for _, name in ipairs(problem.columns) do
-    parts[#parts + 1] = ("%s to %.3g"):format(name, problem.tolerance[name])
+    parts[#parts + 1] = not known and name or ("%s to %.3g"):format(name, problem.tolerance[name])
   end
   return ("scene: %s, until t = %g"):format(table.concat(parts, ", "), until_t)
 end
 
-local function start_search(scene, given)
-  local times = merged(pilot.times(scene.problem, PILOT_TIMES, GOLDEN),
-    pilot.times(scene.problem, HOLD_OUT_TIMES, SILVER))
-  local record, distance, text = pilot.reference(given, times, scene.allowed / 4)
-  local used = pilot.times(scene.problem, PILOT_TIMES, GOLDEN)
-  scene.held_times = pilot.times(scene.problem, HOLD_OUT_TIMES, SILVER)
-  scene.held = at_times(scene.problem, record, times, scene.held_times)
-  scene.uncertainty, scene.reference_text = distance, text
-  local now = core.cpu()
-  return search.prepare({ times = used, reference = at_times(scene.problem, record, times, used),
-    profile = scene.profile, bound = math.huge, pilots = 0,
-    candidates = {}, models = {}, rules = search.rules(scene.options.rules, scene.system),
-    seconds = scene.allowed,
-    half_time = now + 0.4 * scene.allowed, deadline = now + scene.allowed }, scene.problem)
+-- rules that are named are not those of the reference
+local function named_rules(scene)
+  local out = {}
+  for _, rule in ipairs(scene.options.rules or {}) do out[pilot.controlled(rule) or rule] = true end
+  return out
 end
 
-local function rows_text(scene)
-  local every, err = rows.every(scene.best)
-  scene.every, scene.lines = every, rows.lines(scene.best, every, err)
-  if err <= 1 then
-    return ("rows: one in %d steps; straight lines between them err by %s")
-      :format(every, report.error(scene, err))
-  end
-  return ("rows: one a step; straight lines between them err by %s; with %d rows, by 'at', they "
-    .. "would be as good as the tolerance")
-    :format(report.error(scene, err), scene.lines)
+local function start_search(scene, given)
+  local reference = pilot.reference(given, scene.allowed * REFERENCE_TIME, named_rules(scene),
+    scene.options.frame and not scene.tolerant)
+  local times, problem = mesh(reference, PILOT_TIMES), scene.problem
+  scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference
+  scene.checked = pilot.record(problem, reference:path(scene.check_times))
+  scene.uncertainty = 2 * reference.distance
+  scene.reference_text = ("%s agree to %.1e of the tolerance"):format(reference.text,
+    reference.distance)
+  return search.prepare({ times = times, reference = pilot.record(problem, reference:path(times)),
+    profile = scene.profile, bound = math.huge, pilots = 0, candidates = {}, models = {},
+    rules = search.rules(scene.options.rules, scene.system, { [reference.rule] = true }),
+    seconds = scene.allowed, half_time = scene.began + MODELS_TIME * scene.allowed,
+    deadline = scene.began + RULES_TIME * scene.allowed }, problem)
+end
+
+-- what the seconds left out
+local function note_cut(scene)
+  local s, out = scene.search, {}
+  if s.models_cut then out[#out + 1] = "smaller models" end
+  if s.cut then out[#out + 1] = "rules" end
+  if #out == 0 then return end
+  scene.cut = ("the %g seconds were over before everything was looked at: %s are left out")
+    :format(scene.allowed, table.concat(out, " and "))
+end
+
+-- the dimension and the counted work of the choice, without set-up
+local function describe(scene, c)
+  c.n = c.model:size()
+  c.cost = scene.profile:cost(c.model, c.rule, c.N)
+  c.work = scene.profile.counts and c.cost or nil
+  c.ns = scene.profile.counts and profile.time(c.model, c.rule, c.N) or c.cost
+end
+
+-- what was found, in words
+local function conclude(scene)
+  scene.check_text = ("check at %d other times, and between them: error %s")
+    :format(#scene.check_times, report.error(scene, scene.checked_error))
+  scene.seconds = core.cpu() - scene.began
+  return scene
+end
+
+-- the choice where a frame has a deadline
+local function keep_deadline(scene, given)
+  pilot.allow(scene.problem, scene.began + scene.allowed - core.cpu(), 1 / 4)
+  scene.search.refused = {}
+  scene.search.models[1] = { model = given, error = 0, verdict = "the system as given",
+    kept = true }
+  scene.best = deadline.choose(scene, given, scene.tolerant)
+  scene.search.candidates = scene.candidates
+  pilot.allow(scene.problem, nil)
+  scene.checked_error = scene.best.error
+  return conclude(scene)
 end
 
 -- find the choice, once
 local function decide(scene)
   if scene.best then return scene end
-  local began = core.cpu()
+  scene.began = core.cpu()
   local given = model.given(scene.problem):ready()
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
+  if scene.options.frame then return keep_deadline(scene, given) end
   local split = scene.options.symmetry
     and require "dm.scene.symmetry".model(scene.problem, scene.options)
+  -- of the seconds of a step, what one run may take
+  local function allow(part, most)
+    pilot.allow(scene.problem, scene.began + part * scene.allowed - core.cpu(), most)
+  end
+  allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, split)
+  allow(RULES_TIME, 1 / 4)
   for i = #scene.rungs, 1, -1 do search.model(scene.search, scene.rungs[i]) end
   scene.finalists = search.finalists(scene.search)
-  choose(scene)
-  scene.solver = pilot.solver(scene.best.model, scene.best.rule, scene.best.N)
-  scene.check_text = ("check at %d other times: error %s, with half the step %s")
-    :format(#scene.held_times, report.error(scene, scene.held_error),
-      report.error(scene, scene.finer_error))
-  scene.rows_text = rows_text(scene)
-  scene.seconds = core.cpu() - began
-  return scene
+  allow(1, 1)
+  choice.choose(scene)
+  pilot.allow(scene.problem, nil)
+  describe(scene, scene.best)
+  note_cut(scene)
+  return conclude(scene)
+end
+
+-- how many rows straight lines need, once; of even steps so many of these apart
+local function space_rows(scene)
+  if scene.row_error then return end
+  local room = 1 - scene.checked_error - scene.uncertainty
+  local every, err = rows.every(scene.best, room)
+  if not (err <= room) then
+    every = nil
+    scene.lines, err = rows.lines(scene.best, room)
+    if not scene.lines then
+      fail("scene:run(): straight lines between rows err by more than the tolerance leaves, %s, "
+        .. "with 10^6 of them: give the times, scene:run { at = { ... } }",
+        report.error(scene, room))
+    end
+  end
+  scene.every, scene.row_error = every, err
+  scene.rows_text = ("rows: %s; straight lines between them err by %s"):format(every
+    and ("one in %d steps"):format(every) or ("%d"):format(scene.lines + 1),
+    report.error(scene, err))
 end
 
 ---- what a scene does ----
 
--- which rows: as asked for; of a picture those that lines need; else one in so many steps
+-- which rows: as asked for, else as many as straight lines need; and what lines add to the error
 local function rows_of(scene, options)
   option.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
   if options.at then
@@ -268,21 +265,30 @@ local function rows_of(scene, options)
       option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the "
         .. "tolerance is known", last, scene.options.until_t)
     end
-    return options
+    return options, 0
   end
-  if scene.options.watch == "picture" and not options.every and scene.lines then
-    return { at = rows.times(scene.problem, scene.lines), file = options.file }
+  if options.every and pilot.is_even(scene.best.rule) then
+    return { steps = scene.best.N, every = options.every, file = options.file }, 0
   end
-  return { steps = scene.best.N, every = options.every or scene.every, file = options.file }
+  if scene.best.per_frame then
+    return { steps = scene.best.N, every = scene.best.per_frame, file = options.file }, 0
+  end
+  space_rows(scene)
+  if scene.every then
+    return { steps = scene.best.N, every = scene.every, file = options.file }, scene.row_error
+  end
+  return { at = rows.times(scene.problem, scene.lines), file = options.file }, scene.row_error
 end
 
 local function run(scene, options)
   decide(scene)
-  local err = max(scene.best.error, scene.held_error) + scene.uncertainty
-  return rows.path(scene.best, rows_of(scene, options or {}),
+  local which, lines = rows_of(scene, options or {})
+  local err = scene.checked_error + scene.uncertainty + lines
+  return rows.path(scene.best, which,
     { error_estimate = err * (scene.unit or 1),
     in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance")
-      :format(err) })end
+      :format(err) })
+end
 
 class.method("dm.scene", "run", run, [[
 scene:run([{at=, every=, file=}]) -> path of what is watched
@@ -301,6 +307,7 @@ local FRAMES = 600
 
 class.method("dm.scene", "animate", function(scene, file, options)
   decide(scene)
+  if not scene.best.per_frame then space_rows(scene) end
   local path = run(scene, { at = rows.times(scene.problem,
     max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
   return path:animate(file, options)
@@ -340,15 +347,17 @@ M.scene = blame.caller(function(options)
   local wanted = given.tolerance
   given.tolerance = wanted or 1
   if options.symmetry ~= nil then require "dm.scene.symmetry".check(options.symmetry) end
-  local costs = read_profile(options.profile)
+  local costs = read_profile(options.profile, options.costs or "work")
   local scene = setmetatable({ system = system, options = given, profile = costs,
     allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, Scene)
+  scene.tolerant = wanted ~= nil
   scene.problem = model.problem(system, given)
-  if wanted == nil then
+  if wanted == nil and options.watch == "picture" then
     local pixel = picture_tolerance(scene.problem, model.given(scene.problem):ready())
     for _, name in ipairs(scene.problem.columns) do scene.problem.tolerance[name] = pixel end
   end
-  scene.unit, scene.sentence = unit_of(scene.problem), sentence(scene.problem, options.until_t)
+  scene.unit, scene.sentence = unit_of(scene.problem), sentence(scene.problem, options.until_t,
+    scene.tolerant or not options.frame)
   return scene
 end)
 

@@ -1,11 +1,14 @@
---- Pilot runs of a scene: a model stepped N times over the whole time, what is watched at given
--- times, distances between such records.
-local blame = require "dm.base.blame"
+--- Pilot runs of a scene: a model stepped by a rule over the whole time, what is watched at given
+-- times, distances between such records. How long the steps are is told by a number N: about so
+-- many of them are made.
 local core = require "dm.core"
+local engine = require "dm.reference.engine"
 
 local M = {}
 
-local abs, max, floor = math.abs, math.max, math.floor
+local abs, max, min, huge = math.abs, math.max, math.min, math.huge
+
+M.pass_stop, M.is_refusal, M.first_line = engine.pass_stop, engine.is_refusal, engine.words
 
 --- Times that do not fall in step with anything: `count` of them, t0 < t <= t0 + T, the last one at
 -- the end.
@@ -18,94 +21,158 @@ function M.times(problem, count, seed)
   return out
 end
 
---- A failure that only the person at the keyboard can mean is passed on.
-function M.pass_stop(failure)
-  if blame.is_stop(failure) then error(failure, 0) end
-end
+---- solvers ----
 
-local REFUSALS = { "cannot step this system", "needs a regular Lagrangian", "^field 'rule'" }
+local LEAST_SECONDS = 5e-3
 
---- Is it the rule that cannot, whatever the step?
-function M.is_refusal(why)
-  for _, words in ipairs(REFUSALS) do
-    if why:find(words) then return true end
-  end
-  return false
+-- s of CPU that a run may take: until the problem's deadline, while it has one, and its part of all
+local function seconds_of(problem)
+  if not problem.deadline then return nil end
+  return max(LEAST_SECONDS, min(problem.deadline - core.cpu(), problem.most_seconds))
 end
 
 local function options_of(model, more)
   local start = model.start
-  local out = { q = start.q, v = start.v, t0 = start.t0, project = start.project }
+  local out = { q = start.q, v = start.v, t0 = start.t0, project = start.project,
+    seconds = seconds_of(model.problem) }
   for key, value in pairs(more) do out[key] = value end
   return out
 end
 M.options_of = options_of
 
-function M.solver(model, rule, N)
-  return model:ready().system:solver { rule = rule, h = model.problem.T / N }
+--- Runs of a problem end with so many seconds of CPU from now on, each after a part of them; nil:
+-- they take as long as they take.
+function M.allow(problem, seconds, part)
+  problem.deadline = seconds and core.cpu() + seconds
+  problem.most_seconds = seconds and seconds * part
 end
 
---- Columns of what is watched at the times, by N steps; or nil and why not.
-function M.run(model, rule, N, times)
-  local fine, path = pcall(function()
-    local solver = M.solver(model, rule, N)
-    return solver:run(options_of(model, { at = times, watch = model.watch })), solver:report()
-  end)
-  if not fine then
-    M.pass_stop(path)
-    return nil, tostring(path):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
+--- The rule R of "controlled(R)", whose steps are as long as their error allows; else nil.
+function M.controlled(rule) return rule:match "^controlled%((.*)%)$" end
+
+local function has_own_time(rule) return rule:find "^log%-hamiltonian" ~= nil end
+
+--- Steps of a rule are of one length, by the time.
+function M.is_even(rule) return not (M.controlled(rule) or has_own_time(rule)) end
+
+local STANDARD, PROBES = 1e-9, { 64, 4096 }
+
+-- how many steps a rule with lengths of its own makes of the whole, and at which tolerance, or how
+-- long it is in its own time; found once for a model
+local function scale_of(model, rule)
+  model.scales = model.scales or {}
+  local known = model.scales[rule]
+  if known then return known end
+  local T, inner, out = model.problem.T, M.controlled(rule), nil
+  local finish = { model.problem.t0 + T }
+  if inner then
+    local solver = model:ready().system:solver { rule = inner, h = T / 256 }
+    solver:run(options_of(model, { at = finish, control = { tolerance = STANDARD,
+      largest = T / 2, hidden = model.untouched and model.problem.hidden or nil } }))
+    out = { solver = solver, N = max(4, solver:report().steps), order = solver.order }
+  else
+    local h = T / PROBES[1]
+    for _ = 1, 2 do -- the second one with steps that are short enough to tell
+      local solver = model:ready().system:solver { rule = rule, h = h }
+      solver:run(options_of(model, { at = finish }))
+      out = { length = h * max(1, solver:report().steps) }
+      h = out.length / PROBES[2]
+    end
   end
-  local out = {}
-  for _, name in ipairs(model.problem.columns) do out[name] = path:column(name) end
+  model.scales[rule] = out
   return out
 end
 
---- Largest distance of two records in parts of the tolerance, over their rows from..to (default
--- all).
+-- the solver, and what its runs have beside
+local function solver_of(model, rule, N)
+  local problem = model.problem
+  if M.is_even(rule) then
+    return model:ready().system:solver { rule = rule, h = problem.T / N }
+  end
+  local scale = scale_of(model, rule)
+  if scale.length then
+    return model:ready().system:solver { rule = rule, h = scale.length / N }
+  end
+  local tolerance = max(1e-15, STANDARD * (scale.N / N) ^ (scale.order + 1))
+  return scale.solver, { tolerance = min(0.1, tolerance), largest = problem.T / 2,
+    hidden = model.untouched and problem.hidden or nil }
+end
+
+--- Run N steps of a rule on a model with the options `more` of solver:run; path, report. Without
+-- times to be kept it is the end.
+function M.go(model, rule, N, more)
+  local solver, control = solver_of(model, rule, N)
+  local options = options_of(model, more)
+  if not more.at then
+    if M.is_even(rule) then
+      options.steps, options.every = more.steps or N, more.every or more.steps or N
+    else
+      options.steps, options.every = nil, nil
+      options.at = { model.problem.t0 + model.problem.T }
+    end
+  end
+  options.control = control
+  local path = solver:run(options)
+  return path, solver:report()
+end
+
+--- Columns of what is watched at the times, by N steps, and the report; or nil and why not.
+function M.run(model, rule, N, times)
+  local fine, path, report = pcall(M.go, model, rule, N,
+    { at = times, watch = model:ready().watch })
+  if not fine then
+    M.pass_stop(path)
+    return nil, M.first_line(path)
+  end
+  return M.record(model.problem, path), report
+end
+
+--- Columns of a path as a record.
+function M.record(problem, path)
+  local out = {}
+  for _, name in ipairs(problem.columns) do out[name] = path:column(name) end
+  return out
+end
+
+---- distances ----
+
+--- Largest distance of two records in parts of the tolerance.
 function M.apart(problem, a, b)
   local worst = 0
   for _, name in ipairs(problem.columns) do
-    local x, y, tolerance = a[name], b[name], problem.tolerance[name]
-    for i = 1, #x do
-      local d = abs(x[i] - y[i]) / tolerance
-      if d ~= d then return math.huge end
-      worst = max(worst, d)
+    local d, tolerance = (a[name] - b[name]):totable(), problem.tolerance[name]
+    for i = 1, #d do
+      local here = abs(d[i]) / tolerance
+      if here ~= here then return huge end
+      worst = max(worst, here)
     end
   end
   return worst
 end
 
-local GIVE_UP = 3  -- failures, or halvings that make nothing better, in a row
-
---- Halve the step until the record changes by less than `goal` tolerances: record, change, N; or
--- nil, why. how: from (a number of steps), goal, times, seconds (of CPU that may go into it), most
--- (steps)
-function M.refine(model, rule, how)
-  local begin, took, N, last, change, why = core.cpu(), 0, max(4, floor(how.from)), nil, nil, nil
-  local rising, failures = 0, 0
-  while N < (how.most or 2 ^ 40) and core.cpu() - begin + 2 * took <= how.seconds do
-    local start = core.cpu()
-    local record, failed = M.run(model, rule, N, how.times)
-    took, why = core.cpu() - start, failed or why
-    failures = failed and failures + 1 or 0
-    if failed and (M.is_refusal(failed) or failures == GIVE_UP) then return nil, failed end
-    if record and last then
-      local now = M.apart(model.problem, record, last)
-      if now <= how.goal then return record, now, N end
-      rising = change and now > 0.5 * change and N > 8 * how.from and rising + 1 or 0
-      if rising == GIVE_UP then return nil, M.best_words(model.problem, rule, now, N), now end
-      change = now
+--- The same with what the difference may be between the rows: as it bends there.
+function M.apart_between(problem, a, b)
+  local worst = 0
+  for _, name in ipairs(problem.columns) do
+    local d, tolerance = (a[name] - b[name]):totable(), problem.tolerance[name]
+    for i = 1, #d do
+      local bend = i > 1 and i < #d and abs(d[i - 1] - 2 * d[i] + d[i + 1]) / 8 or 0
+      local here = (abs(d[i]) + bend) / tolerance
+      if here ~= here then return huge end
+      worst = max(worst, here)
     end
-    last, N = record, 2 * N
   end
-  return nil, change and M.best_words(model.problem, rule, change, N // 2) or why
-    or "not even one run fits into the time allowed", change
+  return worst
 end
 
-function M.best_words(problem, rule, change, N)
-  return ("%s still changes by %.1e tolerances when the step is halved to h = %.3g")
-    :format(rule, change, problem.T / N)
+--- The first rows of a record, `count` of them.
+function M.first_rows(problem, record, count)
+  local out = {}
+  for _, name in ipairs(problem.columns) do out[name] = record[name]:slice(1, count) end
+  return out
 end
+
+---- how fast ----
 
 -- largest |eigenvalue| of L_vv^-1 K for the blocks of a Hessian by (q, v, t)
 local function stiffness(H, of, n)
@@ -138,92 +205,58 @@ function M.frequency(model, term)
   return fine and squared == squared and math.sqrt(squared) or 0
 end
 
--- unlike methods: Gauss collocation, then Runge-Kutta, compositions, Lobatto; the last for L linear
--- in v
-local FIRST = { "gauss(6)", "lobatto(6)", "degenerate(3)" }
-local SECOND = { "rk8", "kahan-li(8)", "lobatto(5)", "gauss(4)", "degenerate(2)" }
-local AGREED = 0.05  -- tolerances
-
-local function first_that_can(model, rules, how)
-  local tried = {}
-  for _, rule in ipairs(rules) do
-    local record, change, N = M.refine(model, rule, how)
-    if record then return { rule = rule, record = record, change = change, N = N }, tried end
-    if not M.is_refusal(change) then tried[#tried + 1] = change end
-  end
-  return nil, tried
-end
-
---- A number of steps at which Gauss collocation of order 12 begins to see the fastest oscillation.
+--- A number of steps at which Gauss collocation begins to see the fastest oscillation.
 function M.first_N(model) return max(16, model.problem.T * M.frequency(model) / 2) end
 
---- The first rows of a record, `count` of them.
-function M.first_rows(problem, record, count)
-  local out = {}
-  for _, name in ipairs(problem.columns) do out[name] = record[name]:slice(1, count) end
-  return out
-end
+---- runs that find their own steps ----
 
--- Where oscillations are so fast that to follow each of them costs much: two implicit methods with
--- steps that step over them. What they miss acts on the slow motion like a force, so by t^2: a part
--- of the time is run with all oscillations resolved and must agree so well that T is covered too.
-local PART, COSTLY = 16, 4096
-local UNSEEN = 0.2 / PART ^ 2  -- tolerances
+local RULES = { "rk8", "gauss(4)", "degenerate(3)" }
 
-local SLOW = { { "gauss(6)", "lobatto(6)" }, { "gauss(4)", "lobatto(5)" } }
-
-local function slow_reference(model, times, seconds, N0)
-  local problem = model.problem
-  local how = { from = max(64, N0 / 2 ^ 12), goal = UNSEEN / 4, times = times,
-    seconds = seconds / 4, most = N0 }
-  local a = first_that_can(model, SLOW[1], how)
-  local b = a and first_that_can(model, SLOW[2], how)
-  if not b or M.apart(problem, a.record, b.record) > UNSEEN then return nil end
-  local count = max(1, #times // PART)
-  local resolved = M.refine(model, "gauss(6)",
-    { from = N0, goal = UNSEEN / 4, times = { table.unpack(times, 1, count) },
-    seconds = seconds / 4 })
-  local distance = resolved and M.apart(problem, resolved, M.first_rows(problem, a.record, count))
-  if not distance or distance > UNSEEN then return nil end
-  return a.record, AGREED,
-    ("%s with h = %.3g and %s with h = %.3g, which step over the oscillations, agree to %.1e of "
-    .. "the tolerance; with "
-    .. "all of them resolved, until t = %.3g, to %.1e")
-      :format(a.rule, problem.T / a.N, b.rule, problem.T / b.N,
-    M.apart(problem, a.record, b.record), times[count], distance)
-end
-
---- The reference of a scene: two unlike methods on the system as given, each refined until it
--- stays, that agree: record, distance in tolerances, words. Raises what was measured.
-function M.reference(model, times, seconds)
-  local problem, N0 = model.problem, M.first_N(model)
-  if N0 > COSTLY then
-    local record, distance, words = slow_reference(model, times, seconds, N0)
-    if record then return record, distance, words end
+--- The path of a model by steps as long as a tolerance allows: at times, or at each of them. Path,
+-- or nil and why not.
+function M.free_run(model, tolerance, more)
+  local problem, why = model.problem, nil
+  for _, rule in ipairs(RULES) do
+    local fine, path = pcall(function()
+      local options = options_of(model:ready(), { control = { tolerance = tolerance,
+        largest = problem.T / 16 } })
+      for key, value in pairs(more) do options[key] = value end
+      if not options.at then options.t = problem.T end
+      return model.system:solver({ rule = rule, h = problem.T / 256 }):run(options)
+    end)
+    if fine then return path end
+    M.pass_stop(path)
+    if not why or M.is_refusal(why) then why = M.first_line(path) end
+    if not M.is_refusal(M.first_line(path)) then return nil, why end
   end
-  local how = { from = N0, goal = AGREED / 2, times = times, seconds = seconds }
-  local a, tried = first_that_can(model, FIRST, how)
-  local nowhere = not a and tried[1] and tried[1]:match "no start: .*"
+  return nil, why
+end
+
+---- the reference ----
+
+local AGREED = 0.02  -- tolerances
+
+--- The reference of a scene: two unlike methods on the system as given that agree
+-- (dm.reference.engine), `best`: as closely as they can. Raises what was measured.
+function M.reference(model, seconds, except, best)
+  local problem = model:ready().problem
+  local found, why = engine.find { system = model.system, start = { q = model.start.q,
+    v = model.start.v, project = model.start.project }, t0 = problem.t0, T = problem.T,
+    watch = model.watch, goal = best and 0 or AGREED, best = best, seconds = seconds,
+    except = except,
+    distance = function(a, b)
+      return M.apart(problem, M.record(problem, a), M.record(problem, b))
+    end }
+  if found then
+    problem.hidden = found.hidden
+    return found
+  end
+  local nowhere = why:match "no start: .*"
   if nowhere then error("dm.scene: " .. nowhere, 0) end
-  local b, others = nil, {}
-  if a then b, others = first_that_can(model, SECOND, how) end
-  local distance = a and b and M.apart(problem, a.record, b.record)
-  if distance and distance <= 2 * AGREED then
-    return a.record, distance,
-      ("%s with h = %.3g and %s with h = %.3g agree to %.1e of the tolerance")
-      :format(a.rule, problem.T / a.N,
-      b.rule, problem.T / b.N, distance)
-  end
-  for _, words in ipairs(others) do tried[#tried + 1] = words end
-  if distance then
-    tried[#tried + 1] = ("%s and %s have settled, but %.1e tolerances apart")
-      :format(a.rule, b.rule, distance)
-  end
-  error(("dm.scene: the tolerance cannot be promised, since no reference is known that well: %s. "
-    .. "Is the motion chaotic over this time, or the "
-    .. "tolerance below round-off? Take a larger tolerance, a shorter until_t, watch something "
-      .. "less sensitive, or give more seconds")
-    :format(table.concat(tried, "; ")), 0)
+  error(("dm.scene: the tolerance cannot be promised, since no reference is known that well: %s "
+    .. "(tolerances). Is the motion chaotic over this time, or the tolerance below round-off? "
+    .. "Take a larger tolerance, a shorter until_t, watch something less sensitive, or give more "
+    .. "seconds"):format(why), 0)
 end
 
 return M

@@ -11,22 +11,23 @@ local min, max, huge = math.min, math.max, math.huge
 
 local fail = require "dm.base.options".failing "dm.scene"
 
---- An empty profile, which measures what it is asked for.
-function M.new() return setmetatable({ rows = {}, few = {}, guessed = {}, measures = true }, M) end
+--- An empty profile, which finds what it is asked for: by counting operations, or "clock": by the
+-- clock, in ns.
+function M.new(costs)
+  return setmetatable({ rows = {}, few = {}, guessed = {}, measures = true,
+    counts = costs ~= "clock" }, M)
+end
 
 local LONG_ENOUGH, LONGEST = 4e-3, 60  -- s of CPU spent on one figure; repeats
 
 -- ns of a step, without set-up, over so many of the N steps: the best of several; and the report of
 -- the run
 local function measure(model, rule, N, steps, enough)
-  local solver, start = pilot.solver(model, rule, N),
-    pilot.options_of(model, { steps = steps, every = steps })
   local best, report = huge, nil
   local began = core.cpu()
   for _ = 1, LONGEST do
-    local before = core.cpu()
-    solver:run(start)
-    report = solver:report()
+    local before, _ = core.cpu(), nil
+    _, report = pilot.go(model, rule, N, { steps = steps })
     -- the latter where others had the processor
     best = min(best, report.ns_per_step, 1e9 * (core.cpu() - before) / steps)
     local spent = core.cpu() - began
@@ -35,12 +36,24 @@ local function measure(model, rule, N, steps, enough)
   return max(best, 1e-3), report
 end
 
-local function key_of(model, rule) return model:fingerprint() .. " " .. rule end
+--- ns of a run by the clock, set-up apart.
+function M.time(model, rule, N) return (measure(model, rule, N, N, LONG_ENOUGH)) * N end
 
--- operations of a run, as far as counters tell: of the kernels, and what surrounds them
+-- operations of a run, as far as counters tell: of the kernels, of the equations solved, and what
+-- surrounds them
 local function work_of(report, n)
   return max(report.evaluations, report.steps) * (report.operations + 8 * n)
+    + report.newton * n * n
 end
+
+-- work of a step, over so many of the N steps; the same in every run
+local function count(model, rule, N, steps)
+  local _, report = pilot.go(model, rule, N, { steps = steps })
+  local all = pilot.is_even(rule) and steps or N
+  return work_of(report, model.system.Q.dimension) / all, report
+end
+
+local function key_of(model, rule) return model:fingerprint() .. " " .. rule end
 
 -- ns by the rates of what was measured: for the same rule, or for all
 local function estimate(self, model, rule, N)
@@ -57,15 +70,11 @@ local function estimate(self, model, rule, N)
   end
   local rates = #same > 0 and same or all
   table.sort(rates)
-  local solver = pilot.solver(model, rule, N)
-  local steps = min(N, 64)
-  solver:run(pilot.options_of(model, { steps = steps, every = steps }))
-  local n = model.system.Q.dimension
-  return work_of(solver:report(), n) * N / steps * rates[(#rates + 1) // 2]
+  return count(model, rule, N, min(N, 64)) * N * rates[(#rates + 1) // 2]
 end
 
---- ns of N steps. What is not known is measured, or, in a profile that was given, estimated from
--- its rates.
+--- Cost of N steps: work, or ns. What is not known is measured, or, in a profile that was given,
+-- estimated from its rates.
 function M:cost(model, rule, N)
   local key = key_of(model, rule)
   local row = self.rows[key] or {}
@@ -75,7 +84,7 @@ function M:cost(model, rule, N)
     self.guessed[place] = self.guessed[place] or estimate(self, model, rule, N)
     return self.guessed[place]
   end
-  local ns, report = measure(model, rule, N, N, LONG_ENOUGH)
+  local ns, report = (self.counts and count or measure)(model, rule, N, N, LONG_ENOUGH)
   row[N] = { ns = ns * N, least = ns * N, work = work_of(report, model.system.Q.dimension) }
   self.rows[key] = row
   return ns * N
@@ -91,7 +100,7 @@ end
 -- runs: list of { model, rule, N }.
 function M:again(runs, rounds, seconds)
   local began = core.cpu()
-  for _ = 1, self.measures and rounds or 0 do
+  for _ = 1, self.measures and not self.counts and rounds or 0 do
     for _, c in ipairs(runs) do
       local entry = self.rows[key_of(c.model, c.rule)][c.N]
       entry.least = min(entry.least, measure(c.model, c.rule, c.N, c.N, 0) * c.N)
@@ -109,7 +118,8 @@ function M:about(model, rule, N)
   local few, row = self.few[key] or {}, self.rows[key] or {}
   if not few[N] and (row[N] or not self.measures) then return self:cost(model, rule, N) end
   self.few[key] = few
-  few[N] = few[N] or measure(model, rule, N, min(N, FEW), LONG_ENOUGH / 5)
+  few[N] = few[N] or (self.counts and count or measure)(model, rule, N, min(N, FEW),
+    LONG_ENOUGH / 5)
   return few[N] * N
 end
 
@@ -172,7 +182,7 @@ function M.read(file)
   if first ~= HEAD then
     fail("option 'profile': %s is not a profile that scene.profile:save wrote", file)
   end
-  local out = M.new()
+  local out = M.new "clock"
   out.measures = false
   for line in rest:gmatch "[^\n]+" do
     if not read_line(out, line) then

@@ -105,39 +105,28 @@ local function pays(model, than)
     or (s0.forced and not s.forced)
 end
 
-local METHODS = { "gauss(6)", "gauss(4)", "degenerate(3)" }
+-- error of steps, at which what the steps themselves err by is nothing beside the tolerance; of a
+-- first look over a part of the time
+local FINE, COARSE = 1e-11, 1e-7
+local LOST = 3  -- tolerances: so much early on is not run to the end
 
--- error of a model after a part of the time, which often tells enough; nil when it is small
-local function early(search, model, rule, N)
-  local count = math.max(1, #search.times // 12)
-  local times = { table.unpack(search.times, 1, count) }
-  local coarse, fine = pilot.run(model, rule, N, times), pilot.run(model, rule, 2 * N, times)
-  if not (coarse and fine) then return nil end
-  local err = pilot.apart(model.problem, fine, pilot.first_rows(model.problem, search.reference,
-    count))
-  if err > 3 and pilot.apart(model.problem, coarse, fine) < 0.2 * err then
-    return err, times[count]
-  end
+-- error of a run of the model with steps of that tolerance, over the first rows of the reference
+local function error_of(search, model, tolerance, times, reference)
+  local path, why = pilot.free_run(model, tolerance, { at = times, watch = model.watch })
+  if not path then return math.huge, why end
+  return pilot.apart(model.problem, pilot.record(model.problem, path), reference)
 end
-
--- Steps from which a model is refined, although they may step over fast oscillations: what follows
--- from it is compared with the reference once more before it is chosen.
-local COARSE = 512
 
 --- The error that a model makes however small the step is, in tolerances, and words where that says
 -- less.
 function M.measure(search, model)
-  local problem, why = model.problem, nil
-  local N0 = math.min(pilot.first_N(model), COARSE)
-  local how = { from = N0, goal = 0.05, times = search.times, seconds = search.seconds / 8 }
-  for _, rule in ipairs(METHODS) do
-    local err, t = early(search, model, rule, N0)
-    if err then return err, ("already at t = %.3g"):format(t) end
-    local record, change = pilot.refine(model, rule, how)
-    if record then return pilot.apart(problem, record, search.reference) end
-    if not pilot.is_refusal(change) then why = change:gsub(";.*$", "") end
+  model:ready()
+  local early = error_of(search, model, COARSE, search.early_times, search.early_reference)
+  if early > LOST and early < math.huge then
+    return early, ("already at t = %.3g"):format(search.early_times[#search.early_times])
   end
-  return math.huge, why
+  local err, why = error_of(search, model, FINE, search.times, search.reference)
+  return err, why and why:gsub(";.*$", "")
 end
 
 ---- the ladder ----
@@ -178,7 +167,7 @@ local function singles(search, base, list)
   local good = {}
   for at, change in ipairs(list) do
     if core.cpu() > search.half_time then
-      search.cut = true
+      search.models_cut = true
       break
     end
     local model = changed(base, change)

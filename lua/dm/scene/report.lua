@@ -26,9 +26,18 @@ local function model_line(scene, row)
     error_text(scene, row.error), row.kept and "kept" or "dropped", row.verdict)
 end
 
+-- counted operations, or time
+local function cost_text(scene, c)
+  if scene.options.frame then
+    return c.worst_step and ("%.2g s a frame"):format(c.worst_step) or ""
+  end
+  if not scene.profile.counts then return M.time(c.cost) end
+  return ("%.3g operations"):format(c.cost)
+end
+
 local function candidate_line(scene, c, last)
   return ("  %-24s h = %-9.4g %8d steps %9s  error %-8s %s")
-    :format(c.rule, c.h, c.N, c.ns and M.time(c.ns) or "",
+    :format(c.rule, c.h, c.N, c.cost and cost_text(scene, c) or "",
     error_text(scene, c.error), last)
 end
 
@@ -42,12 +51,12 @@ local function rule_lines(scene, model, lines)
     if c.model == model then table.insert(c.kept and kept or dropped, c) end
   end
   if #kept + #dropped == 0 then return end
-  table.sort(kept, function(a, b) return a.ns < b.ns end)
+  table.sort(kept, function(a, b) return a.cost < b.cost end)
   table.sort(dropped, function(a, b) return a.error < b.error end)
   lines[#lines + 1] = ("rules on the model: %s"):format(model:words())
   for at, c in ipairs(kept) do
     local verdict = c == scene.best and "chosen" or ("%.2f times the cost of the choice")
-      :format(c.ns / scene.best.ns)
+      :format(c.cost / scene.best.cost)
     if at <= MOST_LINES then lines[#lines + 1] = candidate_line(scene, c, c.failed or verdict) end
   end
   for at, c in ipairs(dropped) do
@@ -86,23 +95,21 @@ function M.choice(scene)
     if c ~= b and not next_best then next_best = c end
   end
   return ("%s, %s with h = %.4g (%d steps): %s%s")
-    :format(b.model:words(), b.rule, b.h, b.N, M.time(b.ns),
+    :format(b.model:words(), b.rule, b.h, b.N, cost_text(scene, b),
     next_best and ("; next %s on %s, %s"):format(next_best.rule, next_best.model == b.model
       and "the same model" or next_best.model:words(),
-      M.time(next_best.ns)) or "")
+      cost_text(scene, next_best)) or "")
 end
 
 --- The whole ladder as a text.
 function M.why(scene)
   local lines = { scene.sentence, "reference: " .. scene.reference_text, "choice: "
-    .. M.choice(scene), scene.check_text, scene.rows_text }
+    .. M.choice(scene), scene.check_text }
+  lines[#lines + 1] = scene.rows_text
   models_lines(scene, lines)
   for _, row in ipairs(scene.search.models) do rule_lines(scene, row.model, lines) end
   refused_lines(scene, lines)
-  if scene.search.cut then
-    lines[#lines + 1] = "the time allowed was over before everything was looked at: give more "
-      .. "seconds"
-  end
+  if scene.cut then lines[#lines + 1] = scene.cut end
   lines[#lines + 1] = ("%d pilot runs, %.2g s of CPU"):format(scene.search.pilots, scene.seconds)
   return table.concat(lines, "\n")
 end

@@ -29,18 +29,20 @@ end
 
 local function run(c, which)
   which.watch = c.model.watch
-  return pilot.solver(c.model, c.rule, c.N):run(pilot.options_of(c.model, which))
+  return (pilot.go(c.model, c.rule, c.N, which))
 end
 
---- every, the error of straight lines between rows so many steps apart, in tolerances.
-function M.every(c)
+--- every, the error of straight lines between rows so many steps apart, in tolerances: as few rows
+-- as err by `room` at most. nil of a rule whose steps are not even.
+function M.every(c, room)
   local problem, every = c.model.problem, 1
+  if not pilot.is_even(c.rule) then return nil, math.huge end
   while c.N / every > MOST_ROWS do every = 2 * every end
   local path = run(c, { steps = c.N, every = every })
   local stride, err = 1, bent(problem, path, 1)
   while 4 * stride < #path do
     local next_err = bent(problem, path, 2 * stride)
-    if next_err > 1 then break end
+    if next_err > room then break end
     stride, err = 2 * stride, next_err
   end
   return every * stride, err
@@ -53,20 +55,20 @@ function M.times(problem, count)
   return out
 end
 
-local TRIES = 4
+local TRIES, FIRST, MOST = 8, 256, 1e6
 
---- How many rows, evenly spaced, straight lines need; nil where steps are close enough. Lines err
--- by the square of their length, so that a number that is too small tells a better one.
-function M.lines(c, every, err)
-  if err <= 1 then return nil end
-  local count = c.N // every
+--- How many rows, evenly spaced, straight lines need to err by `room` at most, and what they err
+-- by. Lines err by the square of their length, so that a number that is too small tells a better
+-- one. nil: more than 10^6.
+function M.lines(c, room)
+  local count = FIRST
   for _ = 1, TRIES do
-    count = math.ceil(1.1 * count * math.sqrt(err))
-    if count >= MOST_ROWS then return MOST_ROWS end
-    err = bent(c.model.problem, run(c, { at = M.times(c.model.problem, count) }), 1)
-    if err <= 1 then break end
+    local err = bent(c.model.problem, run(c, { at = M.times(c.model.problem, count) }), 1)
+    if err <= room then return count, err end
+    count = math.ceil(count * max(1.2, 1.1 * math.sqrt(err / room)))
+    if count > MOST then return nil end
   end
-  return count
+  return nil
 end
 
 ---- the path ----

@@ -13,7 +13,12 @@ local max, min, ceil, floor, huge = math.max, math.min, math.ceil, math.floor, m
 local EARLY = { "gauss(4)", "blanes-moan(6)", "verlet", "rattle", "gauss(6)", "kahan-li(8)",
   "blanes-moan(4)", "gauss(2)", "rk8" }
 -- rules that the table has no instance of, and whose step is a time
-local FURTHER = { "shake", "degenerate(1)", "degenerate(2)", "degenerate(3)", "degenerate(4)" }
+local FURTHER = { "shake", "degenerate(1)", "degenerate(2)", "degenerate(3)", "degenerate(4)",
+  "suzuki(4, rattle)", "kahan-li(6, rattle)", "kahan-li(8, rattle)" }
+-- rules whose steps are not of one length, tried first: where the motion is uneven, too, others
+-- need far more
+local UNEVEN = { "controlled(rk8)", "log-hamiltonian(kahan-li(8))", "log-hamiltonian(verlet)",
+  "controlled(gauss(4))" }
 
 -- rule -> { rule, order, stages } as the table of rules has it
 local function instances()
@@ -26,17 +31,22 @@ local function instances()
   return known, names
 end
 
---- Every instance of the table of rules, the early ones first, or the rules that are given: list of
--- { rule, order, stages }.
-function M.rules(given, system)
+local TWICE = 3  -- a controlled step is made whole and in two halves
+
+--- Every instance of the table of rules, the early ones first, or the rules that are given, but not
+-- those of the reference (except[rule]): list of { rule, order, stages }.
+function M.rules(given, system, except)
   local known, names = instances()
   local out, seen = {}, {}
-  for _, list in ipairs(given and { given } or { EARLY, names, FURTHER }) do
+  for _, list in ipairs(given and { given } or { UNEVEN, EARLY, names, FURTHER }) do
     for _, rule in ipairs(list) do
-      if not seen[rule] then
+      local inner = pilot.controlled(rule) or rule
+      if not seen[rule] and not (except and except[rule]) then
         seen[rule] = true
-        out[#out + 1] = known[rule] or { rule = rule,
-          order = system:solver({ rule = rule, h = 1 }).order, stages = 1 }
+        local row = known[inner] or { order = system:solver({ rule = inner, h = 1 }).order,
+          stages = 1 }
+        out[#out + 1] = { rule = rule, order = row.order,
+          stages = inner == rule and row.stages or TWICE * row.stages }
       end
     end
   end
@@ -47,12 +57,8 @@ local TARGET = 0.85  -- of the tolerance, at the sampled times; the rest is for 
 -- a rule that would cost so much more is still looked at: clocks are not that good
 local SLACK = 1.25
 local CLOSE = 1.07   -- numbers of steps between success and failure are then close enough
-local FEWEST = 2
+local FEWEST, FEWEST_UNEVEN = 2, 24
 
--- the first line of a failure, without place
-local function first_line(failure)
-  return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", ""))
-end
 
 local MANY, PART = 1024, 12  -- from so many steps on a run is tried over a part of the time first
 
@@ -86,7 +92,7 @@ local function pays(search, model, rule, N)
   local fine, ns = pcall(search.profile.about, search.profile, model, rule, N)
   if fine then return ns <= SLACK * search.bound, nil, ns end
   pilot.pass_stop(ns)
-  return false, first_line(ns)
+  return false, pilot.first_line(ns)
 end
 
 local LADDER = { 4, 2, 1, 0.5, 0.25, 0.1, 0.03 }  -- times a guess
@@ -118,7 +124,7 @@ end
 local function shrink(search, model, row, enough, err)
   local fails = FEWEST - 1
   for _ = 1, 9 do
-    if enough / fails < CLOSE or enough <= FEWEST then break end
+    if enough / fails < CLOSE or enough <= FEWEST or core.cpu() > search.deadline then break end
     local by_order = ceil(enough * (err / TARGET) ^ (1 / row.order) * 1.01)
     local N = min(max(by_order, fails + 1, floor(enough / 6)), floor(enough * 0.96), enough - 1)
     if fails >= FEWEST and by_order <= fails * 1.01 then N = floor(math.sqrt(fails * enough)) end
@@ -134,17 +140,25 @@ local STUCK = 3   -- times that more steps did not help, in a row
 -- a while
 local FAILING = 12
 
+-- do N steps that are not of one length cost more than the best does?
+local function costs_more(search, model, row, N)
+  if search.bound == huge or pilot.is_even(row.rule) then return false end
+  local fine, cost = pcall(search.profile.cost, search.profile, model, row.rule, N)
+  if not fine then pilot.pass_stop(cost) end
+  return fine and cost > search.bound
+end
+
 -- more steps until it is enough; nil where nothing comes of it
 local function grow(search, model, row, N)
   local err, why, last, stuck, failing = huge, nil, huge, 0, 0
-  local until_ = core.cpu() + search.seconds / 5
+  local until_ = min(search.deadline, core.cpu() + search.seconds / 5)
   while core.cpu() < until_ do
     err, why = error_of(search, model, row.rule, N)
     if err <= TARGET then return N, err end
     if why and pilot.is_refusal(why) then return nil, err, why, N end
     failing = err == huge and failing + 1 or 0
     stuck = err < huge and not (err < 0.5 * last) and stuck + 1 or 0
-    if stuck > STUCK or failing > FAILING then break end
+    if stuck > STUCK or failing > FAILING or costs_more(search, model, row, N) then break end
     last = err
     local more = err < huge and (err / TARGET) ^ (1 / row.order) * 1.05 or 2
     N = ceil(N * min(12, max(1.1, more)))
@@ -156,7 +170,7 @@ end
 local function candidate(search, model, row, N, err, words, kept)
   local out = { model = model, rule = row.rule, order = row.order, N = N, h = model.problem.T / N,
     error = err, why = words, kept = kept }
-  if err < huge and kept then out.ns = search.profile:cost(model, row.rule, N) end
+  if err < huge and kept then out.cost = search.profile:cost(model, row.rule, N) end
   search.candidates[#search.candidates + 1] = out
   return out
 end
@@ -178,8 +192,10 @@ end
 
 -- a number of steps that is enough and its error; nil where there is none as cheap as the bound
 local function first_enough(search, model, row)
-  if search.bound == huge then
-    local N, err, why, last = grow(search, model, row, max(8, ceil(64 / row.stages)))
+  local even = pilot.is_even(row.rule)
+  if search.bound == huge or not even then
+    local N, err, why, last = grow(search, model, row,
+      even and max(8, ceil(64 / row.stages)) or FEWEST_UNEVEN)
     if not N then give_up(search, model, row, why, last, err) end
     return N, err
   end
@@ -211,16 +227,16 @@ local function try_rule(search, model, row)
   local N, err = first_enough(search, model, row)
   if not N then return end
   N, err = shrink(search, model, row, N, err)
-  N, err = cheaper(search, model, row.rule, N, err)
+  if not search.profile.counts then N, err = cheaper(search, model, row.rule, N, err) end
   local found = candidate(search, model, row, N, err, "reaches the tolerance", true)
-  if found.ns < search.bound then search.bound, search.guess = found.ns, N * row.stages end
+  if found.cost < search.bound then search.bound, search.guess = found.cost, N * row.stages end
 end
 
 --- Look at all rules for a model; adds candidates to the search.
 function M.model(search, model)
   search.refused = search.refused or {}
   for _, row in ipairs(search.rules) do
-    if core.cpu() > search.deadline and search.bound < huge then
+    if core.cpu() > search.deadline then
       search.cut = true
       return
     end
@@ -235,12 +251,12 @@ local NEAR, ROUNDS = 1.6, 5  -- what cost so many times the best is timed again,
 local function near(search)
   local out, least = {}, huge
   for _, c in ipairs(search.candidates) do
-    if c.kept and c.ns <= NEAR * search.bound then out[#out + 1] = c end
+    if c.kept and c.cost <= NEAR * search.bound then out[#out + 1] = c end
   end
   search.profile:again(out, ROUNDS, search.seconds / 20)
   for _, c in ipairs(out) do
-    c.ns = search.profile:least(c.model, c.rule, c.N)
-    least = min(least, c.ns)
+    c.cost = search.profile:least(c.model, c.rule, c.N)
+    least = min(least, c.cost)
   end
   return out, least
 end
@@ -250,13 +266,13 @@ function M.finalists(search)
   local out, least = near(search)
   for _, c in ipairs(out) do
     c.n, c.operations = c.model:size()
-    c.class = c.ns <= AS_GOOD * least and 0 or 1
+    c.class = c.cost <= AS_GOOD * least and 0 or 1
   end
   table.sort(out, function(a, b)
     if a.class ~= b.class then return a.class < b.class end
     if a.class == 0 and a.n ~= b.n then return a.n < b.n end
     if a.class == 0 and a.operations ~= b.operations then return a.operations < b.operations end
-    return a.ns < b.ns or (a.ns == b.ns and a.rule < b.rule)
+    return a.cost < b.cost or (a.cost == b.cost and a.rule < b.rule)
   end)
   return out
 end

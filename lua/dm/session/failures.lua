@@ -29,6 +29,9 @@ return {
   { "no_start", "the run could not start",
     "A member of an ensemble whose parameters (vary =) leave no equations of motion, or a start "
       .. "outside of the domain of L; the message says why." },
+  { "out_of_time", "the seconds or steps allowed were over",
+    "The run was given seconds =, or control = without at =, and its steps became shorter and "
+      .. "shorter: more seconds, a larger tolerance; the path so far is in failure.path." },
   { "collapse", "a reduced system: the locked inertia vanishes there",
     "The shape comes near, or a step jumped over, one at which the group does not act freely (r = "
       .. "0): smaller steps there, or no reduction." },

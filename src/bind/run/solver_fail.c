@@ -1,6 +1,9 @@
 /* solver_fail.c - what a run ended with, as an error. */
 #include "bind/core/bind_failure.h"
 #include "bind/run/stepping.h"
+#include "run/control.h"
+
+#include <math.h>
 
 /* a step that failed since d2L/dv2 was about to lose a value, not its constraints */
 static int fades(const dml_stepping *r, dm_status status) {
@@ -16,6 +19,12 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
         return "a value of d2L/dv2 goes to zero there, behind which the momentum determines no "
                "velocity near this one: a fold of the momentum, where motions end, or a pole of "
                "the coordinates; solver:singularities shows it";
+    if (status == DM_NO_CONVERGENCE && r->control)
+        return isnan(r->control->place)
+                   ? "no step is short enough there: a singularity of the motion, such as a "
+                     "collision, or of the coordinates"
+                   : "the forces may have something there so narrow that no step is short enough "
+                     "to see it, or to rule it out";
     if (status == DM_NO_CONVERGENCE && s.report.outside)
         return "Newton's method was stopped at the edge of the domain of L (a root of a negative "
                "number, a logarithm, a speed limit): the step has no solution inside, or none that "
@@ -40,8 +49,9 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
                                constraints && constraints->holonomic + constraints->rolling > 0,
                            .status = status,
                            .fading = fades(r, status),
-                           .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN),
-                           .time = r->t0 + s->h * (double)done,
+                           .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN &&
+                                           status != DM_OUT_OF_TIME),
+                           .time = r->control ? r->control->t : r->t0 + s->h * (double)done,
                            .h = s->h,
                            .residual = r->stepper.report.residual,
                            .iterations = r->stepper.report.iterations,

@@ -5,6 +5,7 @@
 #include "bind/rule/bind_step.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
+#include "bind/run/run_control.h"
 #include "bind/run/run_events.h"
 #include "bind/run/run_file.h"
 #include "bind/trace/bind_root.h"
@@ -65,44 +66,6 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
-/* Of the kernels of the constraints that a rule evaluates. */
-static uint32_t constraint_operations(const dm_constraints *t, unsigned wants) {
-    return (wants & DM_WANT_HOLONOMIC ? t->holonomic_kernel.operations : 0) +
-           (wants & DM_WANT_ROLLING ? t->rolling_kernel.operations : 0) +
-           (wants & DM_WANT_CONSTRAINT_FORCE ? t->force.operations : 0) +
-           (wants & DM_WANT_FORCE_CURVE ? t->force_curve.operations : 0) +
-           (wants & DM_WANT_REACTION ? t->reaction.operations : 0);
-}
-
-/* Of all kernels that a step evaluates, once each: solver:report() says it. */
-static uint32_t operations(const dm_model *m, unsigned wants) {
-    return (wants & DM_WANT_STAGE ? m->stage.operations : 0) +
-           (wants & DM_WANT_FORCE ? m->force.operations : 0) +
-           (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
-           (wants & DM_WANT_PAIR ? m->pair.operations : 0) +
-           (wants & DM_WANT_MAP ? m->map.operations : 0) +
-           (m->constraints ? constraint_operations(m->constraints, wants) : 0);
-}
-
-/* what the run cost; solver:report() shows it */
-static void keep_report(const dml_stepping *r, long steps, double seconds) {
-    const dm_report *report = &r->stepper.report;
-    const long own = report->operations;
-    r->solver->last =
-        (dml_last_run){.backend = r->model->backend ? r->model->backend : "tape",
-                       .operations = own ? own : (long)operations(&r->model->model, r->wants),
-                       .trace_ms = r->model->trace_ms,
-                       .compile_ms = r->model->trace_ms + r->model->compile_ms,
-                       .steps = steps,
-                       .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
-                       .newton = report->newton,
-                       .evaluations = report->evaluations,
-                       .substeps = report->substeps,
-                       .constrained = r->model->model.constraints != NULL,
-                       .constraint = report->constraint,
-                       .rolling = report->rolling};
-}
-
 /* ---- a run ---- */
 
 /* everything that a run has beside its steps; what is not asked for is NULL in the plan */
@@ -117,6 +80,7 @@ typedef struct {
     dml_run_file file;
     dm_resumption resume;
     dm_inertia inertia;
+    dml_run_control control;
     dml_checkpoint *end;        /* where it ends, or is */
     const dml_checkpoint *from; /* where it goes on; NULL: a start */
     const char *rule, *saving;  /* file of checkpoints; NULL: none */
@@ -177,7 +141,10 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
     else
         plan->steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan->until)) return;
-    plan->steps = own ? LONGEST_OWN_TIME : dml_stepping_cover(L, plan->until - from, s->h);
+    const int control = has(L, "control");
+    plan->steps = own || (control && plan->at) ? LONGEST_OWN_TIME
+                  : control                    ? DML_CONTROL_MOST
+                                               : dml_stepping_cover(L, plan->until - from, s->h);
     if (own && !plan->at)
         luaL_error(L,
                    "rule '%s' has a time of its own: give 'steps', or 'at' for the states at given "
@@ -223,6 +190,7 @@ static void read_plan(lua_State *L, run *u) {
     u->plan.progress = show_progress;
     u->plan.ud = u;
     read_length(L, u->r.solver, &u->plan, from);
+    u->plan.seconds = has(L, "seconds") ? dml_positive(L, 2, "seconds", 0) : 0.0;
     if (!has(L, "checkpoint")) return;
     read_saving(L, u);
     u->plan.save = save;
@@ -363,10 +331,11 @@ static dm_status finish(lua_State *L, run *u, dm_status status) {
 
 /* (solver, options) -> path. Whatever fails after the first step has its path so far. */
 int dml_solver_run(lua_State *L) {
-    static const char *const known[] = {"q",          "v",       "p",      "q0",     "q1",
-                                        "p0",         "steps",   "t0",     "every",  "t",
-                                        "at",         "watch",   "record", "events", "file",
-                                        "checkpoint", "project", "a",      NULL};
+    static const char *const known[] = {"q",          "v",       "p",      "q0",      "q1",
+                                        "p0",         "steps",   "t0",     "every",   "t",
+                                        "at",         "watch",   "record", "events",  "file",
+                                        "checkpoint", "project", "a",      "control", "seconds",
+                                        NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);
@@ -380,10 +349,12 @@ int dml_solver_run(lua_State *L) {
     dml_stepping_prepare(L, &u.r, u.r.t0);
     dml_path *path = make_path(L, &u);
     if (has(L, "file")) open_file(L, &u);
+    if (has(L, "control")) u.plan.control = dml_control_read(L, &u.control, &u.r, u.plan.until);
     start(L, &u);
     u.began = now();
     dm_status status = dm_run(&u.plan, &u.r.stepper, u.r.state, path->data, &done, &rows);
     const double seconds = now() - u.began;
+    u.r.control = u.plan.control;
     u.r.fading = u.plan.inertia && dm_inertia_is_fading(u.plan.inertia);
     keep_end(&u, done);
     dml_stepping_end(&u.r);
@@ -391,7 +362,7 @@ int dml_solver_run(lua_State *L) {
     dml_progress_end(L);
     fill_path(&u, path, done, rows, seconds);
     status = finish(L, &u, status);
-    keep_report(&u.r, done, seconds);
+    dml_stepping_report(&u.r, done, seconds);
     u.r.t0 = u.plan.t0 + u.r.solver->h * (double)u.resume.steps;
     dml_solver_fail(L, &u.r, status, done, u.path);
     dml_stepping_leave(L, &u.r);

@@ -55,12 +55,13 @@ typedef struct {
     unsigned wants;    /* kernels of the rule */
     dm_stepper stepper;
     double t0;
-    double *x;             /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
-    double *state;         /* dm_state_size doubles */
-    double *work;          /* for the Legendre transform */
-    const char *unwritten; /* the file that ended the run, "name: why", or NULL */
-    int fading;            /* d2L/dv2 was about to lose a value where the run failed */
-    double *metric;        /* with constraints: inverse mass [n, n], then scratch */
+    double *x;                        /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
+    double *state;                    /* dm_state_size doubles */
+    double *work;                     /* for the Legendre transform */
+    const char *unwritten;            /* the file that ended the run, "name: why", or NULL */
+    int fading;                       /* d2L/dv2 was about to lose a value where the run failed */
+    const struct dm_control *control; /* of a run whose steps are chosen; NULL: all are h long */
+    double *metric;                   /* with constraints: inverse mass [n, n], then scratch */
 } dml_stepping;
 
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the
@@ -89,6 +90,9 @@ void dml_stepping_end(dml_stepping *r);
 
 /* Leave the memory of a run that is over to the next one. */
 void dml_stepping_leave(lua_State *L, const dml_stepping *r);
+
+/* Keep what a run cost, for solver:report() (last_run.c). */
+void dml_stepping_report(const dml_stepping *r, long steps, double seconds);
 
 /* solver:run, as a C function (solver_run.c). */
 int dml_solver_run(lua_State *L);

@@ -142,6 +142,13 @@ static const dml_row methods[] =
       "f:hessian(x, ...) -> dm.matrix\n"
       "The exact second derivatives of a function that gives one number: symmetric, inputs x "
       "inputs."},
+     {"bounds", dml_function_bounds,
+      "f:bounds(lo, hi) -> lo, hi\n"
+      "Bounds of f where its argument is anywhere between lo and hi, numbers, or lists entry by "
+      "entry; of a function of several arguments both are lists of them. By interval arithmetic, "
+      "rounded outwards: f never leaves them, and they close in on f as the box shrinks. A number, "
+      "or a list where f gives a vector (of rows: a matrix). Infinite where f may leave its domain "
+      "in the box. Raises where an end is NaN or lo > hi."},
      {"graph", function_graph,
       "f:graph() -> string\n"
       "The expression graph, one assignment a line; x1, x2, ... are the inputs, numbered through "

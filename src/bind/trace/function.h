@@ -21,6 +21,9 @@ typedef struct {
     uint32_t rows, columns, inputs;
     double *x; /* [inputs] */
     dml_function_part parts[DML_PARTS];
+    const dm_graph
+        *alone; /* what the value needs and nothing else, for its bounds; NULL: not made */
+    const dm_node *alone_roots; /* [outputs] of it */
 } dml_function;
 
 #define DML_FUNCTION "dm.function"
@@ -43,6 +46,12 @@ void dml_function_checkcount(lua_State *L, const dml_function *f);
  * operations of f again on them. */
 int dml_function_isspecial(lua_State *L, const dml_function *f);
 int dml_function_replay(lua_State *L, dml_function *f);
+
+/* f:bounds(lo, hi), as a C function (function_bounds.c). */
+int dml_function_bounds(lua_State *L);
+
+/* Make f->alone; raises without memory. */
+void dml_function_alone(lua_State *L, dml_function *f);
 
 /* The methods that take a function apart (function_terms.c). */
 extern const dml_row dml_function_parts[];

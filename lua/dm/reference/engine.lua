@@ -1,0 +1,174 @@
+--- References: two unlike methods with unlike steps as long as their errors allow, which must not
+-- jump over anything hidden in the forces, to smaller and smaller tolerances until they agree.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local forces = require "dm.reference.forces"
+
+local M = {}
+M.__index = M
+
+local max, min, huge = math.max, math.min, math.huge
+
+-- Methods in the order of preference: the first that can step the system; the reference itself is
+-- that of the second list. Many coordinates that separate are stepped by compositions.
+local FIRST = { "rk8", "kahan-li(8)", "rk8pd", "lobatto(6)", "degenerate(3)" }
+local SECOND = { "gauss(7)", "degenerate(4)" }
+local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)" }
+
+-- of the error of a step; the second method takes another one, so that no step is like the other's
+local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17 }, 0.3
+local LARGEST = { 1 / 24, 1 / 37 }  -- of the whole time: a step, of either method
+
+local REFUSALS = { "cannot step this system", "needs a regular Lagrangian", "^field 'rule'",
+  "^field 'control'" }
+
+--- Is it the rule that cannot, whatever the step?
+function M.is_refusal(why)
+  for _, words in ipairs(REFUSALS) do
+    if why:find(words) then return true end
+  end
+  return false
+end
+
+--- A failure that only the person at the keyboard can mean is passed on.
+function M.pass_stop(failure)
+  if blame.is_stop(failure) then error(failure, 0) end
+end
+
+--- The first line of a failure, without its place.
+function M.words(failure)
+  return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", ""))
+end
+
+---- one run ----
+
+-- a solver for each rule, made once; the step is the first that is tried
+local function solver_of(self, rule)
+  local solver = self.solvers[rule]
+  if not solver then
+    solver = self.system:solver { rule = rule, h = self.T / 256 }
+    self.solvers[rule] = solver
+  end
+  return solver
+end
+
+local function left(self) return self.deadline - core.cpu() end
+
+-- which: { at = } or { t = }; raises what the run raises
+local function run(self, place, rule, tolerance, which)
+  local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch,
+    seconds = max(0.01, left(self)), control = { tolerance = tolerance, hidden = self.hidden,
+    largest = self.T * LARGEST[place], negligible = self.negligible, ends = self.ends } }
+  for key, value in pairs(self.start) do options[key] = value end
+  return solver_of(self, rule):run(options)
+end
+
+-- the same; path, or nil and why not
+local function try(self, ...)
+  local fine, path = pcall(run, self, ...)
+  if fine then return path end
+  M.pass_stop(path)
+  return nil, M.words(path), path
+end
+
+---- two methods ----
+
+-- the first rule of a list that can step the system; its times, or nil and why none can
+local function pick(self, place, list)
+  local why
+  for _, rule in ipairs(list) do
+    if not self.except[rule] then
+      local path, words, failure = try(self, place, rule, TOLERANCES[1], { t = self.T })
+      if path then return rule, path.t end
+      if not M.is_refusal(words) then
+        -- what a longer try may do better is no refusal
+        return nil, ("%s: %s"):format(rule, words), failure
+      end
+      why = why or ("%s: %s"):format(rule, words)
+    end
+  end
+  return nil, why or "no method is left that is not measured"
+end
+
+local function second_list(self)
+  local fine, s = pcall(self.system.structure, self.system)
+  local many = fine and self.system.Q.dimension > MANY and s.separable
+  return many and FOR_MANY or SECOND
+end
+
+--- times between those of the steps of the first method: about `count` of them, in every step at
+-- other places
+function M:mesh(count, seed)
+  local t, out, last = self.times, {}, self.t0
+  local parts, every = max(1, min(256, count // max(1, #t - 1))), max(1, (#t - 1) // count)
+  for k = 1, #t - every, every do
+    for j = 1, parts do
+      local x = t[k] + (t[k + every] - t[k]) * (j - 0.9 * ((k * parts + j) * seed % 1)) / parts
+      if x > last then out[#out + 1], last = x, x end
+    end
+  end
+  local finish = self.t0 + self.T
+  if last < finish then out[#out + 1] = finish end
+  return out
+end
+
+-- the paths of both at these times, to the tolerance number k
+local function pair(self, k, at)
+  local path, other = {}, nil
+  for place, rule in ipairs { self.first, self.rule } do
+    path[place], other = try(self, place, rule, TOLERANCES[k] * (place == 1 and 1 or UNLIKE),
+      { at = at })
+    if not path[place] then return nil, ("%s: %s"):format(rule, other) end
+  end
+  return path
+end
+
+--- The reference of a job { system =, start =, t0 =, T =, watch =, goal =, seconds =,
+-- distance = function(path, path) -> number, except = { rule = true } }: distance <= goal, with
+-- rule, distance, text and path(times); or nil and why there is none.
+function M.find(job)
+  local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
+    start = job.start, t0 = job.t0 or 0, T = job.T, watch = job.watch, ends = job.ends,
+    negligible = job.negligible, deadline = core.cpu() + (job.seconds or 20) }, M)
+  self.hidden, self.blind = forces.of(job.system)
+  local why, failure
+  self.first, why, failure = pick(self, 1, FIRST)
+  if not self.first then return nil, why, failure end
+  self.times = why
+  self.rule, why, failure = pick(self, 2, second_list(self))
+  if not self.rule then return nil, why, failure end
+  return M.refine(self, job)
+end
+
+-- smaller tolerances until both agree, or come no closer
+function M:refine(job)
+  local at = job.at or self:mesh(1024, 0.6180339887498949)
+  self.distance = huge
+  for k = 1, #TOLERANCES do
+    local paths, why = pair(self, k, at)
+    if not paths then
+      if self.distance < huge then break end
+      return nil, why
+    end
+    local distance, absolute = job.distance(paths[1], paths[2])
+    if distance ~= distance then return nil, "it has no value at some of the samples" end
+    if distance < self.distance then
+      self.distance, self.absolute, self.tolerance = distance, absolute, TOLERANCES[k]
+      self.paths, self.at = paths, at
+    end
+    if distance <= job.goal then break end
+  end
+  self.text = ("%s and %s with controlled steps (%d of the first)"):format(self.first, self.rule,
+    #self.times - 1)
+  if self.distance <= job.goal or job.best then return self end
+  return nil, ("%s and %s, with steps controlled to %.0e, are %.1e apart"):format(self.first,
+    self.rule, self.tolerance or TOLERANCES[1], self.distance)
+end
+
+--- The path at other times.
+function M:path(at)
+  self.deadline = max(self.deadline, core.cpu() + 1)
+  return run(self, 2, self.rule, self.tolerance * UNLIKE, { at = at })
+end
+
+return M

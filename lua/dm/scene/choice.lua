@@ -1,0 +1,58 @@
+--- The choice of a scene: finalists are checked at times that were not used before, and between
+-- them.
+local core = require "dm.core"
+local pilot = require "dm.scene.pilot"
+local report = require "dm.scene.report"
+
+local M = {}
+
+local max, min = math.max, math.min
+
+-- what a candidate errs by at the times of the check and between them
+local function check_error(scene, c, N)
+  local record, report = pilot.run(c.model, c.rule, N, scene.check_times)
+  if not record then return math.huge, report end
+  return pilot.apart_between(scene.problem, record, scene.checked)
+end
+
+local TRIES = 6
+
+-- more steps until the candidate stands the check; what it then errs by
+local function make_sure(scene, c, tried)
+  for _ = 1, TRIES do
+    local err = check_error(scene, c, c.N)
+    if err + scene.uncertainty <= 1 then return err end
+    tried[#tried + 1] = ("%s with %d steps misses it where it is checked: error %s")
+      :format(c.rule, c.N, report.error(scene, err))
+    if core.cpu() > scene.began + scene.allowed then break end
+    local more = err < math.huge and (err + scene.uncertainty) ^ (1 / c.order) * 1.05 or 1.5
+    c.N = math.ceil(max(1.1, min(4, more)) * c.N)
+    c.h = scene.problem.T / c.N
+  end
+  c.failed = "dropped: " .. (tried[#tried] or "")
+end
+
+--- Sets best and checked_error of a scene: the cheapest finalist that stands the check; a few more
+-- steps are allowed to it. Raises what was tried where there is none.
+function M.choose(scene)
+  local tried = {}
+  for _, c in ipairs(scene.finalists) do
+    local err = make_sure(scene, c, tried)
+    if err then
+      scene.best, scene.checked_error = c, err
+      return
+    end
+    if core.cpu() > scene.began + scene.allowed then break end
+  end
+  local words = {}
+  for _, c in ipairs(scene.search.candidates) do
+    words[#words + 1] = ("%s with h = %.3g errs by %s")
+      :format(c.rule, c.h, report.error(scene, c.error))
+    if #words == 8 then break end
+  end
+  error(("dm.scene: nothing that was tried delivers the tolerance: %s. Take a larger tolerance, "
+    .. "or give more seconds")
+    :format(table.concat(#tried > 0 and tried or words, "; ")), 0)
+end
+
+return M

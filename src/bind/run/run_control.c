@@ -1,0 +1,76 @@
+#include "bind/run/run_control.h"
+#include "bind/trace/function.h"
+
+#include <math.h>
+
+/* the forces, a traced function of (q, v, t), in the table at `at`; it stays on the stack */
+static void read_hidden(lua_State *L, int at, dml_run_control *c, uint32_t n) {
+    const double negligible = dml_positive(L, at, "negligible", 1e-9);
+    if (lua_getfield(L, at, "hidden") == LUA_TNIL) return;
+    dml_function *f = luaL_testudata(L, -1, DML_FUNCTION);
+    if (!f || f->s.arguments != 3 || f->s.length[0] != (int)n || f->s.length[1] != (int)n ||
+        f->s.length[2] != DML_SCALAR_ARGUMENT)
+        luaL_error(L,
+                   "field 'control.hidden' must be dm.trace(f, %d, %d, \"number\"), the forces as "
+                   "a "
+                   "function of (q, v, t)",
+                   (int)n, (int)n);
+    dml_function_alone(L, f);
+    const uint32_t count = dml_outputs(f), size = dm_graph_size(f->alone);
+    const size_t inputs = 2 * (size_t)n + 1, all = 2 * (size + inputs) + count;
+    dm_interval *room = lua_newuserdatauv(L, all * sizeof *room, 0);
+    c->hidden = (dm_hidden){.graph = f->alone,
+                            .roots = f->alone_roots,
+                            .n = n,
+                            .count = count,
+                            .impulses = count > n ? count - n : count,
+                            .negligible = negligible,
+                            .value = room,
+                            .rate = room + size,
+                            .in = room + 2 * (size_t)size,
+                            .rate_in = room + 2 * (size_t)size + inputs,
+                            .found = room + 2 * (size + inputs)};
+    c->hidden.samples = lua_newuserdatauv(L, dm_hidden_samples(count) * sizeof(double), 0);
+    c->control.hidden = &c->hidden;
+}
+
+/* growing times in the field `ends` of the table at `at` */
+static void read_ends(lua_State *L, int at, dm_control *c) {
+    if (lua_getfield(L, at, "ends") == LUA_TNIL) return;
+    const long count = dml_length(L, -1);
+    if (count < 0) luaL_error(L, "field 'control.ends' must be a list of growing times");
+    double *ends = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *ends, 0);
+    for (long i = 0; i < count; i++) {
+        const dml_scalar x = dml_entry(L, -2, (uint32_t)i);
+        ends[i] = x.kind == DML_NUMBER ? x.as.number : NAN;
+        if (!(ends[i] > (i ? ends[i - 1] : -INFINITY)))
+            luaL_error(L, "field 'control.ends' must hold growing times (entry %d)", (int)i + 1);
+    }
+    c->ends = ends;
+    c->end_count = count;
+}
+
+dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_stepping *r,
+                             double until) {
+    static const char *const known[] = {"tolerance", "largest",    "ends",
+                                        "hidden",    "negligible", NULL};
+    const uint32_t n = r->solver->n;
+    lua_getfield(L, 2, "control");
+    const int at = lua_gettop(L);
+    if (!lua_istable(L, at))
+        luaL_error(L, "field 'control' must be a table { tolerance =, largest =, ends = } (got %s)",
+                   luaL_typename(L, at));
+    dml_options(L, at, known);
+    if (r->solver->pair || r->solver->method->traits & DM_OWN_TIME || r->model->model.group)
+        luaL_error(L, "field 'control': steps of rule '%s' on this system cannot be chosen",
+                   r->solver->nodes[0].name);
+    if (!isfinite(until))
+        luaL_error(L, "field 'control': give 't' or 'at', the time that the run goes to");
+    c->control = (dm_control){.tolerance = dml_positive(L, at, "tolerance", 1e-9),
+                              .largest = dml_positive(L, at, "largest", INFINITY),
+                              .reach = until};
+    read_ends(L, at, &c->control);
+    read_hidden(L, at, c, n);
+    c->control.room = lua_newuserdatauv(L, dm_control_room(n) * sizeof(double), 0);
+    return &c->control;
+}

@@ -1,0 +1,28 @@
+/* bounds.h - a graph in interval arithmetic: what its nodes can be where the inputs are anywhere
+ * in a box. Rounded outwards, so that neither the function nor its kernel leaves the bounds. */
+#ifndef DM_BOUNDS_H
+#define DM_BOUNDS_H
+
+#include "graph/graph.h"
+
+typedef struct {
+    double lo, hi; /* lo <= hi; infinite: not bounded there */
+} dm_interval;
+
+/* value[dm_graph_size] = bounds of every node, the inputs being anywhere in in[inputs]. A node
+ * whose operands may be outside its domain, and one that only an equation defines, is unbounded:
+ * so a graph is best a copy of what is needed (dm_graph_copy). Bounds are those of interval
+ * extension: tight where every input stands once, else up to first order in the size of the box. */
+void dm_bounds(const dm_graph *g, const dm_interval *in, dm_interval *value);
+
+/* Inputs that move along a line or curve in the box at rates in rate_in[inputs]: rate[] = bounds of
+ * how fast every node then changes, by the chain rule; value[] = dm_bounds of the same box. */
+void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_interval *value,
+                    dm_interval *rate);
+
+/* a + b, a b, a without what is not in b, rounded outwards; for what is made of bounds */
+dm_interval dm_interval_add(dm_interval a, dm_interval b);
+dm_interval dm_interval_multiply(dm_interval a, dm_interval b);
+dm_interval dm_interval_common(dm_interval a, dm_interval b);
+
+#endif
