@@ -3,11 +3,7 @@
 #ifndef DM_BOUNDS_H
 #define DM_BOUNDS_H
 
-#include "graph/graph.h"
-
-typedef struct {
-    double lo, hi; /* lo <= hi; infinite: not bounded there */
-} dm_interval;
+#include "graph/interval.h"
 
 /* value[dm_graph_size] = bounds of every node, the inputs being anywhere in in[inputs]. A node
  * whose operands may be outside its domain, and one that only an equation defines, is unbounded:
@@ -19,10 +15,5 @@ void dm_bounds(const dm_graph *g, const dm_interval *in, dm_interval *value);
  * how fast every node then changes, by the chain rule; value[] = dm_bounds of the same box. */
 void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_interval *value,
                     dm_interval *rate);
-
-/* a + b, a b, a without what is not in b, rounded outwards; for what is made of bounds */
-dm_interval dm_interval_add(dm_interval a, dm_interval b);
-dm_interval dm_interval_multiply(dm_interval a, dm_interval b);
-dm_interval dm_interval_common(dm_interval a, dm_interval b);
 
 #endif

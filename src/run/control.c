@@ -5,7 +5,10 @@
 
 static const double SHORTEST = 4e-15; /* of the time that is left, or of t */
 static const double SAFETY = 0.9, SHRINK = 0.2, GROW = 4.0;
-enum { FORCED = 64 }; /* shortest steps that are taken whatever their error: they cross a jump */
+/* Shortest steps in a row that are taken although their error, over the largest |y_i|, is above the
+ * tolerance, if it is small: they cross a jump of the forces, other than a singularity. */
+enum { FORCED = 64 };
+static const double SMALL = 1e-11;
 
 /* the step whole, its halves, the state in the middle, the largest |y_i| so far */
 typedef struct {
@@ -32,7 +35,7 @@ void dm_control_begin(dm_control *c, const dm_stepper *s, const double *state, d
     rooms r = open(c, n);
     memset(r.size, 0, 2 * (size_t)n * sizeof(double));
     note_size(r.size, state, n);
-    c->t = t, c->h = h, c->passed = c->forced = c->rejected = 0;
+    c->t = t, c->h = h, c->passed = c->forced = c->rejected = c->unseen = 0;
     c->place = NAN;
 }
 
@@ -101,6 +104,14 @@ static double unseen(const dm_control *c, const rooms *r, const dm_stepper *s, c
     return where;
 }
 
+/* Is the error of a step that cannot be shorter that of a jump of the forces? From rest, where
+ * nothing has a size yet, it is small beside 1. */
+static int crosses_jump(const rooms *r, uint32_t n) {
+    for (uint32_t i = 0; i < 2 * n; i++)
+        if (!(fabs(r->whole[i] - r->halves[i]) <= SMALL * (1.0 + r->size[i]))) return 0;
+    return 1;
+}
+
 /* the step was made: by its error, how long the next one may be */
 static void accept(dm_control *c, const rooms *r, const dm_stepper *s, double *state, double h,
                    double factor) {
@@ -123,14 +134,16 @@ dm_status dm_control_step(dm_control *c, dm_stepper *s, double *state) {
         const double better = SAFETY * pow(err, -1.0 / (order + 1));
         const double where = err <= 1.0 ? unseen(c, &r, s, state, h) : NAN;
         if (last && status != DM_OK) return status;
-        if (last && (!isnan(where) || ++c->forced > FORCED)) {
-            c->place = isnan(where) ? c->t : where;
+        if (last && (!crosses_jump(&r, s->model->n) || ++c->forced > FORCED)) {
+            c->place = where;
             return DM_NO_CONVERGENCE;
         }
         if (last || (err <= 1.0 && isnan(where))) {
+            if (!last) c->forced = 0;
             accept(c, &r, s, state, h, fmin(GROW, fmax(SHRINK, better)));
             return DM_OK;
         }
+        c->unseen += err <= 1.0;
         const double before = where - c->t; /* the step that ends where the unseen begins */
         h = err > 1.0           ? h * fmin(0.8, fmax(SHRINK, better))
             : before > h / 16.0 ? before * (1.0 - 1e-9)

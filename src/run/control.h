@@ -17,8 +17,8 @@ typedef struct dm_control {
      * how many steps were taken although they were too short to be halved. */
     double t, h;
     long passed, forced;
-    long rejected; /* steps made in vain so far */
-    double place;  /* a feature that no step could be made small enough for; NaN: none */
+    long rejected, unseen; /* steps made in vain so far; those that would have jumped */
+    double place;          /* a feature that no step could be made small enough for; NaN: none */
 } dm_control;
 
 size_t dm_control_room(uint32_t n);

@@ -39,7 +39,7 @@ local TRUSTED = 1e-7  -- two references further apart than this are none
 local SECONDS = 4     -- of CPU
 local ROUND_OFF = 4e-15
 
---- The reference of a chart: path, absolute distance to the second method, a sentence.
+--- The reference of a chart: path, what the methods differ by in the measured error, a sentence.
 function M.find(chart)
   local o = chart.options
   if o.reference ~= nil then
@@ -52,7 +52,7 @@ function M.find(chart)
       :format(tostring(given.rule), given.h)
   end
   local found, why = engine.find { system = chart.system, start = start_of(o), t0 = o.t0, T = o.t,
-    watch = chart.watch, at = chart.times, distance = apart, goal = 1e-14, best = true,
+    watch = chart.watch, at = chart.times, distance = apart, goal = 0, best = true,
     except = measured(chart), seconds = SECONDS }
   if not found then
     fail("no rule could make a reference: %s", why or "does the run reach its end?")
@@ -62,9 +62,11 @@ function M.find(chart)
       .. "time? Take a shorter t, watch something less sensitive, or give "
       .. "reference = { rule =, h = }", found.first, found.rule, found.distance)
   end
-  return found.paths[2], 2 * found.absolute + ROUND_OFF,
+  -- in what is measured
+  local floor = chart.measure(found.paths[1], found.paths[2])
+  return found.paths[2], floor + ROUND_OFF,
     ("references %s and %s, with controlled steps, agree to "
-    .. "%.1e"):format(found.first, found.rule, found.absolute)
+    .. "%.1e"):format(found.first, found.rule, floor)
 end
 
 return M

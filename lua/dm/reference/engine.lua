@@ -11,12 +11,13 @@ local max, min, huge = math.max, math.min, math.huge
 
 -- Methods in the order of preference: the first that can step the system; the reference itself is
 -- that of the second list. Many coordinates that separate are stepped by compositions.
-local FIRST = { "rk8", "kahan-li(8)", "rk8pd", "lobatto(6)", "degenerate(3)" }
+local FIRST = { "rk8", "rk8pd", "lobatto(6)", "degenerate(3)" }
+local FIRST_SEPARABLE = { "rk8", "kahan-li(8)" }
 local SECOND = { "gauss(7)", "degenerate(4)" }
 local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)" }
 
 -- of the error of a step; the second method takes another one, so that no step is like the other's
-local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17 }, 0.3
+local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17, 1e-18 }, 0.3
 local LARGEST = { 1 / 24, 1 / 37 }  -- of the whole time: a step, of either method
 
 local REFUSALS = { "cannot step this system", "needs a regular Lagrangian", "^field 'rule'",
@@ -79,7 +80,10 @@ local function pick(self, place, list)
   for _, rule in ipairs(list) do
     if not self.except[rule] then
       local path, words, failure = try(self, place, rule, TOLERANCES[1], { t = self.T })
-      if path then return rule, path.t end
+      if path then
+        self.unseen = self.unseen or solver_of(self, rule):report().unseen
+        return rule, path.t
+      end
       if not M.is_refusal(words) then
         -- what a longer try may do better is no refusal
         return nil, ("%s: %s"):format(rule, words), failure
@@ -90,10 +94,11 @@ local function pick(self, place, list)
   return nil, why or "no method is left that is not measured"
 end
 
-local function second_list(self)
+local function lists(self)
   local fine, s = pcall(self.system.structure, self.system)
-  local many = fine and self.system.Q.dimension > MANY and s.separable
-  return many and FOR_MANY or SECOND
+  local separable = fine and s.separable and s.constraints + s.rolling == 0
+  local many = separable and self.system.Q.dimension > MANY
+  return separable and FIRST_SEPARABLE or FIRST, many and FOR_MANY or SECOND
 end
 
 --- times between those of the steps of the first method: about `count` of them, in every step at
@@ -132,11 +137,14 @@ function M.find(job)
     negligible = job.negligible, deadline = core.cpu() + (job.seconds or 20) }, M)
   self.hidden, self.blind = forces.of(job.system)
   local why, failure
-  self.first, why, failure = pick(self, 1, FIRST)
+  local first, second = lists(self)
+  self.first, why, failure = pick(self, 1, first)
   if not self.first then return nil, why, failure end
   self.times = why
-  self.rule, why, failure = pick(self, 2, second_list(self))
+  self.rule, why, failure = pick(self, 2, second)
   if not self.rule then return nil, why, failure end
+  -- what the longest steps do not jump over, shorter ones do not either
+  if not self.unseen then self.hidden = nil end
   return M.refine(self, job)
 end
 

@@ -93,7 +93,7 @@ local function solver_of(model, rule, N)
   if scale.length then
     return model:ready().system:solver { rule = rule, h = scale.length / N }
   end
-  local tolerance = max(1e-15, STANDARD * (scale.N / N) ^ (scale.order + 1))
+  local tolerance = max(1e-17, STANDARD * (scale.N / N) ^ (scale.order + 1))
   return scale.solver, { tolerance = min(0.1, tolerance), largest = problem.T / 2,
     hidden = model.untouched and problem.hidden or nil }
 end

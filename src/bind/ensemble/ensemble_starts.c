@@ -3,7 +3,6 @@
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/model_map.h"
 #include "bind/model/named.h"
-#include "bind/run/start_branch.h"
 #include "bind/run/start_constraints.h"
 #include "bind/value/array.h"
 #include "numbers/small_copy.h"

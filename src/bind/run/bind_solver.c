@@ -88,6 +88,44 @@ static int solver_step_tangent(lua_State *L) {
     return 1 + push_state(L, &r);
 }
 
+/* Of the kernels of the constraints that a rule evaluates. */
+static uint32_t constraint_operations(const dm_constraints *t, unsigned wants) {
+    return (wants & DM_WANT_HOLONOMIC ? t->holonomic_kernel.operations : 0) +
+           (wants & DM_WANT_ROLLING ? t->rolling_kernel.operations : 0) +
+           (wants & DM_WANT_CONSTRAINT_FORCE ? t->force.operations : 0) +
+           (wants & DM_WANT_FORCE_CURVE ? t->force_curve.operations : 0) +
+           (wants & DM_WANT_REACTION ? t->reaction.operations : 0);
+}
+
+/* Of all kernels that a step evaluates, once each: solver:report() says it. */
+static uint32_t operations(const dm_model *m, unsigned wants) {
+    return (wants & DM_WANT_STAGE ? m->stage.operations : 0) +
+           (wants & DM_WANT_FORCE ? m->force.operations : 0) +
+           (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
+           (wants & DM_WANT_PAIR ? m->pair.operations : 0) +
+           (wants & DM_WANT_MAP ? m->map.operations : 0) +
+           (m->constraints ? constraint_operations(m->constraints, wants) : 0);
+}
+
+void dml_stepping_report(const dml_stepping *r, long steps, double seconds) {
+    const dm_report *report = &r->stepper.report;
+    const long own = report->operations;
+    r->solver->last =
+        (dml_last_run){.backend = r->model->backend ? r->model->backend : "tape",
+                       .operations = own ? own : (long)operations(&r->model->model, r->wants),
+                       .trace_ms = r->model->trace_ms,
+                       .compile_ms = r->model->trace_ms + r->model->compile_ms,
+                       .steps = steps,
+                       .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
+                       .newton = report->newton,
+                       .evaluations = report->evaluations,
+                       .substeps = report->substeps,
+                       .unseen = r->control ? r->control->unseen : 0,
+                       .constrained = r->model->model.constraints != NULL,
+                       .constraint = report->constraint,
+                       .rolling = report->rolling};
+}
+
 /* Entry of the table on top. */
 static void set_number(lua_State *L, const char *key, double x) {
     lua_pushnumber(L, x);
@@ -124,6 +162,7 @@ static int solver_report(lua_State *L) {
                last->steps ? (double)last->newton / (double)last->steps : 0.0);
     if (last->substeps && last->steps)
         set_number(L, "substeps_per_step", (double)last->substeps / (double)last->steps);
+    if (last->unseen) set_count(L, "unseen", last->unseen);
     if (!last->constrained) return 1;
     set_number(L, "constraint", last->constraint);
     set_number(L, "rolling", last->rolling);
@@ -208,7 +247,8 @@ static const dml_row methods[] =
       "solver:report() -> table\n"
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
       "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, "
-      "newton_per_step, evaluations; substeps_per_step where they are chosen; with constraints: "
+      "newton_per_step, evaluations; substeps_per_step where they are chosen; unseen: how often a "
+      "controlled step would have jumped over something; with constraints: "
       "constraint and rolling, the largest |g| and "
       "|phi| at the end of a step."},
      {NULL, NULL, NULL}};

@@ -1,4 +1,5 @@
-#include "bind/run/run_control.h"
+/* run_control.c - the option `control` of a run: steps as long as their error allows. */
+#include "bind/run/stepping.h"
 #include "bind/trace/function.h"
 
 #include <math.h>

@@ -1,7 +1,6 @@
 /* solver_fail.c - what a run ended with, as an error. */
 #include "bind/core/bind_failure.h"
 #include "bind/run/stepping.h"
-#include "run/control.h"
 
 #include <math.h>
 

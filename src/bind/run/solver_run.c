@@ -5,7 +5,6 @@
 #include "bind/rule/bind_step.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
-#include "bind/run/run_control.h"
 #include "bind/run/run_events.h"
 #include "bind/run/run_file.h"
 #include "bind/trace/bind_root.h"

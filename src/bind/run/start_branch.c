@@ -1,6 +1,6 @@
 /* start_branch.c - the start of a run as it is given: names, elements of groups, which of the
  * velocities of a momentum is meant, how many steps. */
-#include "bind/run/start_branch.h"
+#include "bind/run/start_constraints.h"
 
 #include "bind/model/space_group.h"
 

@@ -33,4 +33,9 @@ void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who);
  * constraints. */
 void dml_check_rolling_pair(lua_State *L, const dml_stepping *r);
 
+/* A run, whose state is (q, p), finds v from p beginning at 0. Raise where that is not the v[n]
+ * that p, behind q in state[2n], was made of; `who` stands before the message ("member 3: "). */
+void dml_check_velocity(lua_State *L, dml_stepping *r, const double *state, const double *v,
+                        const char *who);
+
 #endif

@@ -6,7 +6,6 @@
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
 #include "bind/rule/bind_step.h"
-#include "bind/run/start_branch.h"
 #include "bind/run/start_constraints.h"
 #include "bind/run/stepping_params.h"
 #include "bind/trace/bind_root.h"

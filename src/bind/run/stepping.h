@@ -4,11 +4,12 @@
 
 #include "bind/run/bind_path.h"
 #include "integ/method/method.h"
+#include "run/control.h"
 
 /* what the last run of a solver cost */
 typedef struct {
     const char *backend; /* NULL: there was no run */
-    long operations, steps, newton, evaluations, substeps;
+    long operations, steps, newton, evaluations, substeps, unseen;
     double trace_ms, compile_ms, ns_per_step;
     int constrained; /* the rest is known */
     double constraint, rolling;
@@ -55,13 +56,13 @@ typedef struct {
     unsigned wants;    /* kernels of the rule */
     dm_stepper stepper;
     double t0;
-    double *x;                        /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
-    double *state;                    /* dm_state_size doubles */
-    double *work;                     /* for the Legendre transform */
-    const char *unwritten;            /* the file that ended the run, "name: why", or NULL */
-    int fading;                       /* d2L/dv2 was about to lose a value where the run failed */
-    const struct dm_control *control; /* of a run whose steps are chosen; NULL: all are h long */
-    double *metric;                   /* with constraints: inverse mass [n, n], then scratch */
+    double *x;                 /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
+    double *state;             /* dm_state_size doubles */
+    double *work;              /* for the Legendre transform */
+    const char *unwritten;     /* the file that ended the run, "name: why", or NULL */
+    int fading;                /* d2L/dv2 was about to lose a value where the run failed */
+    const dm_control *control; /* of a run whose steps are chosen; NULL: all are h long */
+    double *metric;            /* with constraints: inverse mass [n, n], then scratch */
 } dml_stepping;
 
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the
@@ -91,8 +92,20 @@ void dml_stepping_end(dml_stepping *r);
 /* Leave the memory of a run that is over to the next one. */
 void dml_stepping_leave(lua_State *L, const dml_stepping *r);
 
-/* Keep what a run cost, for solver:report() (last_run.c). */
+/* Keep what a run cost, for solver:report(). */
 void dml_stepping_report(const dml_stepping *r, long steps, double seconds);
+
+enum { DML_CONTROL_MOST = 200000 }; /* controlled steps of a run that keeps every one */
+
+typedef struct {
+    dm_control control;
+    dm_hidden hidden;
+} dml_run_control;
+
+/* Field `control = { tolerance =, largest =, ends =, hidden =, negligible = }` of the options at
+ * 2, for a run up to the time `until` (run_control.c). Leaves things on the stack that must
+ * stay. */
+dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_stepping *r, double until);
 
 /* solver:run, as a C function (solver_run.c). */
 int dml_solver_run(lua_State *L);

@@ -36,8 +36,9 @@ static void read_corner(lua_State *L, const dml_function *f, int at, const char 
     for (int k = 0; k < f->s.arguments; k++) {
         const int scalar = f->s.length[k] == DML_SCALAR_ARGUMENT;
         lua_geti(L, at, k + 1);
-        read_end(L, lua_gettop(L), f->s.length[k],
-                 lua_pushfstring(L, "argument %d of %s", k + 1, what), out);
+        const int place = lua_gettop(L);
+        const char *which = lua_pushfstring(L, "argument %d of %s", k + 1, what);
+        read_end(L, place, f->s.length[k], which, out);
         lua_pop(L, 2);
         out += scalar ? 1 : f->s.length[k];
     }

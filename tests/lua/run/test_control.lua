@@ -1,0 +1,68 @@
+-- controlled steps: as long as their error allows, none over what is narrow in the forces
+local tap = require "tap"
+local dm = require "dm"
+local forces = require "dm.reference.forces"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local exp, sqrt, pi, cos, sin = math.exp, math.sqrt, math.pi, math.cos, math.sin
+
+-- Kepler, e = 0.95, from the apocentre: back there after a revolution
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local start = { q = { -1.95, 0 }, v = { 0, -sqrt(0.05 / 1.95) } }
+local function run(system, rule, T, s, control, more)
+  local options = { q = s.q, v = s.v, t = T, control = control }
+  for key, value in pairs(more or {}) do options[key] = value end
+  return system:solver({ rule = rule, h = T / 50 }):run(options)
+end
+for _, rule in ipairs { "rk8", "gauss(5)", "kahan-li(8)", "lobatto(5)" } do
+  local path = run(kepler, rule, 2 * pi, start, { tolerance = 1e-13 })
+  near(path.q[#path][1], -1.95, 1e-9, rule .. ": a revolution")
+  near(path.t[#path], 2 * pi, 1e-14, "that ends where it was asked to")
+  local least, most = math.huge, 0
+  for i = 2, #path do
+    local h = path.t[i] - path.t[i - 1]
+    least, most = math.min(least, h), math.max(most, h)
+  end
+  ok(most > 10 * least, "by steps of unlike lengths", most / least)
+end
+local coarse, fine = run(kepler, "rk8", 2 * pi, start, { tolerance = 1e-6 }), run(kepler, "rk8", 2 * pi, start, { tolerance = 1e-12 })
+ok(#coarse < #fine, "a smaller tolerance takes more steps", #fine)
+local path = run(kepler, "rk8", 2 * pi, start, { tolerance = 1e-6, largest = 0.1, ends = { 1, 2.5 } })
+local met = 0
+for i = 1, #path do met = met + ((path.t[i] == 1 or path.t[i] == 2.5) and 1 or 0) end
+ok(met == 2 and #path > 62, "steps end at the times given, none longer than the largest", #path)
+
+-- a kick that steps jump over, a wall in q
+local w, c = 1e-4, 3.3
+local kicked = dm.system { Q = dm.R(1), L = function(q, v, t) return (v[1] ^ 2 - q[1] ^ 2) / 2 + 0.2 / w * exp(-((t - c) / w) ^ 2) * q[1] end }
+local exact = cos(10) + 0.2 * sqrt(pi) * exp(-w ^ 2 / 4) * sin(10 - c)
+local at = { q = { 1 }, v = { 0 } }
+for _, rule in ipairs { "rk8", "gauss(4)" } do
+  local met_it = run(kicked, rule, 10, at, { tolerance = 1e-11, hidden = (forces.of(kicked)) })
+  near(met_it.q[#met_it][1], exact, 1e-6, rule .. ": a kick of width 1e-4 is met")
+end
+local blind = run(kicked, "rk8", 10, at, { tolerance = 1e-11 })
+ok(math.abs(blind.q[#blind][1] - exact) > 0.1, "which steps alone jump over")
+local wall = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - exp(-((q[1] - 1) / 1e-5) ^ 2) end }
+path = run(wall, "rk8", 2, { q = { 0 }, v = { 1 } }, { tolerance = 1e-11, hidden = (forces.of(wall)) })
+ok(math.abs(path.q[#path][1]) < 1e-4, "a wall of width 1e-5 turns the motion back", path.q[#path][1])
+ok(forces.of(dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[1] ^ 4 + q[1] * q[2] ^ 2 end }) == nil, "polynomials hide nothing")
+-- a stiff spring, whose large forces cancel, hides nothing
+local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 9.81 * q[2] - 1e7 / 2 * (q:norm() - 1) ^ 2 end }
+local solver = rod:solver { rule = "rk8", h = 1e-3 }
+solver:run { q = { sin(0.5), -cos(0.5) }, v = { 0, 0 }, t = 0.2, control = { tolerance = 1e-9, hidden = (forces.of(rod)) } }
+ok(solver:report().unseen == nil and solver:report().steps < 1000, "a stiff spring hides nothing", solver:report().steps)
+
+-- what cannot be done
+raises("collision", run, kepler, "rk8", 2, { q = { 1, 0 }, v = { 0, 0 } }, { tolerance = 1e-10 })
+raises("seconds or steps", run, rod, "rk8", 1e6, { q = { sin(0.5), -cos(0.5) }, v = { 0, 0 } }, { tolerance = 1e-10 }, { seconds = 0.05 })
+raises("unknown", run, kepler, "rk8", 1, start, { tol = 1 })
+raises("'control'", run, kepler, "rk8", 1, start, 3)
+raises("growing", run, kepler, "rk8", 1, start, { ends = { 2, 1 } })
+raises("hidden", run, kepler, "rk8", 1, start, { hidden = 1 })
+raises("cannot be chosen", kepler:solver({ rule = "log-hamiltonian(verlet)", h = 0.1 }).run, kepler:solver { rule = "log-hamiltonian(verlet)", h = 0.1 },
+  { q = start.q, v = start.v, at = { 1 }, control = { tolerance = 1e-6 } })
+-- a force that jumps is no singularity
+local pushed = dm.system { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 + q[1] * dm.where(t - 0.3, 1, 0) end }
+path = run(pushed, "rk8", 1, { q = { 0 }, v = { 0 } }, { tolerance = 1e-12, hidden = (forces.of(pushed)) })
+near(path.q[#path][1], 0.49 / 2, 1e-12, "a jump of the force becomes the end of a step")
+tap.done()

@@ -1,0 +1,59 @@
+-- f:bounds: interval arithmetic encloses a function, closes in on it, and says where it leaves its domain
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local exp, sin, cos, sqrt, pi, huge = math.exp, math.sin, math.cos, math.sqrt, math.pi, math.huge
+local function of(f) return dm.trace(f, "number") end
+
+-- every value at points of the box is inside, for functions of every kind
+local functions = {
+  function(x) return x ^ 3 - 2 * x ^ 2 + 1 / (x ^ 2 + 1) end, function(x) return sin(3 * x) * exp(-x ^ 2) end, function(x) return sqrt(x ^ 2 + 1) - cos(x) end,
+  function(x) return dm.log(x ^ 2 + 0.1) * dm.atan(x) end, function(x) return dm.tanh(2 * x) + dm.abs(x - 0.3) end, function(x) return dm.cosh(x) - dm.sinh(x) end,
+  function(x) return dm.min(x, 0.5) * dm.max(x, -0.25) end, function(x) return dm.atan(x + 3, x - 1) end, function(x) return (x ^ 2 + 0.5) ^ -1.5 end,
+  function(x) return dm.where(x - 0.1, x, -x) end, function(x) return dm.tan(x / 4) + dm.asin(x / 4) + dm.acos(x / 5) end, function(x) return dm.sign(x) * x ^ -2 end }
+math.randomseed(7)
+for k, g in ipairs(functions) do
+  local f, inside, width = of(g), true, 0
+  for _ = 1, 200 do
+    local a = 4 * math.random() - 2
+    local b = a + 2 * math.random() ^ 4
+    local lo, hi = f:bounds(a, b)
+    for i = 0, 20 do
+      local x = math.min(b, a + (b - a) * i / 20)
+      local fine, y = pcall(f, x)
+      inside = inside and lo <= hi and (not fine or (lo <= y and y <= hi))
+    end
+    local low, high = f:bounds(1.2, 1.2 + 1e-6)
+    width = high - low
+  end
+  ok(inside, "function " .. k .. " never leaves its bounds")
+  ok(width < 1e-4, "which close in on it", width)
+end
+
+-- narrow pulses, poles, domains
+local pulse = of(function(t) return 2000 * exp(-((t - 5.1) / 1e-4) ^ 2) end)
+local lo, hi = pulse:bounds(0, 10)
+ok(lo <= 0 and hi >= 2000 and hi < 2000.001, "a narrow pulse is seen by the bounds", hi)
+lo, hi = pulse:bounds(0, 5)
+ok(lo <= 0 and hi < 1e-300, "where it is not they vanish", hi)
+lo, hi = of(function(x) return 1 / x end):bounds(-1, 1)
+ok(lo == -huge and hi == huge, "a pole is infinite")
+lo, hi = of(function(x) return sqrt(x) end):bounds(-1, 4)
+ok(lo == -huge and hi == huge, "so is what may be outside the domain")
+lo, hi = of(function(x) return sin(x) end):bounds(0, pi)
+ok(lo <= 0 and lo > -1e-15 and hi == 1, "extremes inside are met", hi)
+lo, hi = of(function(x) return x * x end):bounds(-1, 2)
+ok(lo == 0 and hi >= 4 and hi < 4 + 1e-14, "a square is not negative", lo)
+
+-- vectors and several arguments
+local f = dm.trace(function(q, v, t) return dm.vector { q[1] * v[2], q:norm() + t } end, 2, 2, "number")
+local low, high = f:bounds({ { 3, 4 }, { 0, -1 }, 0 }, { { 3, 4 }, { 0, 2 }, 1 })
+near(low[1], -3, 1e-14, "lists of arguments, a list of results")
+near(high[1], 6, 1e-14, "with an entry for each")
+ok(low[2] <= 5 and high[2] >= 6 and high[2] < 6 + 1e-14, "entry by entry")
+raises("lo must be at most hi", pulse.bounds, pulse, 2, 1)
+raises("lo must be at most hi", pulse.bounds, pulse, 0 / 0, 1)
+raises("must be a number", pulse.bounds, pulse, {}, 1)
+raises("list of 3 arguments", f.bounds, f, 1, 2)
+raises("2 numbers", f.bounds, f, { { 1 }, { 0, 0 }, 0 }, { { 1, 2 }, { 0, 0 }, 0 })
+tap.done()
