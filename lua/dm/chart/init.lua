@@ -1,6 +1,7 @@
 --- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against
 -- CPU time, evaluations, steps.
 local blame = require "dm.base.blame"
+local budget = require "dm.chart.budget"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local given_steps = require "dm.chart.steps"
@@ -10,6 +11,7 @@ local orders = require "dm.chart.orders"
 local reference = require "dm.chart.reference_run"
 local show = require "dm.chart.show"
 local starts = require "dm.base.start"
+local tables = require "dm.chart.table"
 
 local M = {}
 
@@ -27,7 +29,7 @@ local fail = option.failing(WHERE)
 ---- options ----
 
 local KNOWN = { 1, "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error",
-  "samples", "repeats", "reference", "tolerances", "rivals" }
+  "samples", "repeats", "reference", "tolerances", "rivals", "seconds" }
 
 local function system_of(options)
   local system = options.system or options[1]
@@ -51,6 +53,7 @@ local function check_options(options)
   local system = system_of(options)
   option.need(options, "t", WHERE, "a duration > 0")
   option.positive(options, "t", WHERE, "a duration")
+  option.positive(options, "seconds", WHERE, "seconds of CPU time")
   for _, key in ipairs { "samples", "repeats" } do option.whole(options, key, WHERE, 1) end
   if options.against ~= nil and options.against ~= "reference" then
     fail("option 'against' must be \"reference\", which is what errors are measured against (got "
@@ -94,8 +97,13 @@ local function run_options(options, more)
   return out
 end
 
-local function sample_times(options)
+-- dense: rows from which the motion between them can be told, as often as the finest step
+local DENSE = 4096
+
+local function sample_times(options, dense)
   local count, t0, out = options.samples or 32, options.t0 or 0, {}
+  local finest = min(table.unpack(options.h))
+  if dense then count = min(DENSE, max(256, math.ceil(options.t / finest))) end
   for i = 1, count do out[i] = t0 + options.t * i / count end
   return out
 end
@@ -112,7 +120,9 @@ local function measure(chart, entry, h)
   local setup = core.cpu()
   solver:run(run_options(options, { steps = 1 }))
   setup = core.cpu() - setup
-  local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
+  local rows = chart.dense and not own and { steps = steps, every = max(1, steps // DENSE) }
+    or { at = chart.times, watch = chart.watch }
+  local path = solver:run(run_options(options, rows))
   local point = { rule = entry.name, h = own and h or step, setup = 1e9 * setup,
     error = chart.measure(path, chart.reference) }
   if point.error < chart.floor then point.error, point.below = chart.floor, true end
@@ -149,21 +159,8 @@ end
 
 ---- what the chart tells ----
 
-local of_rule = orders.of_rule
-
-local function cheapest_of(points, target)
-  if type(target) ~= "number" then
-    fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target))
-  end
-  local best
-  for _, p in ipairs(points) do
-    if p.error <= target and (not best or p.ns < best.ns) then best = p end
-  end
-  return best
-end
-
 class.method("dm.chart", "cheapest", function(chart, target)
-  return cheapest_of(chart.points, target)
+  return orders.cheapest(chart.points, target)
 end, [[
 chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
 The cheapest measured point whose error is at most the given one, by CPU time.]])
@@ -180,80 +177,6 @@ end, [[
 chart:pareto() -> list of points
 The points that no other beats in both error and time, from the cheapest to the most accurate.]])
 
-local function number(x) return x and ("%.2f"):format(x) or "-" end
-
--- an error that is below what can be measured is told as that
-local function error_text(p) return (p.below and "below %.0e" or "%.1e"):format(p.error) end
-
-local TIMES = { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } }
-
-local function time_text(ns)
-  for _, unit in ipairs(TIMES) do
-    if ns < unit[1] then return ("%.3g %s"):format(ns / unit[2], unit[3]) end
-  end
-end
-
-local function is_symplectic(rule)
-  for _, row in ipairs(core.rules()) do
-    if row.name == rule:match "^[%w_-]+" then return row.symplectic end
-  end
-  return true
-end
-
--- "cheapest at 1e-08: gauss(4), 1.2 ms"; says so when a non-geometric rule wins
-local function cheapest_lines(chart, lines)
-  for _, target in ipairs { 1e-4, 1e-8, 1e-12 } do
-    local p = chart:cheapest(target)
-    local text = ("none of these reaches %.0e"):format(target)
-    if p then
-      text = ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
-        is_symplectic(p.rule) and "" or " (not symplectic)")
-    end
-    local r = chart.rival and cheapest_of(chart.rival.points, target)
-    if r and (not p or r.ns < p.ns) then
-      text = text .. ("; %s, which preserves nothing, wins with %s"):format(r.rule, time_text(r.ns))
-    elseif r then
-      text = text .. ("; %s, which preserves nothing, takes %.3g times as long")
-        :format(r.rule, r.ns / p.ns)
-    end
-    lines[#lines + 1] = text
-  end
-end
-
-local function front_line(chart)
-  local out, seen = {}, {}
-  for _, p in ipairs(chart:pareto()) do
-    if not seen[p.rule] then out[#out + 1], seen[p.rule] = p.rule, true end
-  end
-  return "front of error and time, from the cheapest: " .. table.concat(out, ", ")
-end
-
-class.method("dm.chart", "table", function(chart)
-  local head = { "rule", "order", "points", "least error", "for" }
-  local lines = { ("%-28s %6s %7s %11s %10s"):format(table.unpack(head)) }
-  for _, rule in ipairs(chart.rules) do
-    local points, least = of_rule(chart, rule), nil
-    for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
-    lines[#lines + 1] = least and ("%-28s %6s %7d %11s %10s")
-      :format(rule, number((chart:order(rule))), #points, error_text(least), time_text(least.ns))
-      or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
-  end
-  cheapest_lines(chart, lines)
-  lines[#lines + 1] = front_line(chart)
-  for _, f in ipairs(chart.failures) do
-    lines[#lines + 1] = ("%s, h = %.4g%s: %s"):format(f.rule, f.h,
-      f.count > 1 and (" and %d more"):format(f.count - 1) or "", f.why)
-  end
-  lines[#lines + 1] = chart.reference_text
-  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up")
-    :format(chart.load, chart.options.repeats or BATCHES)
-  return table.concat(lines, "\n")
-end, [[
-chart:table() -> string
-A line per rule: measured order, number of points, least error and its cost; then the cheapest at
-1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and why, how far the two
-references are apart, and the load of the machine when it was measured.]])
-
 function Chart:__tostring()
   return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n")
     :format(#self.points, #self.points == 1 and "" or "s", #self.rules,
@@ -263,12 +186,15 @@ end
 ---- making one ----
 
 local doc_chart = "dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, "
-  .. "rivals=, samples=, repeats=, reference=, t0=} -> dm.chart\n" .. [[
+  .. "rivals=, samples=, repeats=, reference=, seconds=, t0=} -> dm.chart\n" .. [[
 Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out:
 seven, from the coarsest that shows the motion, by halves) over the duration t (h is made to fit a
 whole number of steps) and measure error against CPU time (median of batches, set-up included,
 pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the
-largest difference of a coordinate from a reference over 32 times), "energy", "momentum" (of
+largest difference of a coordinate from a reference over 32 times), "phase" (the time by which a run
+is ahead of the reference or behind it, the shift that fits it best, followed from the start),
+"precession" (how far it has turned besides: cyclic coordinates, else rotations of the plane or of
+space that L does not feel, in rad), "energy", "momentum" (of
 coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
 compared with the reference, or { f }: the change of f along the run. Errors below chart.floor, what
 the references differ by, are raised to it and marked `below`. ns is the CPU time of a run, setup
@@ -277,21 +203,35 @@ The reference is found: two unlike methods, each refined until they agree; where
 close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
 on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these.
 Where no rule is of the kind that preserves nothing, rk8 is measured beside them (chart.rival;
-rivals = false: not), and the table says when it wins. chart:table(), :order(rule),
+rivals = false: not), and the table says when it wins. seconds: CPU time for all of it, in which
+pilot runs, references and points end; chart.cut says what was left out, false where nothing was.
+On a terminal's stderr a line tells how far it is from 2 s on. chart:table(), :order(rule),
 :cheapest(error), :pareto(), :plot{}, :csv().
 On Ctrl-C the error's `chart` field has what was measured so far, which a session keeps as _.]]
 
+local SHARE_OF_STEPS, SHARE_OF_REFERENCE = 0.25, 0.9  -- of the seconds that are left
+
 -- the options with steps in h: those given, as h or steps, or found
-local function with_steps(system, options)
+local function with_steps(system, options, clock)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   out.rules = given_steps.list(options, "rules", "rules")
-  out.h = (options.h or options.steps) and given_steps.sizes(options)
-    or given_steps.find(system, options)
+  if options.h or options.steps then
+    out.h = given_steps.sizes(options)
+    return out
+  end
+  local fine, found = clock:call(SHARE_OF_STEPS, function()
+    return given_steps.find(system, options)
+  end)
+  if fine == nil then
+    fail("pilot runs for the steps did not end within %.3g s, their part of option 'seconds' = %g: "
+      .. "give steps, h = { 0.1, 0.05, 0.025 }", found, options.seconds)
+  end
+  out.h = found
   return out
 end
 
-local function distinct_names(entries)
+local function names_of(entries)
   local out = {}
   for i, entry in ipairs(entries) do out[i] = entry.name end
   return out
@@ -310,28 +250,46 @@ end
 
 -- all steps of a rule, pinned to one core
 local function measure_all(chart, entry, points)
-  for _, h in ipairs(chart.options.h) do
+  for k, h in ipairs(chart.options.h) do
     local pinned = core.pin()
-    local fine, failure = core.until_stop(try_point, chart, entry, h, points)
+    chart.clock:tell(("chart: %s, step %d of %d (Ctrl-C stops)"):format(entry.name, k,
+      #chart.options.h))
+    local fine, failure = chart.clock:call(1, core.until_stop, try_point, chart, entry, h, points)
     core.unpin(pinned)
-    if not fine then raise(chart, failure) end
+    chart.clock:tell()
+    if fine == nil then
+      chart.clock:leave_out(entry.name)
+    elseif not fine then
+      raise(chart, failure)
+    end
   end
+end
+
+local function find_reference(chart)
+  local fine, ref, apart, text = chart.clock:call(SHARE_OF_REFERENCE, core.until_stop,
+    reference.find, chart)
+  if fine == nil then
+    fail("no reference was found within %.3g s, its part of option 'seconds' = %g: give more, a "
+      .. "shorter t, or reference = { rule =, h = }", ref, chart.options.seconds)
+  end
+  if not fine then raise(chart, ref) end
+  chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
 end
 
 M.chart = blame.caller(function(options)
   local system = check_options(options)
-  options = with_steps(system, starts.lists(options, system))
-  local what_measure, what, needs_reference, watched = measures.make(system, options.error)
+  local clock = budget.clock(options.seconds)
+  options = with_steps(system, starts.lists(options, system), clock)
+  local what_measure, what, needs_reference, watched, dense = measures.make(system, options.error,
+    options)
   local entries = measures.entries(options.rules, options.tolerances, M.name)
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {},
-    rules = distinct_names(entries), measure = what_measure, what = what,
-    times = sample_times(options), load = core.load_average(), floor = 1e-15,
-    watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" },
-    Chart)
+    rules = names_of(entries), measure = what_measure, what = what,
+    times = sample_times(options, dense), load = core.load_average(), floor = 1e-15,
+    watch = watched and { watched = watched } or nil, reference_text = "no reference is needed",
+    clock = clock, dense = dense, batches = options.repeats or BATCHES }, Chart)
   if needs_reference then
-    local fine, ref, apart, text = core.until_stop(reference.find, chart)
-    if not fine then raise(chart, ref) end
-    chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
+    find_reference(chart)
   end
   for _, entry in ipairs(entries) do measure_all(chart, entry, chart.points) end
   local rival = options.rivals ~= false and measures.rival(system, options.rules, M.name)
@@ -339,11 +297,13 @@ M.chart = blame.caller(function(options)
     rival.points, chart.rival = {}, rival
     measure_all(chart, rival, rival.points)
   end
+  chart.cut = clock:told()
   return chart
 end)
 
 core.docs[M.chart] = doc_chart
 class.method("dm.chart", "order", orders.order, orders.doc)
+class.method("dm.chart", "table", tables.table, tables.doc)
 class.method("dm.chart", "plot", show.plot, show.doc_plot)
 class.method("dm.chart", "csv", show.csv, show.doc_csv)
 

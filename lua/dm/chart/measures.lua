@@ -1,5 +1,7 @@
 --- What the errors of a chart are of: positions, energies, momenta, constraints, observables.
 local core = require "dm.core"
+local shift = require "dm.chart.shift"
+local turn = require "dm.chart.turn"
 
 local M = {}
 
@@ -70,8 +72,45 @@ local function is_space(x)
   return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.space"
 end
 
---- measure(path, reference), its name, whether a reference is needed, what is to be watched.
-function M.make(system, what)
+-- ranges of columns; those that have none count for nothing
+local function ranges_of(columns)
+  local out = {}
+  for k, list in ipairs(columns) do
+    local least, most = math.huge, -math.huge
+    for i = 1, #list do least, most = math.min(least, list[i]), math.max(most, list[i]) end
+    out[k] = most > least and most - least or math.huge
+  end
+  return out
+end
+
+-- coordinates of a path as { t, columns }
+local function columns_of(path, system)
+  local out, names = { t = path.t, columns = {} }, system.coordinates
+  for i = 1, system.Q.dimension do
+    out.columns[i] = path:column(names and names[i] or "q" .. i)
+  end
+  return out
+end
+
+-- the largest shift in time, or turn by a group, along the run, against a reference with dense rows
+local function shift_error(system, options, what)
+  local fresh = what == "precession" and turn.of(system, options)
+  return function(path, ref)
+    local flow = columns_of(ref, system)
+    flow.range = ranges_of(flow.columns)
+    local about = fresh and fresh() or {}
+    flow.turns, flow.turned, flow.angle = about.turns, about.turned, about.angle
+    local found = shift.follow(columns_of(path, system), flow, ref.t[#ref])
+    if not found then
+      error("no shift in time explains this run: its motion is another one", 0)
+    end
+    return fresh and found.largest_turn or found.largest
+  end
+end
+
+--- measure(path, reference), its name, whether a reference is needed, what is to be watched, and
+-- whether rows must be dense.
+function M.make(system, what, options)
   what = what or "position"
   if what == "position" then return position_error, "position", true end
   if what == "energy" then
@@ -84,6 +123,9 @@ function M.make(system, what)
     return function(path) return change(path:energy()) end, "energy", false
   end
   if what == "momentum" then return cyclic_momenta(system), "momentum", false end
+  if what == "phase" or what == "precession" then
+    return shift_error(system, options, what), what, true, nil, true
+  end
   if what == "constraint" then return constraint_error(system), "constraint", false end
   if is_space(what) then return group_momentum(what), "momentum of " .. tostring(what), false end
   if type(what) == "table" and type(what[1]) == "function" then
@@ -91,9 +133,9 @@ function M.make(system, what)
       false, what[1]
   end
   if type(what) ~= "function" then
-    fail("option 'error' must be \"position\", \"energy\", \"momentum\" or a group, "
-      .. "\"constraint\", a function of (q, v, t, p) compared with the reference, or { f } for the "
-      .. "change of f along the run (got %s)", tostring(what))
+    fail("option 'error' must be \"position\", \"phase\", \"precession\", \"energy\", "
+      .. "\"momentum\" or a group, \"constraint\", a function of (q, v, t, p) compared with the "
+      .. "reference, or { f } for the change of f along the run (got %s)", tostring(what))
   end
   return function(path, ref)
     local worst, x, y = 0, path:column "watched", ref:column "watched"

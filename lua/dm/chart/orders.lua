@@ -1,4 +1,4 @@
---- The orders that a chart measures.
+--- The orders that a chart measures, and the cheapest of its points.
 local blame = require "dm.base.blame"
 
 local abs, max, log = math.abs, math.max, math.log
@@ -110,4 +110,16 @@ local function order_of(chart, rule)
     .. "%s; finer steps may show an order"):format(rule, table.concat(slopes, ", "))
 end
 
-return { order = blame.caller(order_of), doc = doc_order, of_rule = of_rule }
+-- the point of least time whose error is at most that
+local function cheapest(points, target)
+  if type(target) ~= "number" then
+    fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target))
+  end
+  local best
+  for _, p in ipairs(points) do
+    if p.error <= target and (not best or p.ns < best.ns) then best = p end
+  end
+  return best
+end
+
+return { order = blame.caller(order_of), doc = doc_order, of_rule = of_rule, cheapest = cheapest }

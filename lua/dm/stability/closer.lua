@@ -4,16 +4,14 @@ local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
 local flows = require "dm.stability.flows"
 local jobs = require "dm.stability.jobs"
+local shift = require "dm.chart.shift"
 
 local M = {}
 
-local abs, max, min, floor, huge = math.abs, math.max, math.min, math.floor, math.huge
+local min, huge = math.min, math.huge
 
 local FINE = 1e-6     -- accuracy of the flow that a cell is measured by
 local MOST = 2 ^ 20   -- rows
-local WINDOWS, ROWS = 32, 64  -- stretches of the run that shifts are followed through, their rows
-local TRIES = 8       -- of Gauss and Newton
-local KNOWN = 0.5     -- of the size of a signal: what a shift must explain to be one
 
 ---- the run, at every step, and its flow ----
 
@@ -36,112 +34,16 @@ local function fine_flow(map, cell)
   return flow.e and flow.horizon >= own.horizon and flow or nil
 end
 
----- the shift in time ----
-
--- values and rates of the columns of a flow at a time: a polynomial through six rows
-local function reader(flow, columns)
-  local path, list = flow.e:path(flow.i), {}
-  for k, name in ipairs(columns) do list[k] = path:column(name) end
-  local t, count = path.t, #path
-  local t0, dt = t[1], t[2] - t[1]
-  local nodes = min(8, count)
-  return function(time)
-    local place = (time - t0) / dt
-    local first = floor(max(0, min(count - nodes, floor(place) - nodes / 2 + 1)))
-    local s, y, rate = place - first, {}, {}
-    for k = 1, #list do y[k], rate[k] = 0, 0 end
-    for i = 0, nodes - 1 do
-      local w, slope = 1, 0
-      for j = 0, nodes - 1 do
-        if j ~= i then
-          slope = (slope * (s - j) + w) / (i - j)
-          w = w * (s - j) / (i - j)
-        end
-      end
-      for k = 1, #list do
-        local x = list[k][first + i + 1]
-        y[k], rate[k] = y[k] + w * x, rate[k] + slope * x / dt
-      end
-    end
-    return y, rate
-  end, t[count]
-end
-
--- One step of Gauss and Newton for the shift a + b (t - middle) of the rows of a window; also what
--- it leaves of the squares, and their sum.
-local function improve(w, read, last, a, b)
-  local Saa, Sab, Sbb, ra, rb, left, all, used = 0, 0, 0, 0, 0, 0, 0, 0
-  for i, t in ipairs(w.t) do
-    local x = t - w.middle
-    local at = t + a + b * x
-    if at <= last and at >= w.t0 then
-      local y, rate = read(at)
-      used = used + 1
-      for k = 1, #y do
-        local miss, g = (w.y[i][k] - y[k]) / w.range[k], rate[k] / w.range[k]
-        Saa, Sab, Sbb = Saa + g * g, Sab + g * g * x, Sbb + g * g * x * x
-        ra, rb, left, all = ra + g * miss, rb + g * miss * x, left + miss ^ 2,
-          all + ((w.y[i][k] - w.mean[k]) / w.range[k]) ^ 2
-      end
-    end
-  end
-  local det = Saa * Sbb - Sab ^ 2
-  if used < 4 or not (abs(det) > 1e-14 * Saa * Sbb) then return nil end
-  return a + (ra * Sbb - rb * Sab) / det, b + (rb * Saa - ra * Sab) / det, left, all
-end
-
--- the shift in a window, from the one before
-local function fit(w, read, last, a, b)
-  local left, all
-  for _ = 1, TRIES do
-    local next_a, next_b, its_left, its_all = improve(w, read, last, a, b)
-    if not next_a or not (abs(next_b) < 2) then return nil end
-    a, b, left, all = next_a, next_b, its_left, its_all
-  end
-  return a, b, left <= KNOWN * all
-end
-
--- rows of a path in the times (from, to]
-local function window_of(path, columns, range, from, to)
-  local t, w = path.t, { t = {}, y = {}, range = range, mean = {}, middle = 0.5 * (from + to),
-    t0 = path.t[1] }
-  local first, count = 1, #t
-  while first <= count and t[first] <= from do first = first + 1 end
-  local final = first
-  while final < count and t[final + 1] <= to do final = final + 1 end
-  local stride = max(1, (final - first) // ROWS)
-  for i = first, min(final, count), stride do
-    local y = {}
-    for k, list in ipairs(columns) do
-      y[k] = list[i]
-      w.mean[k] = (w.mean[k] or 0) + y[k]
-    end
-    w.t[#w.t + 1], w.y[#w.y + 1] = t[i], y
-  end
-  for k in ipairs(columns) do w.mean[k] = w.mean[k] / max(1, #w.t) end
-  return w
-end
-
--- By how much the run is ahead at its end, followed from its start, where nothing is shifted;
--- nothing where no shift explains what it does.
+-- by how much time the run is ahead at the end
 local function shift_of(path, flow, names, horizon)
-  local columns, range = {}, {}
+  local reference = flow.e:path(flow.i)
+  local run, its = { t = path.t, columns = {} }, { t = reference.t, columns = {}, range = {} }
   for k, name in ipairs(names) do
-    columns[k], range[k] = path:column(name), max(flow.range[k], 1e-300)
-    if not (flow.range[k] > 0) then range[k] = huge end
+    run.columns[k], its.columns[k] = path:column(name), reference:column(name)
+    its.range[k] = flow.range[k] > 0 and flow.range[k] or huge
   end
-  local read, last = reader(flow, names)
-  local t0 = path.t[1]
-  local length = (horizon - t0) / WINDOWS
-  local a, b, middle, known = 0, 0, t0, false
-  for k = 1, WINDOWS do
-    local w = window_of(path, columns, range, t0 + (k - 1) * length, t0 + k * length)
-    if #w.t >= 4 then
-      local its_a, its_b, fine = fit(w, read, last, a + b * (w.middle - middle), b)
-      if its_a then a, b, middle, known = its_a, its_b, w.middle, fine end
-    end
-  end
-  return known and a + b * (horizon - middle) or nil
+  local found = shift.follow(run, its, horizon)
+  return found and found.shift
 end
 
 -- what is off, at every step, and by how much time

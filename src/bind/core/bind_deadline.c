@@ -6,12 +6,17 @@
 #include <string.h>
 #include <time.h>
 
-/* A process has one clock of CPU time. `until`: when it rings, s of that clock; infinite: never. */
+/* A process has one clock of CPU time. `until`: when it rings, s of that clock; infinite: never.
+ * The timer is one of real time, at which that clock is looked at: while a timer of CPU time is
+ * set the system counts CPU time by ticks of 4 ms, and nothing short could be timed. */
 static struct {
     timer_t timer;
     int made;
     double until;
 } deadline = {.until = INFINITY};
+
+static const double SOONEST = 1e-3; /* s from look to look */
+static const double PART = 0.25;    /* of the CPU time that is left: several threads use it up */
 
 static volatile sig_atomic_t late; /* it has rung, and no call has ended by it yet */
 
@@ -21,33 +26,45 @@ static double cpu(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void ring(int signal) {
+/* look again when the time that is left may be over; never where there is no end */
+static void set_timer(double left) {
+    struct itimerspec when = {0};
+    if (left < 1e9) {
+        const double wait = fmax(SOONEST, PART * left), whole = floor(wait);
+        when.it_value.tv_sec = (time_t)whole;
+        when.it_value.tv_nsec = (long)(1e9 * (wait - whole));
+    }
+    timer_settime(deadline.timer, 0, &when, NULL);
+}
+
+static void look(int signal) {
+    const double left = deadline.until - cpu();
     (void)signal;
-    late = dml_stop = 1;
+    if (left > 0.0)
+        set_timer(left);
+    else
+        late = dml_stop = 1;
 }
 
 /* false where the system has no such timer: then nothing is ended */
 static int make_timer(void) {
-    struct sigaction action = {.sa_handler = ring, .sa_flags = SA_RESTART};
+    struct sigaction action = {.sa_handler = look, .sa_flags = SA_RESTART};
     struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMIN};
     if (deadline.made) return 1;
     sigemptyset(&action.sa_mask);
     if (sigaction(SIGRTMIN, &action, NULL) != 0) return 0;
-    return deadline.made = timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &deadline.timer) == 0;
+    return deadline.made = timer_create(CLOCK_MONOTONIC, &event, &deadline.timer) == 0;
 }
 
 /* ring at this time of the clock; one that is over rings at once */
 static void set_deadline(double until) {
-    struct itimerspec when = {0};
+    const double left = until - cpu();
     deadline.until = until;
     if (!make_timer()) return;
-    if (until < 1e15) {
-        const double whole = floor(fmax(until, 1e-9));
-        when.it_value.tv_sec = (time_t)whole;
-        when.it_value.tv_nsec = (long)(1e9 * (fmax(until, 1e-9) - whole));
-        if (whole == 0.0 && when.it_value.tv_nsec == 0) when.it_value.tv_nsec = 1;
-    }
-    timer_settime(deadline.timer, TIMER_ABSTIME, &when, NULL);
+    if (left > 0.0)
+        set_timer(left);
+    else
+        late = dml_stop = 1;
 }
 
 /* is the error on top what a stop raises? */

@@ -105,6 +105,39 @@ do
   ok(fine and exact.points[#exact.points].below and tostring(exact):find "below %d", "errors below the floor are told as that", tostring(exact))
   ok(#exact.failures == 1 and exact.failures[1].count == 3, "a refusal is told once a rule", #exact.failures)
 end
+---- shifts in time, turns, seconds ----
+
+do
+  local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  local phase = spring:chart { q = { 1 }, v = { 0 }, t = 100, rules = { "verlet", "midpoint" }, h = { 0.1, 0.05 }, error = "phase", rivals = false, repeats = 1 }
+  for i, h in ipairs { 0.1, 0.05 } do
+    near(phase.points[i].error, 100 * (2 / h * math.asin(h / 2) - 1), 1e-7, ("Verlet is ahead by this time, h = %g"):format(h))
+    near(phase.points[2 + i].error, 100 * (1 - 2 / h * math.atan(h / 2)), 1e-7, "and the midpoint rule behind")
+  end
+  ok(phase.cut == nil, "without seconds nothing is cut")
+  -- an ellipse that turns: a force 1/r^3 beside 1/r^2 turns Kepler's by pi (1/sqrt(1 - 2 eps/l^2) - 1) in half a turn; here of the rule alone, and as much in polar coordinates
+  local plane = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+  local polar = dm.system { Q = dm.R(2), coordinates = { "r", "phi" }, L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }
+  local o = { q = { 0.4, 0 }, v = { 0, 2 }, t = 50, rules = { "verlet" }, h = { 0.02, 0.01 }, error = "precession", rivals = false, repeats = 1 }
+  local turned = plane:chart(o)
+  -- the Runge-Lenz vector turns by that angle
+  local path = plane:solver({ rule = "verlet", h = 0.01 }):run { q = o.q, v = o.v, t = 50 }
+  local q, p = path.q[#path], path.p[#path]
+  local l = q[1] * p[2] - q[2] * p[1]
+  local angle = math.atan(-p[1] * l - q[2] / q:norm(), p[2] * l - q[1] / q:norm())
+  near(turned.points[2].error, math.abs(angle), 0.1 * math.abs(angle), "the ellipse of Verlet turns as its Runge-Lenz vector does")
+  near(turned.points[1].error / turned.points[2].error, 4, 0.3, "by the square of the step")
+  o.v, o.rules = { 0, 5 }, { "midpoint" }
+  ok(#polar:chart(o).points == 2, "coordinates that L does not depend on are shifted")
+  raises("no group that could turn", spring.chart, spring, { q = { 1 }, v = { 0 }, t = 9, rules = { "verlet" }, h = { 0.1 }, error = "precession" })
+  -- what is left of the seconds ends runs
+  local before = dm.cpu()
+  local cut = plane:chart { q = { 0.4, 0 }, v = { 0, 2 }, t = 2000, rules = { "verlet", "midpoint" }, h = { 0.1, 1e-2, 1e-4 }, error = "energy", rivals = false, seconds = 0.4 }
+  ok(dm.cpu() - before < 1 and cut.cut and cut.cut:find "left out after 0.4 s" and tostring(cut):find "left out", "a chart ends when its seconds are over, and says what it left out", cut.cut)
+  ok(spring:chart({ q = { 1 }, v = { 0 }, t = 1, rules = { "verlet" }, h = { 0.1 }, rivals = false, seconds = 20, repeats = 1 }).cut == false, "or that it left out nothing")
+  raises("'seconds' must be", spring.chart, spring, { q = { 1 }, v = { 0 }, t = 1, rules = { "verlet" }, seconds = -1 })
+end
+
 ---- steps that are not given ----
 
 local orbit = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }

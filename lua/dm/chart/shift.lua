@@ -1,0 +1,155 @@
+--- By how much time a run is ahead of its flow, and how far a group has turned it: the shift of the
+-- flow, and the element of the group, that fit a stretch of the run best, followed from the start,
+-- where nothing is shifted.
+local core = require "dm.core"
+
+local M = {}
+
+local abs, max, min, floor = math.abs, math.max, math.min, math.floor
+
+-- stretches of the run: longer ones for turns, which a part of an orbit tells badly; the least and
+-- the most rows of each
+local WINDOWS, FEWER, FEWEST, ROWS = 32, 8, 8, 64
+local NODES = 8               -- rows of the flow that a polynomial goes through
+local TRIES = 8               -- of Gauss and Newton
+local KNOWN = 0.5             -- of the size of a signal: what a shift must explain to be one
+
+--- read(time) -> values, rates of columns whose rows lie at even times t; the last of these.
+function M.reader(t, columns)
+  local count, t0 = #t, t[1]
+  local dt, nodes = (t[count] - t0) / (count - 1), min(NODES, count)
+  return function(time)
+    local place = (time - t0) / dt
+    local first = floor(max(0, min(count - nodes, floor(place) - nodes / 2 + 1)))
+    local s, y, rate = place - first, {}, {}
+    for k = 1, #columns do y[k], rate[k] = 0, 0 end
+    for i = 0, nodes - 1 do
+      local w, slope = 1, 0
+      for j = 0, nodes - 1 do
+        if j ~= i then
+          slope = (slope * (s - j) + w) / (i - j)
+          w = w * (s - j) / (i - j)
+        end
+      end
+      for k, list in ipairs(columns) do
+        local x = list[first + i + 1]
+        y[k], rate[k] = y[k] + w * x, rate[k] + slope * x / dt
+      end
+    end
+    return y, rate
+  end, t[count]
+end
+
+-- rows of a run in the times (from, to]
+local function window_of(run, from, to)
+  local t, w = run.t, { t = {}, y = {}, mean = {}, middle = 0.5 * (from + to) }
+  local first, count = run.next or 1, #t
+  while first <= count and t[first] <= from do first = first + 1 end
+  local final = first
+  while final < count and t[final + 1] <= to do final = final + 1 end
+  run.next = final
+  local stride = max(1, (final - first) // ROWS)
+  for i = first, min(final, count), stride do
+    local y = {}
+    for k, list in ipairs(run.columns) do
+      y[k] = list[i]
+      w.mean[k] = (w.mean[k] or 0) + y[k]
+    end
+    w.t[#w.t + 1], w.y[#w.y + 1] = t[i], y
+  end
+  for k in ipairs(run.columns) do w.mean[k] = w.mean[k] / max(1, #w.t) end
+  return w
+end
+
+-- adds the row of one observed number to normal equations S x = r
+local function add_row(S, r, slopes, miss)
+  for i, a in ipairs(slopes) do
+    r[i] = r[i] + a * miss
+    for j, b in ipairs(slopes) do S[i][j] = S[i][j] + a * b end
+  end
+end
+
+local function equations(size)
+  local S, r = {}, {}
+  for i = 1, size do
+    S[i], r[i] = {}, 0
+    for j = 1, size do S[i][j] = 0 end
+  end
+  return S, r
+end
+
+-- The increments of shift, its rate and the turns that make a window fit better; also what is left
+-- of the squares, and their sum. at: { a, b, turn }
+local function improve(w, flow, at)
+  local turns = flow.turns or {}
+  local S, r = equations(2 + #turns)
+  local left, all, used = 0, 0, 0
+  for i, t in ipairs(w.t) do
+    local x = t - w.middle
+    local time = t + at.a + at.b * x
+    if time <= flow.last and time >= flow.first then
+      local y, rate = flow.read(time)
+      if at.turn then y, rate = at.turn(y), at.turn(rate, true) end
+      local moved = {}
+      for g, along in ipairs(turns) do moved[g] = along(y) end
+      used = used + 1
+      for k = 1, #y do
+        local size = flow.range[k]
+        local miss, slopes = (w.y[i][k] - y[k]) / size, { rate[k] / size, rate[k] / size * x }
+        for g in ipairs(turns) do slopes[2 + g] = moved[g][k] / size end
+        add_row(S, r, slopes, miss)
+        left, all = left + miss ^ 2, all + ((w.y[i][k] - w.mean[k]) / size) ^ 2
+      end
+    end
+  end
+  if used < 4 then return nil end
+  local fine, step = pcall(function() return core.matrix(S):solve(core.vector(r)) end)
+  return fine and step[1] == step[1] and step or nil, left, all
+end
+
+-- the shift in a window, from the one before; nothing where there is none
+local function fit(w, flow, at)
+  local left, all
+  for _ = 1, TRIES do
+    local step, its_left, its_all = improve(w, flow, at)
+    if not step or not (abs(at.b + step[2]) < 2) then return nil end
+    at.a, at.b, left, all = at.a + step[1], at.b + step[2], its_left, its_all
+    if flow.turns then at.turn = flow.turned(step) end
+  end
+  return left <= KNOWN * all
+end
+
+--- How run = { t, columns } is shifted against flow = { t, columns (at even times), range of each,
+-- turns, turned (groups.lua; nil: by no group) } up to the time `horizon`: { shift (by which it is
+-- ahead at the end), largest, turn, largest_turn }, or nothing where no shift explains the run.
+function M.follow(run, flow, horizon)
+  flow.read, flow.last = M.reader(flow.t, flow.columns)
+  flow.first = run.t[1]
+  local t0, known, at = run.t[1], false, { a = 0, b = 0 }
+  local windows = max(1, min(flow.turns and FEWER or WINDOWS, #run.t // FEWEST))
+  local length, middle, out = (horizon - t0) / windows, t0, { largest = 0, largest_turn = 0 }
+  local turned = 0
+  for k = 1, windows do
+    local w = window_of(run, t0 + (k - 1) * length, t0 + k * length)
+    if #w.t >= 4 then
+      local trial = { a = at.a + at.b * (w.middle - middle), b = at.b, turn = at.turn }
+      local fine = fit(w, flow, trial)
+      if fine ~= nil then
+        at, middle, known = trial, w.middle, fine
+        if fine then
+          out.largest = max(out.largest, abs(at.a))
+          local before = turned
+          turned = flow.turns and flow.angle() or 0
+          out.turn = turned + 0.5 * (turned - before)
+          out.largest_turn = max(out.largest_turn, abs(turned), abs(out.turn))
+        end
+      end
+    end
+  end
+  if not known then return nil end
+  out.shift = at.a + at.b * (horizon - middle)
+  out.largest = max(out.largest, abs(out.shift))
+  return out
+end
+
+return M
