@@ -3,6 +3,7 @@
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 
 local M = {}
 
@@ -87,6 +88,7 @@ local function joined(list)
   for i = 1, #list do
     local part = list[i]
     if kits.is_scalar(part) then part = { part } end
+    if not lists.count(part) then return nil end
     for j = 1, #part do out[#out + 1] = part[j] end
   end
   return out

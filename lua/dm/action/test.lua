@@ -98,6 +98,10 @@ local function compare(action, f, sample, where)
     local before, after
     if w then before, cause = values_of(f, z) end
     if before then after, cause = values_of(f, w) end
+    if after and #after ~= #before then
+      error(("action:invariant: the function must return as many numbers everywhere (got %d, then "
+        .. "%d)"):format(#before, #after), 0)
+    end
     if after then
       local defect, size = largest_change(before, after)
       worst, tested = max(worst, defect / size), tested + 1

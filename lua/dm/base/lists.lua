@@ -13,6 +13,15 @@ end
 --- What messages say was given in place of a list: how many entries it has, or its type.
 function M.got(x) return M.count(x) or type(x) end
 
+--- x, a list of any length, as a vector; `what` it is, of messages.
+function M.vector(x, what)
+  if type(x) == "number" then x = { x } end
+  if not M.count(x) then
+    error(("%s: a list of numbers is needed (got %s)"):format(what, type(x)), 0)
+  end
+  return core.vector(x)
+end
+
 --- x as a vector of `count` finite numbers or symbols. `text` tells what it must be, with places
 -- for `what` it is, the count, a plural s, and what was given.
 function M.numbers(what, x, count, text)

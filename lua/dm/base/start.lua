@@ -1,5 +1,6 @@
 --- The start of a run as a caller gives it: the number of an only coordinate becomes a list of one,
 -- numbers by the names of coordinates ({ x = 1, y = 0 }) a list in their order.
+local count_of = require("dm.base.lists").count
 local option = require "dm.base.options"
 
 local M = {}
@@ -39,6 +40,9 @@ end
 function M.list(x, system, key)
   if type(x) == "number" then return { x } end
   if system and is_named(x) then return unnamed(x, system, key) end
+  if x ~= nil and key ~= "u" and key ~= "dp" and not count_of(x) then
+    option.fail(("field '%s'"):format(key), "a list of numbers is needed (got %s)", option.got(x))
+  end
   return x
 end
 

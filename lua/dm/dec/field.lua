@@ -3,6 +3,7 @@
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -99,10 +100,10 @@ local function values_of(K, x, on)
   if type(x) == "function" then
     x = sample(x, on == "cells" and K:circumcentres(K.dimension) or K:points())
   end
-  local fine, values = pcall(core.matrix, x)
+  local fine, values = pcall(core.matrix, lists.count(x) and x or {})
   if not fine then
     fail(where, "a vector of %d components is needed at each of the %s (%s)", N, on,
-      tostring(values))
+      lists.count(x) and tostring(values) or "got " .. option.got(x))
   end
   if #values ~= count or #values[1] ~= N then
     fail(where, "%d vectors of %d components are needed, one for each of the %s (got %d of %d)",

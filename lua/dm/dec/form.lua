@@ -127,10 +127,10 @@ The exterior derivative, exact: d d = 0. On duals of k-cells it is (-1)^k times 
 Def 3.16, 3.17, with the sign that keeps Def 3.19 right).]])
 
 class.method("dm.form", "star", function(a, options)
-  option.check(options or {}, { "pinv" }, "form:star")
+  options = option.check(options or {}, { "pinv" }, "form:star")
   local K, k, n = a.mesh, listed(a), a.mesh.dimension
   local to = a.side == "primal" and "dual" or "primal"
-  local values = K:star_values(k, a.values, to, options and options.pinv)
+  local values = K:star_values(k, a.values, to, options.pinv)
   return new(K, n - a.degree, to, k == n and K:oriented(values) or values)
 end, [[
 a:star{pinv=} -> dm.form
@@ -140,6 +140,7 @@ Raises "zero dual volume" with the cell where there is no way back, unless pinv 
 functions: between them the sign of the coherent orientation enters.]])
 
 class.method("dm.form", "delta", function(a, options)
+  options = option.check(options or {}, { "pinv" }, "form:delta")
   if a.degree == 0 then fail("form:delta", "a form of degree 0 has no delta") end
   local K, k, n = a.mesh, a.degree, a.mesh.dimension
   if a.side == "dual" then
@@ -148,7 +149,7 @@ class.method("dm.form", "delta", function(a, options)
   local dual = K:boundary_sum(k, K:star_values(k, a.values, "dual"))
   local sign = (k - 1) * (n - k + 1) % 2 == 0 and 1 or -1
   return new(K, k - 1, "primal",
-    sign * K:star_values(k - 1, dual, "primal", options and options.pinv))
+    sign * K:star_values(k - 1, dual, "primal", options.pinv))
 end, [[
 a:delta{pinv=} -> dm.form
 The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d a).b = a.(delta b),

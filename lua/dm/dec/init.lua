@@ -4,6 +4,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local files = require "dm.dec.files"
 local form = require "dm.dec.form"
+local lists = require "dm.base.lists"
 require "dm.dec.chain"
 require "dm.dec.field"
 local named = require "dm.dec.named"
@@ -57,16 +58,20 @@ end
 
 --- From options to a mesh.
 M.mesh = blame.caller(function(options)
-  if type(options) == "string" then return core.complex(files.read(options)) end
+  if type(options) == "string" then return files.mesh(options) end
   option.check(options, KNOWN, "dm.mesh")
   local name = name_of(options)
   check_kind(options, name)
   local given = name and named.make(name, options)
     or { simplices = options.simplices, points = options.points, lengths = options.lengths }
   if not given.simplices and given.points then -- Delaunay
+    if not lists.count(given.points) then
+      fail("option 'points' must be a list of points (got %s)", option.got(given.points))
+    end
     given.points = core.matrix(given.points)
     given.simplices, given.degree = core.delaunay(given.points), #given.points[1]
   end
+  option.callable(options, "map", "dm.mesh", "(x, y, ...)")
   if options.map then
     given.points = moved(given.points and core.matrix(given.points), options.map)
   end

@@ -102,6 +102,7 @@ function M.torus(given, options)
   local nu, nv = pair_of(given, "torus", 3, 4)
   local radii = options.radii or {}
   if nv % 2 ~= 0 then fail("torus[2] must be even, as every other ring is turned (got %d)", nv) end
+  if type(radii) ~= "table" then radii = {} end
   local R, r = radii[1], radii[2]
   if type(R) ~= "number" or type(r) ~= "number" or not (R > r and r > 0) then
     fail("radii must be { R, r } with R > r > 0")

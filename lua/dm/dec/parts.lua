@@ -66,6 +66,10 @@ local part = M.part
 -- simplices of degree k with these numbers
 local function simplices_of(K, k, cells, out)
   local all = K:simplices(k)
+  if type(cells) ~= "table" then
+    fail("mesh:subcomplex", "the cells of degree %d must be a list of their numbers (got %s)", k,
+      option.got(cells))
+  end
   for _, i in ipairs(cells) do
     if not all[i] then
       fail("mesh:subcomplex", "there is no cell %s of degree %d", option.got(i), k)

@@ -9,7 +9,7 @@ local M = {}
 local function point(z, m, what)
   if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then z = { z } end
   local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
-  if not fine or not pcall(function() return #v end) or #v ~= m then
+  if not fine or type(v) == "string" or not pcall(function() return #v end) or #v ~= m then
     error(("%s must have %d entries"):format(what, m), 0)
   end
   for j = 1, m do

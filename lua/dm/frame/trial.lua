@@ -113,6 +113,12 @@ local function by_root(frame, list)
   return nil, y
 end
 
+-- the frame's element at the points; nothing where there is none, and why
+local function element_of(frame, list)
+  if frame.solution then return by_formula(frame, list) end
+  return by_root(frame, list)
+end
+
 -- what J psi and g make of rounding at the points there
 local function condition_of(frame, list, a)
   if not a.condition then
@@ -153,6 +159,10 @@ end
 local function check_branch(frame, list, a)
   local values = frame.branch and points.entries(frame.branch(table.unpack(a.there))) or {}
   for _, b in ipairs(values) do
+    if type(b) ~= "number" then
+      fail("the branch must return a number that is > 0 where it holds, or several (got %s)",
+        kits.class_of(b))
+    end
     if b <= 0 and condition_of(frame, list, a) < WORST then
       refuse("at z = %s the solution brings the points to %s on the cross-section, where the "
         .. "branch condition does not hold (it is %.3g)", text.points(list), text.points(a.there),
@@ -164,8 +174,8 @@ end
 -- the frame of the list: its element g and the points there; nothing where nothing is told, and
 -- what the formula raises
 local function frame_of(trial, list)
-  local frame, g, why = trial.frame, nil, nil
-  if frame.solution then g, why = by_formula(frame, list) else g, why = by_root(frame, list) end
+  local frame = trial.frame
+  local g, why = element_of(frame, list)
   local there = g and moved(frame, g, list)
   if not there then return nil, why end
   local a = { g = g, there = there }
@@ -274,7 +284,7 @@ end
 function M.on_section(frame)
   for seed = 1, ON_SECTION do
     local list = sample(frame, seed)
-    local g = list and (frame.solution and by_formula(frame, list) or by_root(frame, list))
+    local g = list and element_of(frame, list)
     local there = g and moved(frame, g, list)
     if there then return there end
   end

@@ -295,7 +295,9 @@ local function also_of_actions(class, other, signature)
         .. "string)", 0)
     end
     local meta = type(action) == "table" and getmetatable(action)
-    if not meta or meta.__name ~= "dm.action" then return momentum(object, action, ...) end
+    if not meta or meta.__name ~= "dm.action" or kits.class_of(object) ~= class then
+      return momentum(object, action, ...)
+    end
     return other(object, action, ...)
   end, "momentum"), doc)
 end

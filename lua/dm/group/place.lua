@@ -14,6 +14,7 @@
 local core = require "dm.core"
 local flats = require "dm.group.flat"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 local spheres = require "dm.group.spheres"
 
 local M = {}
@@ -239,7 +240,7 @@ local function start_reduced(place, options, out)
   if not reduced then return end
   out.a = nil
   local a = options.a or reduced.usual
-  reduced.a = a ~= nil and core.vector(a) or nil
+  reduced.a = a ~= nil and lists.vector(a, "field 'a'") or nil
   if options.q == nil then out.q = core.vector(place.flat(place.kit.identity())) end
 end
 
@@ -269,6 +270,7 @@ local function each(source, how)
     return function(i) return how(source(i), i) end
   end
   local out = {}
+  if not lists.count(source) then return source end -- refused where it is read
   for i = 1, #source do out[i] = how(source[i], i) end
   return out
 end
@@ -354,7 +356,7 @@ end
 --- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
 -- rotations and translations of space, of one generator g -> the body velocity of its field.
 function M.momentum(place, path, group, options)
-  local side = options and options.side or "left"
+  local side = type(options) == "table" and options.side or "left"
   if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
   local J, d = map_of(place, group, side)
   if not J then

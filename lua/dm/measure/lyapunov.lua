@@ -26,6 +26,13 @@ local function dot(a, b)
   return sum
 end
 
+-- the largest modulus
+local function largest(a)
+  local out = 0
+  for i = 1, #a do out = max(out, abs(a[i])) end
+  return out
+end
+
 local function scaled(a, factor)
   local out = {}
   for i = 1, #a do out[i] = a[i] * factor end
@@ -46,7 +53,15 @@ local function first_vector(options, n)
     out[i] = u[i] or (options.dp and 0 or 1 / (1 + i))
     out[n + i] = dp[i] or (options.u and 0 or 1 / (2 + i * i))
   end
-  if not (dot(out, out) > 0) then option.fail(WHERE, "the tangent vector u, dp is zero") end
+  for i = 1, 2 * n do
+    if type(out[i]) ~= "number" or not (abs(out[i]) < math.huge) then
+      option.fail(WHERE, "the entries of u and dp must be finite numbers (got %s)",
+        option.got(out[i]))
+    end
+  end
+  local size = largest(out)
+  if size == 0 then option.fail(WHERE, "the tangent vector u, dp is zero") end
+  if size > 1e100 or size < 1e-100 then return scaled(out, 1 / size) end -- its square has a value
   return out
 end
 

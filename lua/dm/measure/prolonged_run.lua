@@ -67,8 +67,8 @@ function M.steps_of(solver, options)
     end
     steps = math.ceil(options.t / solver.h - 1e-9)
   end
-  if not math.tointeger(steps) or steps < 0 or steps > MOST then
-    error(("'steps' must be a whole number from 0 to 2^53 (got %s)"):format(tostring(steps)), 0)
+  if type(steps) ~= "number" or not math.tointeger(steps) or steps < 0 or steps > MOST then
+    error(("'steps' must be a whole number from 0 to 2^53 (got %s)"):format(option.got(steps)), 0)
   end
   return math.tointeger(steps)
 end

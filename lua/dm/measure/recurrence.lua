@@ -31,7 +31,8 @@ local function check_coefficients(c, what)
   if type(c) ~= "table" or #c < 2 then
     error(what .. " takes a table of at least two coefficients { c0, c1, ... }", 0)
   end
-  for k, x in ipairs(c) do
+  for k = 1, #c do
+    local x = c[k]
     if type(x) ~= "number" or not (abs(x) < huge) then
       error(("%s: coefficient %d must be a finite number"):format(what, k - 1), 0)
     end

@@ -24,7 +24,8 @@ local function check_sizes(options, key)
   if type(list) ~= "table" or #list == 0 then
     fail("option '%s' must be a list of whole numbers", key)
   end
-  for i, x in ipairs(list) do
+  for i = 1, #list do
+    local x = list[i]
     if math.type(x) ~= "integer" or x < 1 or i > 1 and x <= list[i - 1] then
       fail("option '%s' must be growing whole numbers from 1 (got %s)", key, tostring(x))
     end
@@ -42,8 +43,8 @@ local function check(options)
   if options.n and type(options.system) ~= "function" then
     fail("with n, 'system' must be a function(n) that returns a dm.system")
   end
-  if options.members and type(options.system) == "function" then
-    fail("with members, 'system' is one dm.system")
+  if options.members and getmetatable(options.system) ~= debug.getregistry()["dm.system"] then
+    fail("with members, 'system' is one dm.system (got %s)", option.got(options.system))
   end
   option.need(options, "system", WHERE, "a dm.system, or with n a function of it")
   option.need(options, "start", WHERE, "a function of n or of the member's number")
@@ -53,6 +54,7 @@ local function check(options)
   option.need(options, "h", WHERE, "a step > 0")
   option.positive(options, "h", WHERE, "a step")
   local steps = option.whole(options, "steps", WHERE, 1, nil, 1000)
+  option.whole(options, "repeats", WHERE, 1)
   return check_sizes(options, options.n and "n" or "members"), steps
 end
 
@@ -153,7 +155,7 @@ M.scaling = blame.caller(function(options)
         error(ns, 0)
       else
         out.failures[#out.failures + 1] = { rule = out.rules[i], size = size,
-          why = tostring(ns):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "") }
+          why = blame.bare(ns):match "^[^\n]*" }
       end
     end
   end

@@ -6,6 +6,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local prolonged = require "dm.measure.prolonged_run"
 
 local M = {}
 
@@ -236,8 +237,8 @@ M.singularities = blame.caller(function(solver, options)
   if not (system.given and system.given.L) then
     error(what .. " needs a dm.system with a Lagrangian", 0)
   end
-  local steps = options.steps or (options.t and math.ceil(options.t / solver.h - 1e-9))
-  if not math.tointeger(steps) or steps < 1 then error(what .. ": give 'steps' or 't'", 0) end
+  local steps = prolonged.steps_of(solver, options)
+  if steps < 1 then error(what .. ": needs at least one step", 0) end
   local path, failure = path_of(solver, options, steps)
   local out, first = look_along(system, path)
   if first then first.q, first.t = path.q[1], path.t[1] end

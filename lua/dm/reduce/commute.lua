@@ -3,6 +3,7 @@
 -- round-off, those between continuous and discrete to the order of the rule.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local option = require "dm.base.options"
 local routh = require "dm.reduce.routh"
 local starts = require "dm.base.start"
@@ -182,7 +183,8 @@ local OWN = { rule = true, h = true, steps = true }
 local KNOWN = { "rule", "h", "steps", table.unpack(routh.OPTIONS) }
 
 local function read(system, options)
-  if type(options) ~= "table" or not options.q or not options.v then
+  if kits.class_of(system) ~= "dm.system" or type(options) ~= "table" or not options.q
+    or not options.v then
     error("dm.commute takes a system and { q =, v =, rule =, h =, steps =, cyclic = ... }", 0)
   end
   option.check(options, KNOWN, "dm.commute")

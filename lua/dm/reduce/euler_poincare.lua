@@ -6,6 +6,7 @@ local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -58,7 +59,7 @@ end
 
 -- how g moves a quantity, a dm.action or a function of (g, a); and a quantity of its dimension
 local function carrier(options)
-  local advected, a = options.advected, options.a and core.vector(options.a)
+  local advected, a = options.advected, options.a and lists.vector(options.a, "option 'a'")
   if advected == nil then return end
   local meta = type(advected) == "table" and getmetatable(advected)
   if meta and meta.__name == "dm.action" then
@@ -92,6 +93,10 @@ local function system_of(options)
   end
   reduced.usual = options.a and some
   local system = core.system { Q = options.group, [name] = of_element, name = options.name }
+  if not system.place then
+    error(("%s: on %s body velocities are those of the coordinates: dm.system{Q =, L = function(q, "
+      .. "v) ... end} steps them"):format(WHERE, tostring(options.group)), 0)
+  end
   system.place.reduced = reduced
   return system
 end

@@ -5,6 +5,7 @@ local choice = require "dm.scene.choice"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local deadline = require "dm.scene.deadline"
+local lists = require "dm.base.lists"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
 local option = require "dm.base.options"
@@ -260,6 +261,10 @@ end
 local function rows_of(scene, options)
   option.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
   if options.at then
+    if not lists.count(options.at) then
+      option.fail("scene:run", "option 'at' must be a list of times (got %s)",
+        option.got(options.at))
+    end
     local last = options.at[#options.at]
     if type(last) == "number" and last > scene.options.until_t then
       option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the "

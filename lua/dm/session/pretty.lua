@@ -12,7 +12,7 @@ local WHERE, KNOWN = "dm.pretty", { "depth", "length", "width", "text", "colour"
 local type, next, rawget, rawlen, tostring, ipairs = type, next, rawget, rawlen, tostring, ipairs
 local getmetatable, mathtype = debug.getmetatable, math.type
 local rep, find, format, gsub, sub = string.rep, string.find, string.format, string.gsub, string.sub
-local sort, concat, min = table.sort, table.concat, math.min
+local sort, concat, max, min = table.sort, table.concat, math.max, math.min
 
 local LIMITS = { depth = 4, length = 30, width = 80, text = 200 }
 local COLOURS = { number = "36", string = "32", boolean = "35", ["nil"] = "35", ["function"] = "34",
@@ -106,8 +106,8 @@ local function laid_out(state, list, depth)
     return "{ " .. concat(list, ", ") .. " }"
   end
   local indent = "\n" .. rep("  ", depth + 1)
-  local per_line = longest < 14 and not lines and (state.width - 2 * depth - 2) // (longest + 2)
-    or 1
+  local per_line = longest < 14 and not lines
+    and max((state.width - 2 * depth - 2) // (longest + 2), 1) or 1
   local parts = {}
   for i, text in ipairs(list) do
     parts[#parts + 1] = (i - 1) % per_line == 0 and indent or " "

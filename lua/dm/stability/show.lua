@@ -3,6 +3,7 @@ local axes = require "dm.stability.axes"
 local cells = require "dm.stability.cells"
 local characters = require "dm.show.characters"
 local class = require "dm.base.class"
+local option = require "dm.base.options"
 
 local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee",
   ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",
@@ -43,12 +44,12 @@ local function limit_text(x)
 end
 
 local function table_of(map, most)
-  most = most or 40
+  most = option.whole({ most = most }, "most", "map:table", 1, nil, 40)
   local lines = { ("%-34s %12s %12s  %s"):format("row", "limit of " .. map.column.name, "theory",
     "beyond") }
   local n = #map.rows
   for k = 1, math.min(n, most) do
-    local i = n <= most and k or 1 + (k - 1) * (n - 1) // (most - 1)
+    local i = n <= most and k or 1 + (k - 1) * (n - 1) // math.max(most - 1, 1)
     local limit, why = map:limit(i)
     local fine, theory = pcall(map.theory, map, i)
     lines[#lines + 1] = ("%-34s %12s %12s  %s")

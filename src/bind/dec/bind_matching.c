@@ -38,8 +38,10 @@ static uint32_t check_degree(lua_State *L, int arg, const dm_matching *M, lua_In
 }
 
 static uint32_t check_cell(lua_State *L, int at, uint32_t count) {
-    const lua_Integer cell = luaL_checkinteger(L, at);
-    if (cell < 1 || cell > count) luaL_error(L, "there is no cell %I", cell);
+    int is_whole;
+    const lua_Integer cell = lua_tointegerx(L, at, &is_whole);
+    if (!is_whole || cell < 1 || cell > count)
+        luaL_error(L, "there is no cell %s", luaL_tolstring(L, at, NULL));
     return (uint32_t)cell - 1;
 }
 
@@ -131,7 +133,10 @@ static int matching_flow(lua_State *L) {
     dm_term *chain = lua_newuserdatauv(L, (count + 1) * sizeof *chain, 0);
     for (lua_pushnil(L); lua_next(L, 3); lua_pop(L, 1)) {
         chain[i].cell = check_cell(L, -2, m->M.K->count[k]);
-        chain[i++].coefficient = luaL_checkinteger(L, -1);
+        int is_whole;
+        chain[i++].coefficient = lua_tointegerx(L, -1, &is_whole);
+        if (!is_whole)
+            luaL_error(L, "a coefficient must be an integer (got %s)", luaL_tolstring(L, -1, NULL));
     }
     int fine = 1;
     for (i = 0; i < count; i++) fine &= dm_flow_add(w, chain[i].cell, chain[i].coefficient);

@@ -140,10 +140,14 @@ static int mesh_find(lua_State *L) {
     uint32_t tuple[DM_DIMENSION + 1];
     int sign = 1;
     const long length = dml_length(L, 2);
+    if (!lua_istable(L, 2) && !dml_toarray(L, 2, 1)) luaL_typeerror(L, 2, "list of vertices");
     if (length < 1 || length > (long)m->K.n + 1) return 0;
     for (uint32_t i = 0; i < (uint32_t)length; i++) {
         lua_geti(L, 2, (lua_Integer)i + 1);
-        const lua_Integer id = luaL_checkinteger(L, -1);
+        int is_whole;
+        const lua_Integer id = lua_tointegerx(L, -1, &is_whole);
+        if (!is_whole)
+            luaL_error(L, "a vertex is a whole number (got %s)", luaL_tolstring(L, -1, NULL));
         if (id < 1 || id > m->K.count[0]) return 0;
         uint32_t j = i;
         for (; j > 0 && tuple[j - 1] > (uint32_t)id - 1; j--) tuple[j] = tuple[j - 1], sign = -sign;

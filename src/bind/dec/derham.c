@@ -210,6 +210,14 @@ static void make(lua_State *L, integral *q, const dml_mesh *m, uint32_t k, uint3
     q->chart = lua_isnil(L, CHART) ? 0 : CHART;
 }
 
+/* what can be called, or nothing where it may be left out */
+static void check_callable(lua_State *L, int arg, int optional) {
+    if (optional && lua_isnil(L, arg)) return;
+    if (lua_type(L, arg) == LUA_TFUNCTION) return;
+    if (luaL_getmetafield(L, arg, "__call") == LUA_TNIL) luaL_typeerror(L, arg, "function");
+    lua_pop(L, 1);
+}
+
 /* stack: mesh, degree, function, dual, order, chart */
 int dml_mesh_integrals(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, MESH);
@@ -220,6 +228,8 @@ int dml_mesh_integrals(lua_State *L) {
     lua_settop(L, CHART);
     if (!m->points)
         luaL_error(L, "a function of the point needs points, and this mesh has none: give values");
+    check_callable(L, FUNCTION, 0);
+    check_callable(L, CHART, 1);
     luaL_argcheck(L, order >= 1 && order <= 21, ORDER, "an order from 1 to 21 is needed");
     if (dual && k) dml_needorientation(L, m);
     if (dual) dml_needmetric(L, m);

@@ -9,7 +9,8 @@
 /* the stack of dml_mesh_new: options, mesh, arena, what was read */
 enum { OPTIONS = 1, MESH, ARENA };
 
-enum { SPARE = 64 }; /* vertices in no simplex for each that is named, before it is a mistake */
+/* vertices in no simplex for each that is named: before it is a mistake, and at most */
+enum { SPARE = 64, MOST_SPARE = 4096 };
 
 /* Memory of an arena, or an error: the arena is Lua's, so nothing is lost by it. */
 static void *take(lua_State *L, dm_arena *arena, size_t size) {
@@ -33,8 +34,9 @@ static uint32_t read_id(lua_State *L, lua_Integer simplex) {
 /* a vector of all ids, k + 1 a simplex */
 static void read_flat(lua_State *L, dm_arena *arena, dm_simplices *out, const dml_array *a) {
     const double *id = dml_numbersof(a);
-    const uint32_t length = (uint32_t)dml_count(L, OPTIONS, "degree", 0, -1) + 1;
-    if (!id || length > DM_DIMENSION + 1 || a->rows % length)
+    const long degree = dml_count(L, OPTIONS, "degree", 0, -1);
+    const uint32_t length = degree <= DM_DIMENSION ? (uint32_t)degree + 1 : 0;
+    if (!id || !length || a->rows % length)
         luaL_error(L, "dm.mesh: field 'simplices' as a vector has degree + 1 numbers a simplex");
     uint32_t *start = take(L, arena, ((size_t)a->rows / length + 1) * sizeof *start);
     uint32_t *vertex = take(L, arena, ((size_t)a->rows + 1) * sizeof *vertex);
@@ -104,8 +106,12 @@ static void read_simplices(lua_State *L, dm_arena *arena, dm_simplices *out) {
                    "dm.mesh: vertex %d is far above the %d vertices that are named; vertices = %d "
                    "says that there are so many",
                    (int)most, (int)out->start[out->simplices], (int)most);
-    out->vertices = (uint32_t)dml_count(L, OPTIONS, "vertices", 0, most);
-    if (out->vertices == 0) luaL_error(L, "dm.mesh: there are no vertices");
+    const long vertices = dml_count(L, OPTIONS, "vertices", 0, most);
+    if (vertices == 0) luaL_error(L, "dm.mesh: there are no vertices");
+    if (vertices / MOST_SPARE > (long)out->start[out->simplices] + MOST_SPARE)
+        luaL_error(L, "dm.mesh: field 'vertices' is too large for the %d vertices that are named",
+                   (int)out->start[out->simplices]);
+    out->vertices = (uint32_t)vertices;
 }
 
 const char *dml_pushcell(lua_State *L, const uint32_t *vertex, uint32_t count) {

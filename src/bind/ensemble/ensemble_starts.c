@@ -21,12 +21,16 @@ void dml_push_source(lua_State *L, int arg, const char *key, long i) {
 }
 
 void dml_check_source(lua_State *L, int arg, const char *key, long members) {
-    const int type = lua_getfield(L, arg, key);
+    const int top = lua_gettop(L), type = lua_getfield(L, arg, key);
     if (type != LUA_TFUNCTION && type != LUA_TTABLE && type != LUA_TUSERDATA)
         luaL_error(L,
                    "field '%s' must be a function of the member's number, or a table or matrix "
                    "with a row for each of the %d members (got %s)",
                    key, (int)members, luaL_typename(L, -1));
+    if (type == LUA_TUSERDATA && luaL_getmetafield(L, -1, "__len") == LUA_TNIL)
+        luaL_error(L, "field '%s' must have a row for each of the %d members (got a %s)", key,
+                   (int)members, dml_kindname(L, -1));
+    lua_settop(L, top + 1);
     if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
         luaL_error(L,
                    "field '%s' has %d rows for %d members; the same for all is function() return "

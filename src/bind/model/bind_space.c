@@ -16,9 +16,11 @@ dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
     uint32_t other;
     uint32_t block = dm_action_block(s->row, s->n, n, &other);
     if (options && !lua_isnoneornil(L, options)) {
-        block = (uint32_t)dml_count(L, options, "block", 1, (long)block);
+        luaL_checktype(L, options, LUA_TTABLE);
+        const long given = dml_count(L, options, "block", 1, (long)block);
+        block = given <= DM_MAX_BLOCK ? (uint32_t)given : 0;
         other = 0;
-        if (block > DM_MAX_BLOCK || n % block || !s->row->acts(s->n, block)) block = 0;
+        if (block && (n % block || !s->row->acts(s->n, block))) block = 0;
     }
     if (!block)
         luaL_error(L,

@@ -25,7 +25,7 @@ static void read_row(lua_State *L, const char *key, long double *out, int s) {
 static void read_matrix(lua_State *L, const char *key,
                         long double out[DM_SPRK_STAGES][DM_SPRK_STAGES], int s) {
     lua_getfield(L, 1, key);
-    if (dml_length(L, -1) != s)
+    if (lua_isnumber(L, -1) || dml_length(L, -1) != s)
         luaL_error(L, "field '%s' must be a table of %d rows, one a stage", key, s);
     for (int i = 0; i < s; i++) {
         double x[DM_SPRK_STAGES];

@@ -90,6 +90,13 @@ for _, row in ipairs { { ".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "
   { ".mesh", "MeshVersionFormatted 1\nDimension 3\nVertices 3\n0 0 0 0\n", "line 5" },
   { ".mesh", "MeshVersionFormatted 1\nDimension 2\nVertices 1\n0 0 0\nTriangles 1\n1 1 2 0\n", "line 6" },
   { ".mesh", "MeshVersionFormatted 1\nDimension 2\nQuadrilaterals 1\n", "no simplices" },
+  { ".off", "OFF\n4 2 0\n0 0 0\n1 0 0\n2 0 0\n0 1 0\n3 0 1 3\n\n3 0 1 2\n",
+    "line 9: the simplex of degree 2 {1, 2, 3} is degenerate" },
+  { ".off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 2 1 0\n",
+    "line 7: simplex 2, {3, 2, 1}, is a duplicate" },
+  { ".obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 2\n", "line 4: a vertex is repeated in simplex 1" },
+  { ".mesh", "MeshVersionFormatted 1\nDimension 2\nVertices 4\n9 9 0\n0 0 0\n1e200 0 0\n"
+    .. "0 1 0\nEdges 1 1 2 0\nTriangles 1\n2 3 4 0\n", "line 10: edge {1, 2} is too long" },
   { ".stl", "solid\n", "a mesh file ends in" } } do
   raises(row[3], function() dm.mesh(file(row[1], row[2])) end)
 end

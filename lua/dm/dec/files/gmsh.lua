@@ -25,7 +25,7 @@ local function note_element(m, kind, words, first)
     local tag = r:whole(words[first + j - 1], "a node", 0)
     out[j] = m.place[tag] or r:fail("there is no node %d", tag)
   end
-  m.simplices[#m.simplices + 1] = out
+  r:add(m.simplices, out)
 end
 
 ---- version 2.2 ----

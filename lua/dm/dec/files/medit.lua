@@ -32,7 +32,7 @@ local function simplices(m, name)
     local out = {}
     for j = 1, SIMPLICES[name] do out[j] = r:whole(r:word "a vertex", "a vertex", 1, #m.points) end
     r:word "a reference"
-    m.simplices[#m.simplices + 1] = out
+    r:add(m.simplices, out)
   end
 end
 

@@ -31,8 +31,8 @@ function M.read(file)
   for words in function() return r:next() end do
     local kind = words[1]
     if kind == "v" then points[#points + 1] = r:point(2, 4, "a coordinate")
-    elseif kind == "f" then simplices[#simplices + 1] = cell(r, words, 3, 3, points)
-    elseif kind == "l" then simplices[#simplices + 1] = cell(r, words, 2, 2, points)
+    elseif kind == "f" then r:add(simplices, cell(r, words, 3, 3, points))
+    elseif kind == "l" then r:add(simplices, cell(r, words, 2, 2, points))
     elseif not OTHERS[kind] then r:fail("'%s' is no line of an obj file", kind:sub(1, 40)) end
   end
   r:close()

@@ -30,7 +30,7 @@ function M.read(file)
     r:need("vertices", i, vertices)
     points[i] = r:point(1, 3, "a coordinate")
   end
-  for i = 1, faces do simplices[i] = face(r, r:need("faces", i, faces), vertices) end
+  for i = 1, faces do r:add(simplices, face(r, r:need("faces", i, faces), vertices)) end
   r:close()
   return reader.given(points, simplices)
 end

@@ -25,6 +25,13 @@ end
 
 local LONGEST = 2 ^ 20 -- characters of a line
 
+--- One simplex more, of the line that was read last.
+function Reader:add(simplices, vertices)
+  local lines = simplices.lines or {}
+  simplices[#simplices + 1], simplices.lines = vertices, lines
+  lines[#simplices] = self.line
+end
+
 -- the next line, or nil at the end
 local function next_line(self)
   local text = self.handle and self.handle:read "L"
@@ -115,11 +122,12 @@ end
 --- The simplices with the most vertices, and the points that they have, numbered anew in the order
 -- of the file: boundary pieces and corners that a mesher adds are left out.
 function M.top(points, simplices)
-  local most, top, is_used = 0, {}, {}
+  local most, top, is_used, lines, of = 0, {}, {}, {}, simplices.lines
   for _, s in ipairs(simplices) do most = math.max(most, #s) end
-  for _, s in ipairs(simplices) do
+  for i, s in ipairs(simplices) do
     if #s == most then
       top[#top + 1] = s
+      lines[#top] = of[i]
       for _, v in ipairs(s) do is_used[v] = true end
     end
   end
@@ -133,13 +141,17 @@ function M.top(points, simplices)
   for _, s in ipairs(top) do
     for j, v in ipairs(s) do s[j] = number[v] end
   end
+  top.lines = lines
   return M.given(kept, top)
 end
 
---- What dm.complex takes.
+--- What dm.complex takes, and the line of every simplex, simplices.lines[i].
 function M.given(points, simplices)
-  if #points == 0 then return { simplices = simplices } end
-  return { points = core.matrix(M.flattened(points)), simplices = simplices, vertices = #points }
+  local lines = simplices.lines
+  simplices.lines = nil
+  if #points == 0 then return { simplices = simplices }, lines end
+  return { points = core.matrix(M.flattened(points)), simplices = simplices, vertices = #points },
+    lines
 end
 
 return M

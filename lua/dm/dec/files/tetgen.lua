@@ -31,10 +31,11 @@ local function elements(file, points, first)
   local simplices = {}
   for i = 1, count do
     words = r:need("elements", i, count)
-    simplices[i] = {}
+    local out = {}
     for j = 1, size do
-      simplices[i][j] = r:whole(words[j + 1], "a node", first, first + #points - 1) - first + 1
+      out[j] = r:whole(words[j + 1], "a node", first, first + #points - 1) - first + 1
     end
+    r:add(simplices, out)
   end
   r:close()
   return simplices

@@ -177,7 +177,7 @@ local function read_all(list, count, name, ring)
       type(list) == "table" and #list or option.got(list))
   end
   local out = {}
-  for i, A in ipairs(list) do out[i] = read(A, ring, where) end
+  for i = 1, count do out[i] = read(list[i], ring, where) end
   return out
 end
 

@@ -12,11 +12,13 @@ function M.read(A, where)
     option.fail(where, "a matrix of integers is needed, a list of rows (got %s)", option.got(A))
   end
   local columns = #A[1]
-  for i, row in ipairs(A) do
+  for i = 1, #A do
+    local row = A[i]
     if type(row) ~= "table" or #row ~= columns then
       option.fail(where, "row %d must have %d entries, as the first one", i, columns)
     end
-    for j, x in ipairs(row) do
+    for j = 1, columns do
+      local x = row[j]
       if not math.tointeger(x) then
         option.fail(where, "entry %d of row %d must be an integer (got %s)", j, i, option.got(x))
       end
