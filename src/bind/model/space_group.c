@@ -249,5 +249,11 @@ void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *comp
     const dm_status status =
         (chart & DM_WANT_JOINTS ? dm_group_want_joints : dm_group_want)(&m->group, &m->model, tau,
                                                                         compile);
+    if (status == DM_TOO_LARGE)
+        luaL_error(L, "the chart of this group has more than %d operations: too many to trace%s",
+                   DM_GRAPH_LIMIT,
+                   tau == DM_TAU_EXP && m->group.trace[DM_TAU_CAYLEY].chart
+                       ? "; lie(s, cayley) needs far fewer"
+                       : "");
     if (status != DM_OK) luaL_error(L, "the chart of the group: %s", dm_status_text(status));
 }

@@ -212,12 +212,11 @@ static int is_finite(const double *x, uint32_t count) {
     return 1;
 }
 
-/* past half a turn the chart is not that of the step: log would not find xi again */
+/* past half a turn the chart is not that of the step: log would not find xi again; exp alone */
 static dm_status check_end(dm_lie *e) {
-    static const double pi = 3.14159265358979323846;
     find_end(e);
     e->turn = turn_of(e);
-    if (e->turn >= pi) return DM_NO_CONVERGENCE;
+    if (e->turn >= DM_LIE_LARGEST_TURN) return DM_NO_CONVERGENCE;
     e->turn = 0.0;
     return is_finite(e->end, e->n + e->d) ? DM_OK : DM_NOT_FINITE;
 }
@@ -273,14 +272,21 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return DM_OK;
 }
 
-/* NULL where it is not the chart */
+/* Both engines say the same. */
+const char *dm_lie_why(char *text, size_t size, double turn, dm_status status) {
+    if (status == DM_SINGULAR)
+        return "is L degenerate in the velocity there, d2L/dxi2 without an inverse?";
+    if (!(turn > 0.0)) return NULL;
+    snprintf(text, size, "h turns the body by %.2g rad; the chart ends at pi: take a smaller step",
+             turn);
+    return text;
+}
+
+/* What the step left. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie *e = lie_of(s);
-    (void)state, (void)status;
-    if (!(e->turn > 0.0)) return NULL;
-    snprintf(e->text, sizeof e->text,
-             "h turns the body by %.2g rad; the chart ends at pi: take a smaller step", e->turn);
-    return e->text;
+    (void)state;
+    return dm_lie_why(e->text, sizeof e->text, e->turn, status);
 }
 
 const dm_engine dm_engine_lie = {

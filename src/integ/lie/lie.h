@@ -12,6 +12,14 @@
 /* Reads the basis of a row; steps free coordinates as rules of stages do. */
 extern const dm_engine dm_engine_lie;
 
+/* rad: a step that turns a body further is refused. The chart of exp ends at pi, and next to it a
+ * small change of the step leads to its other side. */
+#define DM_LIE_LARGEST_TURN 2.98
+
+/* Why a step failed, into text[size]: turn is its angle where that was too large, else 0; NULL is
+ * the general advice. */
+const char *dm_lie_why(char *text, size_t size, double turn, dm_status status);
+
 /* The map that the arguments of a rule name; exp where they name none. */
 dm_tau dm_lie_tau(const dm_rule *rule);
 

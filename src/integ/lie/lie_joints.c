@@ -3,7 +3,6 @@
 #include "integ/lie/lie_joints_inside.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { MANY = 24 }; /* dimensions for which a matrix is worth a look at its entries */
@@ -252,14 +251,12 @@ static void impulses(const dm_stepper *s, double *out) {
     memcpy(out, e->momenta, (e->K + 1) * (size_t)e->m * sizeof *out);
 }
 
-/* NULL where it is not the chart */
+/* Of a singular matrix with constraints the general advice speaks of both. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie_joints *e = dm_lie_joints_of(s);
-    (void)state, (void)status;
-    if (!(e->turn > 0.0)) return NULL;
-    snprintf(e->text, sizeof e->text,
-             "h turns the body by %.2g rad; the chart ends at pi: take a smaller step", e->turn);
-    return e->text;
+    (void)state;
+    if (status == DM_SINGULAR && e->m) return NULL;
+    return dm_lie_why(e->text, sizeof e->text, e->turn, status);
 }
 
 const dm_engine dm_engine_lie_joints = {
