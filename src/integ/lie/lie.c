@@ -277,7 +277,7 @@ const char *dm_lie_why(char *text, size_t size, double turn, dm_status status) {
     if (status == DM_SINGULAR)
         return "is L degenerate in the velocity there, d2L/dxi2 without an inverse?";
     if (!(turn > 0.0)) return NULL;
-    snprintf(text, size, "h turns the body by %.2g rad; the chart ends at pi: take a smaller step",
+    snprintf(text, size, "h turns the body by %.1f rad; the chart ends at pi: take a smaller step",
              turn);
     return text;
 }
