@@ -12,9 +12,14 @@ local fail = require "dm.base.options".failing "dm.chart"
 -- the larger one, NaN where one is
 local function worse(worst, x) return (x ~= x or x > worst) and x or worst end
 
--- largest entry of |q - q_ref| over all samples
+-- largest entry of |q - q_ref| over all samples; of elements of a group their distance, of
+-- rotations an angle
 local function position_error(path, ref)
-  local worst = 0
+  local worst, system = 0, path.system
+  for i = 1, system.place and #path or 0 do
+    worst = worse(worst, system.Q:distance(path.q[i], ref.q[i]))
+  end
+  if system.place then return worst end
   for i = 1, #path do
     local q, r = path.q[i], ref.q[i]
     for k = 1, #q do worst = worse(worst, abs(q[k] - r[k])) end

@@ -1,6 +1,7 @@
 --- The steps of a chart: as they are given, or from the coarsest that still shows the motion, by
 -- halves.
 local blame = require "dm.base.blame"
+local core = require "dm.core"
 local M = {}
 
 local fail = require "dm.base.options".failing "dm.chart"
@@ -51,12 +52,16 @@ local SHOWN, COUNT = 0.03, 7
 -- steps of a pilot run; how often in a row the change must be small
 local FEWEST, MOST, PATIENCE = 8, 2 ^ 22, 3
 
-local PILOTS = { "gauss(2)", "degenerate(2)" }  -- between them they step every system
+local PILOTS = { "gauss(2)", "degenerate(2)", "lie(2)" }  -- between them they step every system
 
 local function last(system, options, rule, n)
   local path = system:solver({ rule = rule, h = options.t / n }):run {
     q = options.q, v = options.v, p = options.p, t0 = options.t0, steps = n, every = n }
-  return path.q[#path]
+  local out, own = {}, system.place
+  for i = 1, own and own.size or system.Q.dimension do
+    out[i] = path:column(path.columns[1 + i])[#path]
+  end
+  return core.vector(out)
 end
 
 -- the largest h at which a pilot sees the motion, and its next halves too (a coarse end may be near

@@ -318,6 +318,11 @@ end
 
 also_of_actions("dm.path", blame.caller(function(path, action)
   if path.watched then error("a path of watched numbers has no momentum map: record states", 0) end
+  if path.system.place then
+    error(("path:momentum: on %s give the group, and how it moves elements: path:momentum(%s, "
+      .. "{ action = function(k, g) ... end })")
+      :format(tostring(path.system.Q), tostring(action.group)), 0)
+  end
   local q, p, rows, first = path.q, path.p, {}, {}
   for i = 1, #path do
     rows[i] = blockwise(action, q[i], p[i])

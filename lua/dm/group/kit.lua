@@ -55,6 +55,15 @@ function M.are_angles(space)
   return #kit.angles == kit.coordinates
 end
 
+--- Is a group a level set of quadratic functions of its flat coordinates that translations keep
+-- (mech/group_lift.c), or have these no relation at all?
+function M.is_liftable(kit)
+  for _, part in ipairs(kit.parts or {}) do
+    if not M.is_liftable(part) then return false end
+  end
+  return kit.parts ~= nil or kit.liftable or #kit.flat(kit.identity()) == kit.dimension
+end
+
 ---- arguments ----
 
 local function class_of(x)

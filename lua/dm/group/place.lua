@@ -33,15 +33,6 @@ local function choice(options, key, known, usual, words)
   return value
 end
 
--- is the group a level set of quadratic functions of its flat coordinates that translations keep
--- (mech/group_lift.c), or have these no relation at all?
-local function is_liftable(kit)
-  for _, part in ipairs(kit.parts or {}) do
-    if not is_liftable(part) then return false end
-  end
-  return kit.parts ~= nil or kit.liftable or #kit.flat(kit.identity()) == kit.dimension
-end
-
 --- The place of a system on the group `space`.
 function M.of(space, options)
   local kit = kits.of(space)
@@ -53,7 +44,7 @@ function M.of(space, options)
   local right = choice(options, "trivialization", SIDES, "left", [["left" or "right"]]) == "right"
   local place = flats.of(kit, matrix)
   place.space, place.kit, place.right, place.dimension = space, kit, right, kit.dimension
-  place.size, place.liftable = #place.flat(kit.identity()), is_liftable(kit)
+  place.size, place.liftable = #place.flat(kit.identity()), kits.is_liftable(kit)
   return place
 end
 
@@ -317,61 +308,6 @@ function M.column(place, path, name)
     out[row] = kit.matrix(g)[i][j]
   end
   return core.vector(out)
-end
-
----- momentum maps ----
-
--- momenta of the standard actions of other groups on this space, by their names
-local function standard(kit, name, g, mu)
-  if kit.momenta and kit.momenta[name] then return kit.momenta[name](g, mu) end
-  if not kit.parts then return end
-  local sum, first = nil, 0
-  for k, part in ipairs(kit.parts) do
-    local own = {}
-    for i = 1, part.dimension do own[i] = mu[first + i] end
-    local J = standard(part, name, g[k], core.vector(own))
-    if J then sum = sum and sum + J or J end
-    first = first + part.dimension
-  end
-  return sum
-end
-
--- J of a row: f(g, mu) with the body momentum mu
-local function map_of(place, group, side)
-  local kit = place.kit
-  if type(group) == "function" then
-    return function(g, mu) return core.vector { core.vector(group(g)):dot(mu) }, 1 end, 1
-  end
-  if group == place.space then
-    if side == "right" then return function(_, mu) return mu end, kit.dimension end
-    return kit.coAd, kit.dimension
-  end
-  if kits.class_of(group) ~= "dm.space" or side == "right" then return end
-  local name, d = tostring(group), group.dimension
-  local e, zero = kit.identity(), core.zeros(kit.dimension)
-  if not standard(kit, name, e, zero) then return end
-  return function(g, mu) return standard(kit, name, g, mu) end, d
-end
-
---- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
--- rotations and translations of space, of one generator g -> the body velocity of its field.
-function M.momentum(place, path, group, options)
-  local side = type(options) == "table" and options.side or "left"
-  if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
-  local J, d = map_of(place, group, side)
-  if not J then
-    error(("%s has no standard action on %s: give the generator as a function of the element that "
-      .. "returns the body velocity of its field")
-      :format(tostring(group), tostring(place.space)), 0)
-  end
-  local rows, q, p = {}, path.q, path.p
-  for i = 1, #path do
-    local g, mu = q[i], p[i]
-    if place.right then mu = place.kit.coAd(place.kit.inverse(g), mu) end
-    local value = J(g, mu)
-    rows[i] = d == 1 and value[1] or value
-  end
-  return d == 1 and core.vector(rows) or core.matrix(rows)
 end
 
 return M

@@ -178,6 +178,7 @@ function M.kit(_, space)
   local kit = product.of { part, vectors }
   kit.parts, kit.vectors, kit.acts = nil, false, { affine = affine(move, n) }
   kit.abelian = part.abelian and is_trivial(E)
+  kit.liftable = kits.is_liftable(part)  -- v has no relation
   for _, key in ipairs(NOT_BY_FACTORS) do kit[key] = nil end
   algebra(kit, part, rate)
   function kit.compose(a, b) return { part.compose(a[1], b[1]), a[2] + move(a[1], b[2]) } end

@@ -100,8 +100,8 @@ local function without_L()
   error("dm.step: this system is given by an H that no L belongs to: m.L is not there, take m.H", 0)
 end
 
--- m: functions of the system
-local function functions_of(system)
+--- m: L(q, v, t), H(q, p, t) of a system and their exact derivatives, on groups trivialized.
+function M.functions_of(system)
   local given, m = system.given or system, nil
   local L = given.L and gradient_of(system, bound(given.L, given.params))
   if given.H then
@@ -240,7 +240,7 @@ end
 --- The functions of the options of dm.step for a system: of (q, p, t, parts, x, h), parts left out
 -- where there are none, without x, or of (q, p, h) alone.
 function M.functions(options, system)
-  local m, out, parts = functions_of(system), {}, options.parts
+  local m, out, parts = M.functions_of(system), {}, options.parts
   local split = splitter(parts)
   local function of_root(name)
     local f = options[name]
@@ -278,7 +278,7 @@ function M.is_timed(options, system)
   local n, d = own and own.size or system.Q.dimension, own and own.dimension or system.Q.dimension
   local parts, total = options.parts, 0
   for _, entry in ipairs(parts or {}) do total = total + entry[2] end
-  local m = functions_of(system)
+  local m = M.functions_of(system)
   pcall(core.trace, function(z, t, h)
     local q, p, list = part(z, 0, n), part(z, n, d), part(z, n + d, total)
     local y = state_of(system, parts, q, p, t, list)

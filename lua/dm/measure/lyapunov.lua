@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
+local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"
 local prolong = require "dm.measure.prolong"
 local prolonged = require "dm.measure.prolonged_run"
@@ -206,6 +207,31 @@ local function follow_all(lifted, s, steps, every, h)
   return record
 end
 
+---- on a group, by its own tangent map ----
+
+local SHORT = 8  -- steps at most that vectors are followed before they are made orthonormal again
+
+-- along(s, steps, vectors) of dm.measure.on_group
+local function follow_on_group(along, s, steps, every, h)
+  local record = { t0 = s.t, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {},
+    megno = {} }
+  local done = 0
+  while done < steps do
+    local now = next_length(SHORT, done, steps, every)
+    local vectors, growth = orthonormal(along(s, now, s.vectors))
+    if not vectors then
+      option.fail(WHERE, "there are only %d independent tangent vectors: fewer exponents",
+        growth - 1)
+    end
+    done, s.vectors = done + now, vectors
+    s.t = record.t0 + done * h
+    for j, x in ipairs(growth) do s.sums[j] = s.sums[j] + x end
+    follow(record, s.t, now * h, growth[1])
+    if done % every == 0 or done == steps then note(record, s.t) end
+  end
+  return record
+end
+
 ---- the verb ----
 
 local doc_lyapunov = [[
@@ -217,28 +243,43 @@ megno: the mean of MEGNO (Cincotta & Simo 2000), which tends to 2 on a regular o
 exponent, megno} of all rows; q, p, t: the end. exponents = k, from 1 to 2 dim Q: k vectors that are
 kept orthonormal; exponents: their rates of growth, the largest first, and sum of them, the rate at
 which volumes of that dimension grow (Benettin et al. 1980). Vectors are rescaled as they grow, so
-that no time is too long.]]
+that no time is too long. On a group they are changes g^-1 dg and that of the body momentum.]]
+
+-- the state of the orbit at the start
+local function state_of(solver, options, n)
+  if solver.system.place then
+    prolonged.check_start(options)
+    local s = on_group.start(solver.system, options)
+    s.sums = {}
+    return s
+  end
+  local q, p, t0 = prolonged.start_of(solver, options)
+  return { n = n, t = t0, q = q, p = p, project = prolonged.is_constrained(solver), sums = {} }
+end
 
 M.lyapunov = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   prolonged.check_options(options, WHERE,
     { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp", "exponents" })
   prolonged.refuse(solver, WHERE)
-  if solver.system.place then option.fail(WHERE, "not for systems on groups yet") end
-  if not prolonged.prolongs(solver) then
+  local own = solver.system.place
+  if not own and not prolonged.prolongs(solver) then
     option.fail(WHERE, "the method of these curves is not linear in the values of f, so that the "
       .. "prolonged system has other steps; solver:tangent knows their derivative")
   end
-  local n, steps = #(options.q or {}), prolonged.steps_of(solver, options)
+  local n, steps = own and own.dimension or #(options.q or {}), prolonged.steps_of(solver, options)
   if steps < 1 then option.fail(WHERE, "needs at least one step") end
   local every = option.whole(options, "every", WHERE, 1, steps, max(1, steps // 1000))
   local k = option.whole(options, "exponents", WHERE, 1, 2 * n, 1)
-  local q, p, t0 = prolonged.start_of(solver, options)
-  local s = { n = n, t = t0, q = q, p = p, project = prolonged.is_constrained(solver), sums = {},
-    vectors = frame(first_vector(options, n), k) }
+  local s, record = state_of(solver, options, n), nil
+  s.vectors = frame(first_vector(options, n), k)
   for j = 1, k do s.sums[j] = 0 end
-  local lifted = prolonged.solver_of(solver, prolong.system(solver.system))
-  local record = follow_all(lifted, s, steps, every, solver.h)
+  if own then
+    record = follow_on_group(on_group.map(solver, WHERE), s, steps, every, solver.h)
+  else
+    local lifted = prolonged.solver_of(solver, prolong.system(solver.system))
+    record = follow_all(lifted, s, steps, every, solver.h)
+  end
   local last, out, sum = #record.t, {}, 0
   for j = 1, k do
     out[j] = s.sums[j] / (steps * solver.h)

@@ -4,6 +4,7 @@ local core = require "dm.core"
 local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
 local place = require "dm.group.place"
+local steps = require "dm.group.step"
 
 local M = {}
 
@@ -17,6 +18,10 @@ local function lagrangian(system, what)
   end
   if given.constraint or given.rolling or given.force then
     error(what .. ": on groups without constraints and forces only", 0)
+  end
+  if not given.L then
+    error(what .. ": this H has no Lagrangian; rules that go by the lift, gauss(s) and midpoint, "
+      .. "do without", 0)
   end
   return bound(given.L, given.params)
 end
@@ -87,9 +92,9 @@ end
 ---- tangent maps ----
 
 -- The tangent group T G is the semidirect product of G and its algebra by Ad, (g, w) with w = Ad_g
--- u; its exp is the tangent of exp, so lie(s) steps the prolonged Lagrangian
+-- u; its exp is the tangent of exp, so rules of the group step the prolonged Lagrangian
 --   L~(g, w; xi, omega) = L_g . u + L_xi . omega,   omega = u' + [xi, u] = Ad_(g^-1) w'
--- by the tangent of its step of L. Momenta: (dp, p).
+-- by the tangent of their step of L. Momenta: (dp, p).
 local function prolonged(system, what)
   local L, P, d = lagrangian(system, what), entries_of(system), system.place.dimension
   local kit, N = system.place.kit, P.size
@@ -107,6 +112,10 @@ local function prolonged(system, what)
     Q = core.semidirect(system.Q, core.R(d), function(g, w) return kit.Ad(g, w) end) }
 end
 
+local function newton(solver)
+  return { tolerance = solver.tolerance, max_iterations = solver.max_iterations }
+end
+
 -- (u, dp) of the lifted state in row i of a path
 local function tangent_of(path, i, kit, d)
   local z, p = path.q[i], path.p[i]
@@ -114,24 +123,133 @@ local function tangent_of(path, i, kit, d)
   return lists.joined(u, lists.part(p, 0, d))
 end
 
---- Where the unit vectors of (u, dp) lead, and the end of the run.
-function M.columns(solver, start, what)
+-- along(s, steps, vectors): where the vectors (u, dp) at the state s = { q, p, t } lead in so many
+-- steps; s becomes the end
+local function by_prolonging(solver, what)
   local system = solver.system
   local kit, d = system.place.kit, system.place.dimension
-  local g = kit.element(start.q)
-  local p = start.p or system:legendre(g, start.v, start.t0)
-  local lifted = prolonged(system, what):solver { rule = solver.rule, h = solver.h,
-    newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
-  local first, out, last = {}, {}, nil
-  for k = 1, 2 * d do
-    local u, dp = core.zeros(d), lists.zeros(d)
-    if k <= d then u[k] = 1 else dp[k - d] = 1 end
-    last = lifted:run { q = { g, kit.Ad(g, u) }, p = lists.joined(dp, p), t0 = start.t0,
-      steps = start.steps, every = max(start.steps, 1) }
-    first[k], out[k] = tangent_of(last, 1, kit, d), tangent_of(last, #last, kit, d)
+  local lifted = prolonged(system, what)
+    :solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
+  return function(s, steps, vectors)
+    local out, last = {}, nil
+    for k, w in ipairs(vectors) do
+      last = lifted:run { q = { s.q, kit.Ad(s.q, core.vector(lists.part(w, 0, d))) },
+        p = lists.joined(lists.part(w, d, d), s.p), t0 = s.t, steps = steps,
+        every = max(steps, 1) }
+      out[k] = tangent_of(last, #last, kit, d)
+    end
+    s.q, s.p = last.q[#last][1], core.vector(lists.part(last.p[#last], d, d))
+    s.t = s.t + steps * solver.h
+    return out
   end
-  local q, mu = last.q[#last][1], core.vector(lists.part(last.p[#last], d, d))
-  return out, first, q, mu, core.vector(p)
+end
+
+---- by the lift, whose tangent map is that of coordinates ----
+
+-- X(q), the directions d(q near(e))/de, and what is made of them: momenta J = X^T p
+local function directions(own)
+  local N, d = own.size, own.dimension
+  local moved = core.derivative(function(q, e)
+    return core.vector(own.carry(q, own.near(e)))
+  end, N, d)
+  return function(q)
+    local J, X = moved(q, core.zeros(d)), {}
+    for i = 1, N do
+      X[i] = {}
+      for a = 1, d do X[i][a] = J[i][N + a] end
+    end
+    return core.matrix(X)
+  end
+end
+
+-- the system of H(q, J(q, p), t) on R^N (mech/group_lift.c), and J
+local function lifted_system(system, what)
+  local own, given = system.place, system.given
+  if own.right then error(what .. ": on groups with the left trivialization only", 0) end
+  if given.constraint or given.rolling or given.force then
+    error(what .. ": on groups without constraints and forces only", 0)
+  end
+  local m = steps.functions_of(system)
+  local X = directions(own)
+  local function J(q, p) return X(q):transpose() * p end
+  local function H(q, p, t) return m.H(own.element(q), J(q, p), t) end
+  return core.system { Q = core.R(own.size), H = H }, X, J
+end
+
+-- the least z with X^T z = mu
+local function least(X, mu)
+  return X * (X:transpose() * X):solve(core.vector(mu))
+end
+
+-- d(J)/d(q, p) as a function of (q, p)
+local function momentum_slopes(J, N) return core.derivative(J, N, N) end
+
+local function by_lift(solver, what)
+  local system, own = solver.system, solver.system.place
+  local N, d = own.size, own.dimension
+  local lifted, X, J = lifted_system(system, what)
+  local slopes = momentum_slopes(J, N)
+  local runs = lifted:solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
+  -- a change of (q, p) from one of the group, with the least change of p
+  local function up(q, p, w)
+    local dq = X(q) * core.vector(lists.part(w, 0, d))
+    local moved = slopes(q, p) * core.vector(lists.joined(dq, core.zeros(N)))
+    return lists.joined(dq, least(X(q), core.vector(lists.part(w, d, d)) - moved))
+  end
+  local function down(q, p, z)
+    local Y = X(q)
+    local u = (Y:transpose() * Y):solve(Y:transpose() * core.vector(lists.part(z, 0, N)))
+    return lists.joined(u, slopes(q, p) * z)
+  end
+  return function(s, count, vectors)
+    local q = core.vector(own.flat(s.q))
+    local p = least(X(q), s.p)
+    local D, q1, p1 = runs:tangent { q = q, p = p, t0 = s.t, steps = count }
+    local out = {}
+    for k, w in ipairs(vectors) do out[k] = down(q1, p1, D * up(q, p, w)) end
+    s.q, s.p, s.t = own.element(q1), J(q1, p1), s.t + count * solver.h
+    return out
+  end
+end
+
+-- does the rule step groups by itself?
+local function steps_groups(rule)
+  local name = tostring(rule):match "^[%w%-]+"
+  for _, row in ipairs(core.rules()) do
+    if row.name == name then return row.on_groups end
+  end
+  return type(rule) ~= "string" and not rule.stages
+end
+
+--- The tangent map of a solver on a group, along(s, steps, vectors).
+function M.map(solver, what)
+  if steps_groups(solver.rule) then return by_prolonging(solver, what) end
+  return by_lift(solver, what)
+end
+
+-- unit vectors of (u, dp)
+local function units(d)
+  local out = {}
+  for k = 1, 2 * d do
+    out[k] = lists.zeros(2 * d)
+    out[k][k] = 1
+  end
+  return out
+end
+
+--- The state that options of a run begin at.
+function M.start(system, start)
+  local g = system.place.kit.element(start.q)
+  local p = start.p or system:legendre(g, start.v, start.t0)
+  return { q = g, p = core.vector(p), t = start.t0 or 0 }
+end
+
+--- Where the unit vectors of (u, dp) lead, these, the end of the run, the momentum at its start.
+function M.columns(solver, start, what)
+  local s, first = M.start(solver.system, start), units(solver.system.place.dimension)
+  local p = s.p
+  local out = M.map(solver, what)(s, start.steps, first)
+  return out, first, s.q, s.p, p
 end
 
 --- The two-form <dp', u> - <dp, u'> + <p, [u, u']> between two tangent vectors at momentum p.

@@ -45,13 +45,18 @@ function M.refuse(solver, what)
   end
 end
 
+--- Raises where a start is not whole.
+function M.check_start(options)
+  if options.q == nil or options.v == nil and options.p == nil then
+    error("give the start as q and v, or as q and p", 0)
+  end
+end
+
 --- q and p at the start; t0.
 function M.start_of(solver, options)
   local system = solver.system
   local t0 = options.t0 or 0
-  if not options.q or not (options.v or options.p) then
-    error("give the start as q and v, or as q and p", 0)
-  end
+  M.check_start(options)
   local p = options.p or system:legendre(options.q, options.v, t0)
   return core.vector(options.q), core.vector(p), t0
 end

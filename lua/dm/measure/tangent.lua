@@ -77,9 +77,7 @@ and that of the body momentum.]]
 
 -- the start of a run on a group: an element stays one
 local function start_on_group(solver, options)
-  if not options.q or not (options.v or options.p) then
-    error("give the start as q and v, or as q and p", 0)
-  end
+  prolonged.check_start(options)
   return { q = options.q, v = options.v, p = options.p, t0 = options.t0 or 0,
     steps = steps_of(solver, options) }
 end
@@ -140,14 +138,16 @@ end)
 
 -- the system run backwards: L(q, -v, t1 - t), of an H alone H(q, -p, t1 - t)
 local function reversed(system, t1)
-  local given = system.given
+  local given, own = system.given, system.place
+  local side = own and own.right and "right" or nil
   local function back(f)
     return f and function(q, v, t) return f(q, -v, t1 - t, given.params) end
   end
-  if not given.L then return core.system { Q = given.Q, H = back(given.H) } end
+  if not given.L then
+    return core.system { Q = given.Q, H = back(given.H), trivialization = side }
+  end
   local out = { Q = given.Q, L = back(given.L), force = back(given.force),
-    rolling = back(given.rolling),
-    reaction = back(given.reaction) }
+    rolling = back(given.rolling), reaction = back(given.reaction), trivialization = side }
   if given.constraint then
     out.constraint = function(q, t) return given.constraint(q, t1 - t, given.params) end
   end
@@ -157,25 +157,26 @@ end
 local doc_reversal = [[
 solver:reversal{q=, v= | p=, steps= | t=, t0=} -> number
 Run, then run L(q, -v, -t), or H(q, -p, -t), from the end with the momentum reversed: the largest
-distance from the start in any entry of q or p. Round-off, as far as the orbit lets it stay so, for
-a symmetric rule; the error of the step for any other.]]
+distance from the start in any entry of q (on a group that of elements) or p. Round-off, as far as
+the orbit lets it stay so, for a symmetric rule; the error of the step for any other.]]
 
 M.reversal = blame.caller(function(solver, options)
   check_options(options, "solver:reversal")
   options = starts.lists(options, solver)
   local what = "solver:reversal"
   refuse(solver, what)
-  if solver.system.place then error(what .. ": not for systems on groups yet", 0) end
+  prolonged.check_start(options)
   local steps = steps_of(solver, options)
-  local q, p, t0 = start_of(solver, options)
-  local there = solver:run { q = q, p = p, t0 = t0, steps = steps, every = max(steps, 1) }
+  local there = solver:run { q = options.q, v = options.v, p = options.p, t0 = options.t0,
+    steps = steps, every = max(steps, 1) }
   local t1 = there.t[#there]
   local back = solver_of(solver, reversed(solver.system, t1)):run {
     q = there.q[#there], p = -there.p[#there], steps = steps, every = max(steps, 1) }
-  local worst = 0
-  for i = 1, #q do
-    worst = max(worst, abs(back.q[#back][i] - q[i]), abs(back.p[#back][i] + p[i]))
-  end
+  local Q, p, r = solver.system.Q, there.p[1], back.p[#back]
+  local q, z = there.q[1], back.q[#back]
+  local worst = solver.system.place and Q:distance(q, z) or 0
+  for i = 1, solver.system.place and 0 or #q do worst = max(worst, abs(z[i] - q[i])) end
+  for i = 1, #p do worst = max(worst, abs(r[i] + p[i])) end
   return worst
 end)
 

@@ -346,6 +346,10 @@ scene.candidates, scene.best.]]
 M.scene = blame.caller(function(options)
   options = starts.lists(options)
   local system = check_options(options)
+  if system.place then
+    fail("models are looked for in coordinates, and this system lives on %s: system:chart compares "
+      .. "rules there", tostring(system.Q))
+  end
   options = starts.lists(options, system)
   local given = {}
   for key, value in pairs(options) do given[key] = value end

@@ -121,10 +121,14 @@ int dml_place_column(lua_State *L, int arg, const char *name) {
     return 0;
 }
 
-/* Of the group itself, of subgroups, of a generator. */
+/* Of the group itself, of others that act, of a generator (lua/dm/group/momentum.lua). */
 int dml_place_momentum(lua_State *L, int arg) {
     arg = lua_absindex(L, arg);
-    push_module(L, "momentum");
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.group.momentum");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "momentum");
+    lua_remove(L, -2);
     dml_systemfield(L, arg, "place");
     for (int i = 1; i <= 3; i++) lua_pushvalue(L, i);
     lua_call(L, 4, 1);

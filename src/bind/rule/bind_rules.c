@@ -21,11 +21,9 @@ static void set_traits(lua_State *L, unsigned traits) {
     static const struct {
         const char *key;
         unsigned trait;
-    } known[] = {{"symmetric", DM_SYMMETRIC},
-                 {"symplectic", DM_SYMPLECTIC},
-                 {"explicit", DM_EXPLICIT},
-                 {"for_pairs", DM_FOR_PAIRS},
-                 {"formula", DM_FORMULA}};
+    } known[] = {{"symmetric", DM_SYMMETRIC}, {"symplectic", DM_SYMPLECTIC},
+                 {"explicit", DM_EXPLICIT},   {"on_groups", DM_ON_GROUPS},
+                 {"for_pairs", DM_FOR_PAIRS}, {"formula", DM_FORMULA}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         lua_pushboolean(L, (traits & known[i].trait) != 0);
         lua_setfield(L, -2, known[i].key);
@@ -67,7 +65,7 @@ static int rules(lua_State *L) {
     lua_newtable(L);
     dml_setresult(L);
     for (const dm_method *const *m = dm_methods; *m; m++) {
-        lua_createtable(L, 0, 12);
+        lua_createtable(L, 0, 13);
         dml_setresult(L);
         set_text(L, "name", (*m)->name);
         set_text(L, "signature", (*m)->signature);
@@ -86,9 +84,10 @@ static int rules(lua_State *L) {
 static const dml_row functions[] =
     {{"rules", rules,
       "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, symplectic, "
-      "explicit, for_pairs, formula, instances}\n"
+      "explicit, on_groups, for_pairs, formula, instances}\n"
       "Every rule that a solver can use. order and stages as formulas, cost a step with n "
-      "coordinates; formula: its discrete Lagrangian is a formula in L; instances: {rule, order, "
+      "coordinates; on_groups: it steps groups by itself, not by their lift; formula: its discrete "
+      "Lagrangian is a formula in L; instances: {rule, order, "
       "stages, forces, symmetric, symplectic ...}, rules on which all this is measured by the "
       "tests (forces a step when L = T(v) - V(q), 0 where the "
       "rule stays implicit)."},

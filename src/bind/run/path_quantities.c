@@ -325,14 +325,15 @@ const dml_row dml_path_quantities[] =
       "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L again; t: "
       "default that of the first row. Raises where it is not finite."},
      {"momentum", path_momentum,
-      "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
+      "path:momentum(group [, {block=, side=, action=}]) -> dm.vector   or   (generator) -> "
       "dm.vector\n"
       "Noether's momentum map at every row: of a group by its standard action on blocks of "
       "coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . "
       "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. On a group G, of G "
       "itself the spatial momentum ({ side = \"right\" }: the body momentum), of SO(3), SO(2) and "
-      "R(n) that of rotations and translations of space; a generator returns the body velocity of "
-      "its field."},
+      "R(n) that of rotations and translations of space, of any group that of its action on "
+      "elements, { action = function(k, g) ... end }; a generator returns the body velocity of its "
+      "field."},
      {"drift", path_drift,
       "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
       "Least squares slope of a column, of \"energy\" or of any vector of #path entries against "

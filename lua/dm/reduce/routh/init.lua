@@ -292,6 +292,10 @@ end
 
 M.routh = blame.caller(function(system, options)
   option.check(options, KNOWN, "system:routh", "{ cyclic = ..., mu = ... }")
+  if system.place then
+    option.fail("system:routh", "is for systems on coordinates; one on %s is reduced by "
+      .. "dm.euler_poincare, with advected = for what breaks its symmetry", tostring(system.Q))
+  end
   check_kind(options)
   options = starts.lists(options, system)
   check_start(options, system.Q.dimension)

@@ -1,0 +1,103 @@
+--- Noether's momenta along a path on a group, from the body momentum of its rows.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+local linear = require "dm.base.linear"
+local places = require "dm.group.place"
+
+local M = {}
+
+-- momenta of the standard actions of other groups on this space, by their names
+local function standard(kit, name, g, mu)
+  if kit.momenta and kit.momenta[name] then return kit.momenta[name](g, mu) end
+  if not kit.parts then return end
+  local sum, first = nil, 0
+  for k, part in ipairs(kit.parts) do
+    local own = {}
+    for i = 1, part.dimension do own[i] = mu[first + i] end
+    local J = standard(part, name, g[k], core.vector(own))
+    if J then sum = sum and sum + J or J end
+    first = first + part.dimension
+  end
+  return sum
+end
+
+-- of a group K that moves elements by move(k, g): <J, eta> = <mu, u>, where u is the body velocity
+-- of move(exp(s eta), g) at s = 0
+local function of_action(place, group, move)
+  local P, K = places.of(place.space, { columns = "matrix" }), kits.of(group)
+  local r, d, N = K.dimension, place.dimension, P.size
+  local moved = core.derivative(function(s, q)
+    return core.vector(P.flat(place.kit.element(move(K.near(s), P.element(q)))))
+  end, r, N)
+  local along = core.derivative(function(e, q)
+    return core.vector(P.carry(q, P.near(e)))
+  end, d, N)
+  local function columns(slope, count, q)
+    local J = slope(core.zeros(count), q)
+    return linear.fill(N, count, function(i, j) return J[i][j] end)
+  end
+  return function(g, mu)
+    local q = core.vector(P.flat(g))
+    local X, Z = columns(along, d, q), columns(moved, r, q)
+    return Z:transpose() * X * (X:transpose() * X):solve(core.vector(mu))
+  end
+end
+
+-- the action in the options, where there is one; what it does at the identity must be nothing
+local function given_action(place, group, options)
+  local move = type(options) == "table" and options.action or nil
+  if move == nil then return end
+  if type(move) ~= "function" or kits.class_of(group) ~= "dm.space" then
+    error("option 'action' must be a function of (k, g) that returns the moved element, behind the "
+      .. "group that acts", 0)
+  end
+  local kit, K = place.kit, kits.of(group)
+  local g = kit.exp(kits.normals(core.random(5), 0, kit.dimension, 0.3))
+  if not (kit.distance(kit.element(move(K.identity(), g)), g) <= 1e-12) then
+    error("option 'action': the identity must not move an element", 0)
+  end
+  return of_action(place, group, move), K.dimension
+end
+
+-- J of a row: f(g, mu) with the body momentum mu
+local function map_of(place, group, side)
+  local kit = place.kit
+  if type(group) == "function" then
+    return function(g, mu) return core.vector { core.vector(group(g)):dot(mu) }, 1 end, 1
+  end
+  if group == place.space then
+    if side == "right" then return function(_, mu) return mu end, kit.dimension end
+    return kit.coAd, kit.dimension
+  end
+  if kits.class_of(group) ~= "dm.space" or side == "right" then return end
+  local name, d = tostring(group), group.dimension
+  local e, zero = kit.identity(), core.zeros(kit.dimension)
+  if not standard(kit, name, e, zero) then return end
+  return function(g, mu) return standard(kit, name, g, mu) end, d
+end
+
+--- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
+-- rotations and translations of space, of any group by its action on elements, of one generator g
+-- -> the body velocity of its field.
+function M.momentum(place, path, group, options)
+  local side = type(options) == "table" and options.side or "left"
+  if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
+  local J, d = given_action(place, group, options)
+  if not J then J, d = map_of(place, group, side) end
+  if not J then
+    error(("%s has no standard action on %s: give path:momentum(G, { action = function(k, g) ... "
+      .. "end }), or the generator as a function of the element that returns the body velocity of "
+      .. "its field")
+      :format(tostring(group), tostring(place.space)), 0)
+  end
+  local rows, q, p = {}, path.q, path.p
+  for i = 1, #path do
+    local g, mu = q[i], p[i]
+    if place.right then mu = place.kit.coAd(place.kit.inverse(g), mu) end
+    local value = J(g, mu)
+    rows[i] = d == 1 and value[1] or value
+  end
+  return d == 1 and core.vector(rows) or core.matrix(rows)
+end
+
+return M

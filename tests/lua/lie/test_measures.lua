@@ -1,0 +1,106 @@
+-- what measures a system takes systems on groups: tangent maps, Lyapunov exponents, reversal,
+-- charts, momenta of actions, stability maps
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+
+local function kinetic(x)
+  local sum = 0
+  for i = 1, #x do sum = sum + (0.7 + 0.3 * i) * x[i] * x[i] / 2 end
+  return sum
+end
+local affine = dm.group { name = "Aff(1)",
+  basis = { { { 0, 1 }, { 0, 0 } }, { { 1, 0 }, { 0, 0 } } } }
+local cases = {
+  { dm.SO(3), function(g) return g[3][3] + 0.2 * g[1][2] end },
+  { dm.SU(2), function(q) return q[1] * q[2] end },
+  { dm.SE(3), function(g) return g[3][3] + g[1][4] ^ 2 + g[2][4] ^ 2 + g[3][4] ^ 2 / 2 end },
+  { dm.product(dm.SO(3), dm.R(2)), function(g)
+    return g[1][3][3] + g[2][1] ^ 2 + g[2][2] ^ 2 + 0.3 * g[2][1] * g[1][1][1]
+  end },
+  { affine, function(g) return 0.3 * g[1][1] ^ 2 + g[1][2] ^ 2 end },
+  { dm.semidirect(dm.SO(3), dm.R(3)), function(g) return g[1][3][3] + g[2]:dot(g[2]) end },
+}
+for _, case in ipairs(cases) do
+  local Q, V = case[1], case[2]
+  local system = dm.system { Q = Q, L = function(g, x) return kinetic(x) - V(g) end }
+  local v, x = {}, {}
+  for i = 1, Q.dimension do v[i], x[i] = 0.3 / i, 0.2 / i end
+  local start, name = { q = Q:exp(x), v = v, steps = 10 }, tostring(Q)
+  local function tangent(rule) return system:solver { rule = rule, h = 0.05 }:tangent(start) end
+  local exact, worst = tangent "lie(4)", 0
+  local lifted = tangent "gauss(4)"
+  for i = 1, 2 * Q.dimension do
+    for k = 1, 2 * Q.dimension do
+      worst = math.max(worst, math.abs(exact[i][k] - lifted[i][k]))
+    end
+  end
+  ok(worst < 1e-12, name .. ": the tangent map by the lift is that in the chart", worst)
+  for _, rule in ipairs { "gauss(1)", "midpoint", "lie(1)" } do
+    local defect = system:solver { rule = rule, h = 0.1 }:symplecticity(start)
+    ok(defect < 1e-13, name .. ": " .. rule .. " is symplectic", defect)
+  end
+  local defect = system:solver { rule = "rkmk4", h = 0.1 }:symplecticity(start)
+  ok(defect > 1e-10, name .. ": rkmk4 is not", defect)
+  near(system:solver { rule = "gauss(2)", h = 0.1 }:reversal(start), 0, 1e-13, "gauss(2) and back")
+  ok(system:solver { rule = "rkmk4", h = 0.1 }:reversal(start) > 1e-11, "not so rkmk4")
+  local path = system:solver { rule = "lie(2)", h = 0.1 }:run(start)
+  local J = path:momentum(Q, { action = function(k, g) return Q:compose(k, g) end })
+  near((J[11] - path:momentum(Q)[11]):norm(), 0, 1e-13, "momentum of the left action, as a function")
+end
+
+-- about the middle axis neighbours part as exp(t/sqrt(3))
+local G = dm.SO(3)
+local free = dm.system { Q = G, L = function(_, w)
+  return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2
+end }
+local middle = { q = G:identity(), v = { 0, 1, 0 }, t = 20 }
+for _, rule in ipairs { "lie(2)", "gauss(2)" } do
+  local found = free:solver { rule = rule, h = 0.05 }:lyapunov(middle)
+  local half = free:solver { rule = rule, h = 0.05 }:lyapunov { q = middle.q, v = middle.v, t = 10 }
+  near((found.exponent * 20 - half.exponent * 10) / 10, 1 / math.sqrt(3), 1e-3,
+    rule .. ": growth about the middle axis")
+end
+local all = free:solver { rule = "gauss(2)", h = 0.05 }
+  :lyapunov { q = middle.q, v = middle.v, t = 5, exponents = 6 }
+near(all.sum, 0, 1e-12, "volumes stay")
+
+-- errors of charts are angles
+local round = dm.system { Q = G, L = function(_, w) return w:dot(w) / 2 end,
+  force = function(_, w) return -0.4 * w end }
+local chart = round:chart { q = G:identity(), v = { 0.3, -0.2, 0.5 }, t = 2, rules = { "lie(1)" },
+  h = { 0.1 }, samples = 1, reference = { rule = "lie(3)", h = 0.01 } }
+local last = round:solver { rule = "lie(1)", h = 0.1 }
+  :run { q = G:identity(), v = { 0.3, -0.2, 0.5 }, steps = 20 }.q[21]
+local s = (1 - math.exp(-0.8)) / 0.4
+near(chart.points[1].error, G:distance(last, G:exp { 0.3 * s, -0.2 * s, 0.5 * s }), 1e-10,
+  "the error of a chart is the angle of turn")
+ok(#free:chart { q = G:identity(), v = { 1, 0.2, 0.4 }, t = 1, rules = { "lie(1)", "gauss(2)" } }
+  .points > 4, "a chart that finds its steps and its reference")
+
+-- another group that acts: turns about the axis of a body from the right
+local top = dm.system { Q = G, L = function(R, w)
+  return (w[1] ^ 2 + w[2] ^ 2 + 0.4 * w[3] ^ 2) / 2 - R[3][3]
+end }
+local path = top:solver { rule = "lie(2)", h = 0.1 }
+  :run { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, steps = 40 }
+local spin = path:momentum(dm.SO(2), { action = function(a, R) return R * G:exp { 0, 0, a } end })
+near(spin[41] - 1.6, 0, 1e-13, "momentum about the axis of a symmetric top")
+near(spin[20], path.p[20][3], 1e-14, "is the third of the body")
+raises("identity must not move", path.momentum, path, dm.SO(2), { action = function(_, R)
+  return R * G:exp { 0, 0, 1 }
+end })
+raises("and how it moves elements", path.momentum, path, dm.action { group = G, on = dm.R(3) })
+raises("has no standard action on SO(3)", path.momentum, path, dm.R(2))
+
+local map = top:stability { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, t = 20, h = { 0.1, 3 },
+  rules = { "lie(1)" }, refine = false }
+ok(tostring(map):find "bounded", "a map of stability")
+-- what is only for coordinates says so
+raises("reduced by dm.euler_poincare", top.routh, top, { cyclic = { "q1" }, mu = 1 })
+raises("system:chart compares rules there", function()
+  dm.scene { top, q = G:identity(), v = { 0, 0, 1 }, watch = { "q1" }, tolerance = 1, until_t = 1 }
+end)
+raises("system:acceleration: not for systems on groups", top.acceleration, top, G:identity(),
+  { 0, 0, 1 })
+tap.done()
