@@ -15,12 +15,6 @@ local M = {}
 
 local entries = lists.entries
 
-local function check_place(system, what)
-  if not system.place then return end
-  error(what .. ": not for systems on groups; steps have impulses, record = { \"impulses\" }, and "
-    .. "system:linearize has the equations of motion", 0)
-end
-
 -- the functions of a system as functions of (q, v, t), lists behind vectors; the force with its
 -- control as it is at this state
 local function functions_of(system)
@@ -297,7 +291,6 @@ local function state(system, q, v, t, what)
 end
 
 M.multipliers = blame.caller(function(system, q, v, t)
-  check_place(system, "system:multipliers")
   need(system, "system:multipliers")
   q, v, t = state(system, q, v, t, "system:multipliers")
   local made = current(system, q, v, t)
@@ -305,7 +298,6 @@ M.multipliers = blame.caller(function(system, q, v, t)
 end)
 
 M.acceleration = blame.caller(function(system, q, v, t)
-  check_place(system, "system:acceleration")
   q, v, t = state(system, q, v, t, "system:acceleration")
   local made = current(system, q, v, t)
   return part(made.root(q, v, t), 1, made.n)

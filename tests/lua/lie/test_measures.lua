@@ -101,6 +101,4 @@ raises("reduced by dm.euler_poincare", top.routh, top, { cyclic = { "q1" }, mu =
 raises("system:chart compares rules there", function()
   dm.scene { top, q = G:identity(), v = { 0, 0, 1 }, watch = { "q1" }, tolerance = 1, until_t = 1 }
 end)
-raises("system:acceleration: not for systems on groups", top.acceleration, top, G:identity(),
-  { 0, 0, 1 })
 tap.done()

@@ -1,11 +1,11 @@
 --- dm.group: groups that a script defines, by a basis of matrices or by their product on vectors.
 -- What is left out is derived; the axioms are tested at random points.
-local axioms = require "dm.group.own_axioms"
+local axioms = require "dm.group.own.axioms"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
-local matrices = require "dm.group.own_matrices"
+local matrices = require "dm.group.own.matrices"
 local options = require "dm.base.options"
 
 local M = {}
