@@ -25,8 +25,8 @@ floors.src = {
 -- kept free: connection (above group), sweep (above measure)
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "show", "show/animate", "data",
-  "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "reference", "chart", "measure",
-  "stability",
+  "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "reference", "chart",
+  "measure", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
   "session",
 }
