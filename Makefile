@@ -17,7 +17,8 @@ BIND = $(call below,src/bind,*.c)
 CLI = $(call below,src/cli,*.c)
 SPARSE = $(call below,src/sparse,*.c)
 DELAUNAY = $(call below,src/delaunay,*.c)
-KERNEL = $(filter-out $(BIND) $(CLI) $(SPARSE) $(DELAUNAY),$(call below,src,*.c))
+MPI = $(call below,src/mpi,*.c)
+KERNEL = $(filter-out $(BIND) $(CLI) $(SPARSE) $(DELAUNAY) $(MPI),$(call below,src,*.c))
 LUA_FILES = $(call below,lua/dm,*.lua)
 EXAMPLES = $(sort $(wildcard examples/*.lua))
 C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(if $(SPARSE_LIBS),$(SPARSE)) $(if $(QHULL_LIBS),$(DELAUNAY)) \
@@ -78,6 +79,14 @@ $(B)/dm/sparse.so: $(call objects,$(SPARSE)) $(B)/libdm.a
 $(B)/dm/delaunay.so: $(call objects,$(DELAUNAY)) $(B)/libdm.a
 	@mkdir -p $(@D)
 	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(QHULL_LIBS) -lm
+
+# for runs under mpirun, asked for by name: `make mpi`
+mpi: all $(B)/dm/mpi.so
+MPICC = mpicc
+$(B)/dm/mpi.so: $(MPI) src/mpi/ranks.h
+	@.ci/setup $(if $(filter mpi,$(MAKECMDGOALS)),--install) mpi
+	@mkdir -p $(@D)
+	$(call say,link,$@)OMPI_CC="$(CC)" $(MPICC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -Isrc -shared -o $@ $(MPI) -ldl
 
 # tests/c/test_*.c know only libdm.a; the other programs there drive an interpreter
 C_TESTS = $(patsubst tests/c/%.c,$(B)/tests/%,$(call below,tests/c,test_*.c))

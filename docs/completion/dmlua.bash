@@ -4,13 +4,13 @@ _dmlua() {
     [[ $COMP_CWORD -gt 1 ]] && first=${COMP_WORDS[COMP_CWORD-2]}
     compopt +o nospace 2>/dev/null
     if [[ $before == --demo || $first$before == --demo= ]]; then
-        COMPREPLY=($(compgen -W "lagrangian noether symplectic order chart curve constraint rolling stiff chaos ensemble chain drift routh frame elastica stability scene top polhode forms holes" -- "${word#=}"))
+        COMPREPLY=($(compgen -W "lagrangian noether symplectic order chart curve constraint rolling stiff chaos ensemble chain drift routh frame elastica stability scene top polhode forms holes sweep" -- "${word#=}"))
     elif [[ $before == --color || $before == = ]]; then
         COMPREPLY=($(compgen -W "auto always never" -- "${word#=}"))
     elif [[ $before == -e || $before == -l ]]; then
         COMPREPLY=()
     elif [[ $word == -* ]]; then
-        COMPREPLY=($(compgen -W "-e -i -l -v -E -W -q -n --color= --demo= --help --version" -- "$word"))
+        COMPREPLY=($(compgen -W "-e -i -l -v -E -W -q -n --color= --demo= --part= --join= --help --version" -- "$word"))
         [[ ${COMPREPLY[0]-} == *= ]] && compopt -o nospace 2>/dev/null
     else
         compopt -o filenames 2>/dev/null

@@ -33,8 +33,11 @@ local rows = {
   scene = "dm.scene",
   simplicial_map = "dm.dec.homology.map",
   smith = "dm.dec.homology.smith",
+  journal = "dm.sweep",
+  part = "dm.sweep",
   stability = "dm.stability",
   stability_limit = "dm.stability.linear",
+  sweep = "dm.sweep",
   time = "dm.measure.time",
   who = "dm.session.help",
   -- methods of systems
@@ -113,7 +116,7 @@ local rows = {
 }
 
 -- modules that change what the core has, or that C asks for
-local AT_ONCE = { "dm.session.missing", "dm.reduce.methods", "dm.group" }
+local AT_ONCE = { "dm.session.missing", "dm.sweep.methods", "dm.reduce.methods", "dm.group" }
 
 local dm = {}
 

@@ -141,6 +141,8 @@ static const dml_row functions[] =
       "core.new_file(file) -> name   or   nil, why\n"
       "Make an empty file beside `file`, under a name that nobody can foresee, for a program to "
       "write."},
+     {"is_silent", dml_core_is_silent,
+      "core.is_silent() -> boolean\nDo files that are written go nowhere? Those of a rank > 0."},
      {"end_file", dml_core_end_file,
       "core.end_file(name, file) -> true   or   nil, why\n"
       "Put what core.new_file made, whole and on the disk, in the place of `file`."},

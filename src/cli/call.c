@@ -11,7 +11,8 @@
 
 const char *dml_program = "dmlua";
 
-static lua_State *volatile running; /* the thread, for the signal handler */
+static lua_State *volatile running;          /* the thread, for the signal handler */
+static volatile sig_atomic_t was_terminated; /* by SIGTERM, which ends as Ctrl-C does */
 
 /* ---- Ctrl-C ---- */
 
@@ -65,8 +66,8 @@ static void wake(int signal) {
 
 /* a second Ctrl-C finds the default action, which kills */
 static void stop(int signal) {
-    (void)signal;
-    set_signal(SIGINT, SIG_DFL, NULL);
+    set_signal(signal, SIG_DFL, NULL);
+    if (signal == SIGTERM) was_terminated = 1;
     dml_stop = 1;
     set_hook();
     set_signal(SIGALRM, wake, NULL);
@@ -88,21 +89,27 @@ int dml_interrupted(void) {
     return dml_raised;
 }
 
+int dml_terminated(void) {
+    return was_terminated;
+}
+
 void dml_drop_interrupts(void) {
     set_signal(SIGINT, drop, NULL);
 }
 
-/* Ctrl-C becomes an error of Lua while this runs, and is nothing afterwards. */
+/* Ctrl-C and SIGTERM become an error of Lua while this runs, and is nothing afterwards. */
 static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int results) {
     const int base = lua_gettop(L) - arguments;
-    struct sigaction before;
+    struct sigaction before, before_end;
     lua_pushcfunction(L, handler);
     lua_insert(L, base);
     dml_running(L);
     dml_stop = dml_raised = 0;
     set_signal(SIGINT, stop, &before);
+    set_signal(SIGTERM, stop, &before_end);
     const int status = lua_pcall(L, arguments, results, base);
     sigaction(SIGINT, &before, NULL);
+    sigaction(SIGTERM, &before_end, NULL);
     dml_stop = 0;
     if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0), alarm(0);
     lua_remove(L, base);

@@ -23,6 +23,9 @@ int dml_interrupted(void);
 /* From now on Ctrl-C does nothing between calls, instead of killing: for a session. */
 void dml_drop_interrupts(void);
 
+/* Did SIGTERM end what ran? */
+int dml_terminated(void);
+
 /* Is the value at `index` a dm.failure? */
 int dml_is_failure(lua_State *L, int index);
 

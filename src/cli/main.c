@@ -7,6 +7,7 @@
 #include "cli/repl.h"
 
 #include <lualib.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,6 +146,23 @@ static int do_demo(lua_State *L, char **argv, int n) {
     return dml_report(L, status);
 }
 
+/* --join OUT FILE ... */
+static int do_join(lua_State *L, char **argv, int n) {
+    int status = dml_push_function(L, "dm.sweep.join", "command");
+    luaL_checkstack(L, n, "too many files after --join");
+    for (int i = 0; i < n; i++) lua_pushstring(L, argv[i]);
+    if (status == LUA_OK) status = dml_call(L, n, 0);
+    return dml_report(L, status);
+}
+
+/* --part k/n */
+static int do_part(lua_State *L, const char *part) {
+    int status = dml_push_function(L, "dm.sweep.part", "set");
+    lua_pushstring(L, part);
+    if (status == LUA_OK) status = dml_call(L, 1, 0);
+    return dml_report(L, status);
+}
+
 /* ---- the whole ---- */
 
 /* options that only print something; 1 when there was one */
@@ -186,7 +204,9 @@ static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
     if (environment && do_init(L) != LUA_OK) return 0;
     if (session && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
     if (c->flags & DML_EXECUTE && !session && c->script == argc) open_words(L);
+    if (c->part && do_part(L, c->part) != LUA_OK) return 0;
     if (!do_options(L, argv, c->script)) return 0;
+    if (c->flags & DML_JOIN) return do_join(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->flags & DML_DEMO) return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;
     if (session) {
@@ -245,5 +265,6 @@ int main(int argc, char **argv) {
     const int status = lua_pcall(L, 2, 1, 0), fine = lua_toboolean(L, -1);
     dml_report(L, status);
     lua_close(L);
+    if (dml_terminated()) return 128 + SIGTERM;
     return fine && status == LUA_OK ? EXIT_SUCCESS : EXIT_FAILURE;
 }

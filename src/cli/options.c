@@ -39,6 +39,19 @@ static int letter(char option) {
     }
 }
 
+/* --part k/n or --part=k/n */
+static int part_option(dml_command *c, char **argv, int *i) {
+    static const char part[] = "--part";
+    const size_t length = sizeof part - 1;
+    const char *option = argv[*i];
+    if (strncmp(option, part, length) != 0) return 0;
+    if (option[length] == '=')
+        c->part = option + length + 1;
+    else if (option[length] == '\0')
+        c->part = argv[++*i];
+    return c->part != NULL;
+}
+
 /* one option at argv[*i], which moves on past a separate argument; 0: wrong */
 static int short_option(dml_command *c, char **argv, int *i) {
     const char *option = argv[*i];
@@ -77,7 +90,14 @@ dml_command dml_command_read(char **argv) {
             c.script = argv[i][6] ? i : i + 1;
             return c;
         }
-        const int fine = argv[i][1] == '-' ? long_option(&c, argv[i]) : short_option(&c, argv, &i);
+        if (strcmp(argv[i], "--join") == 0) {
+            c.flags |= DML_JOIN;
+            c.script = i + 1;
+            return c;
+        }
+        const int is_long = argv[i][1] == '-';
+        const int fine = is_long ? long_option(&c, argv[i]) || part_option(&c, argv, &i)
+                                 : short_option(&c, argv, &i);
         if (!fine) {
             c.flags |= DML_BAD_OPTION;
             return c;
@@ -128,7 +148,7 @@ void dml_command_help(const char *program, int to_stderr) {
 
 void dml_command_wrong(const char *program, const char *option) {
     fprintf(stderr, "%s: ", program);
-    if (option[1] == 'e' || option[1] == 'l')
+    if (option[1] == 'e' || option[1] == 'l' || strcmp(option, "--part") == 0)
         fprintf(stderr, "'%s' needs argument\n", option);
     else if (strncmp(option, "--color", 7) == 0)
         fprintf(stderr, "'%s': write --color=auto, --color=always or --color=never\n", option);

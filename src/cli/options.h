@@ -14,7 +14,8 @@ enum {
     DML_HELP = 64,
     DML_ONLY_VERSION = 128,
     DML_BAD_OPTION = 256,
-    DML_DEMO = 512 /* what follows are words for the demonstration */
+    DML_DEMO = 512, /* what follows are words for the demonstration */
+    DML_JOIN = 1024 /* what follows are names of journals */
 };
 
 /* before the name of a demonstration, where it is in the same word */
@@ -22,8 +23,9 @@ enum {
 
 typedef struct {
     int flags;
-    int script; /* index of the script, argc when none; of the wrong option when bad */
-    int colour; /* DML_COLOUR_... */
+    int script;       /* index of the script, argc when none; of the wrong option when bad */
+    int colour;       /* DML_COLOUR_... */
+    const char *part; /* behind --part, or NULL */
 } dml_command;
 
 /* Read argv; runs nothing. */

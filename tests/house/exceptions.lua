@@ -22,6 +22,7 @@ return {
     cavity = "frequencies on a mesh, no rule of time",
     torus_fields = "forms on a mesh, no rule of time",
     heat_sphere = "modes of a mesh, exact in time",
+    escape = "one rule, many members, the potential of henon_heiles",
     potential = "forms on a mesh, no rule of time",
     free_body = "closed forms by rules on groups, which docs/benchmarks/groups.md compares",
     heavy_top = "closed forms by rules on groups, which docs/benchmarks/groups.md compares",

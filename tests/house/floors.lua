@@ -16,17 +16,17 @@ floors.src = {
   "integ/lie", "integ",
   -- kept free: integ/sem (below integ)
   "run", "run/ensemble",
-  -- kept free: mpi
+  "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run",
-  "bind/ensemble", "bind",
+  "bind/ensemble", "bind/sweep", "bind",
   "cli",
 }
 
--- kept free: connection (above group), sweep (above measure)
+-- kept free: connection (above group)
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "show", "show/animate", "data",
-  "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "reference", "chart",
-  "measure", "stability",
+  "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "mpi", "sweep", "reference",
+  "chart", "measure", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
   "session",
 }

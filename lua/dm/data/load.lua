@@ -1,6 +1,7 @@
 --- dm.load: the columns of a text or npy file as vectors.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local journal = require "dm.data.journal"
 local option = require "dm.base.options"
 local text_table = require "dm.data.text_table"
 
@@ -64,7 +65,8 @@ Columns of a .npy file or of a text, as path:npy and path:csv write them: data.c
 names, data.q1 is a dm.vector. In a text commas, semicolons, tabs or blanks stand between the
 fields; blank lines and those that begin with # are skipped. Names are in the first line, or in the
 last comment above the numbers; without names the columns are c1, c2, ... Raises with the line and
-the column of what is not a number.]]
+the column of what is not a number. Of the journal of a sweep (dm.sweep, solver:ensemble) these are
+the members that ended well, by their number in column member.]]
 
 M.load = blame.caller(function(file)
   if type(file) ~= "string" then
@@ -74,7 +76,11 @@ M.load = blame.caller(function(file)
   local handle, why = io.open(file, "rb")
   if not handle then option.fail("dm.load", "cannot open %s", why) end
   local fine, names, columns
-  if is_npy then
+  local is_journal = handle:read(8) == journal.HEAD
+  handle:seek("set")
+  if is_journal then
+    fine, names, columns = pcall(require "dm.data.journal_columns".columns, file)
+  elseif is_npy then
     fine, names, columns = pcall(load_npy, file, handle)
   else
     fine, names, columns = pcall(text_table.read, handle, "dm.load: " .. file)

@@ -9,6 +9,16 @@
 
 enum { TRIES = 64, LETTERS = 12 };
 
+static int silent;
+
+void dml_silencefiles(void) {
+    silent = 1;
+}
+
+int dml_issilent(void) {
+    return silent;
+}
+
 /* random letters; 0: the system has none */
 static int draw(char out[LETTERS + 1]) {
     static const char letters[] = "0123456789abcdefghijklmnopqrstuv"; /* 32: no bias */
@@ -50,6 +60,7 @@ int dml_endfile(FILE *f, int whole, const char *name, const char *file) {
     whole = whole && fflush(f) == 0 && fsync(fileno(f)) == 0;
     const int why = errno;
     const int closed = fclose(f) == 0;
+    if (silent) return remove(name) == 0;
     if (whole && closed && rename(name, file) == 0) return 1;
     const int later = whole ? errno : why;
     remove(name);
@@ -65,6 +76,11 @@ int dml_core_new_file(lua_State *L) {
     FILE *f = dml_newfile(file, 0666, name);
     if (!f || fclose(f) != 0) return luaL_fileresult(L, 0, file);
     lua_pushstring(L, name);
+    return 1;
+}
+
+int dml_core_is_silent(lua_State *L) {
+    lua_pushboolean(L, silent);
     return 1;
 }
 

@@ -18,8 +18,13 @@ FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]);
  * remove it. 0: errno says why. */
 int dml_endfile(FILE *f, int whole, const char *name, const char *file);
 
+/* From now on nothing is put in its place: of many ranks one writes. */
+void dml_silencefiles(void);
+int dml_issilent(void);
+
 /* core.new_file and core.end_file, for what other programs write */
 int dml_core_new_file(lua_State *L);
 int dml_core_end_file(lua_State *L);
+int dml_core_is_silent(lua_State *L);
 
 #endif

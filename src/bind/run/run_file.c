@@ -1,4 +1,5 @@
 #include "bind/run/run_file.h"
+#include "bind/core/new_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -137,7 +138,7 @@ static void open_stream(lua_State *L, dml_run_file *f, int fresh) {
     f->stream->closef = NULL;
     f->stream->f = NULL;
     luaL_setmetatable(L, LUA_FILEHANDLE);
-    f->stream->f = fopen(f->name, fresh ? "w+b" : "r+b");
+    f->stream->f = fopen(dml_issilent() ? "/dev/null" : f->name, fresh ? "w+b" : "r+b");
     if (!f->stream->f) luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
     f->stream->closef = close_stream;
 }

@@ -1,0 +1,33 @@
+--- What sweeps add to methods of the core: solver:ensemble{journal =}.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+
+local plain, doc = core.method("dm.solver", "ensemble")
+
+-- ensemble -> { file, found, run }
+local journals = setmetatable({}, { __mode = "k" })
+
+local function ensemble(solver, options)
+  if type(options) == "table" and options.journal ~= nil then
+    return require "dm.sweep.ensemble".ensemble(plain, solver, options, journals)
+  end
+  return plain(solver, options)
+end
+
+core.method("dm.solver", "ensemble", blame.relay(ensemble, "ensemble"),
+  doc:gsub("project=}", "project=, journal=}", 1) .. [[
+
+journal = "file": finished ranges of members are kept in this file; the same call goes on where it
+stopped, and one that is finished is only read. The file is refused where the system, the rule, h,
+steps or members are others, or where a member that is run again differs. ensemble.journal is
+{ file, found, run }: members read from the file, members run now. dmlua --part k/n runs a part of
+the members (docs/sweeps.md).]])
+
+local class = debug.getregistry()["dm.ensemble"]
+local index = class.__index
+function class.__index(e, key)
+  if key == "journal" then return journals[e] end
+  return index(e, key)
+end
+
+return {}
