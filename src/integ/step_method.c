@@ -273,6 +273,9 @@ static dm_status solve(made_step *e, dm_stepper *s) {
                                        .equation = equation,
                                        .ctx = e,
                                        .size = &e->size,
+                                       .place = e->scale,
+                                       .places = e->k->m,
+                                       .over = 1.0,
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     dm_kernel_eval(&e->k->start, e->short_in, e->x);

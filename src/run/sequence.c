@@ -125,6 +125,9 @@ dm_status dm_sequence_run(double *rows, const dm_sequence *r, const dm_sequence_
                                        .equation = residual,
                                        .ctx = &s,
                                        .size = &s.size,
+                                       .place = s.scale,
+                                       .places = r->m,
+                                       .over = 1.0,
                                        .tolerance = plan->tolerance,
                                        .max_iterations = plan->max_iterations};
     dm_status status = DM_OK;

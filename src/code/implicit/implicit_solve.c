@@ -133,7 +133,11 @@ static int invert(dm_root_solver *s, double *inverse) {
     return dm_invert(inverse, s->pivot, s->r) == DM_OK;
 }
 
-/* one Newton iteration on its way */
+/* one Newton iteration on its way; y is far apart where one is that much smaller than another, and
+ * that many increments more are waited for then */
+enum { PATIENCE = 4 };
+static const double APART = 0x1p10;
+
 typedef struct {
     double *y;
     double step, next, size; /* |dy|, the next one, the largest and |y| */
@@ -142,7 +146,8 @@ typedef struct {
     int inside;              /* stay where the branch condition holds */
     int blocked;             /* by that, lately */
     int quick;
-    int slow; /* iterations that halved the step at best, since quick ones */
+    int waited; /* increments since only small y had not settled */
+    int slow;   /* iterations that halved the step at best, since quick ones */
 } path;
 
 /* to = y + part dy */
@@ -153,6 +158,27 @@ static void move(double *to, const double *y, const double *dy, double part, uin
 /* an increment that changes no digit of y */
 static double exact(const path *p, uint32_t r) {
     return EXACT * norm(p->y, r);
+}
+
+/* sum_l |a_kl x_l| of row k, |a_kl| where x is NULL */
+static double row_sum(const double *a, const double *x, uint32_t k, uint32_t columns) {
+    double sum = 0.0;
+    for (uint32_t l = 0; l < columns; l++)
+        sum += fabs(a[k * (size_t)columns + l] * (x ? x[l] : 1.0));
+    return sum;
+}
+
+/* Where the y are far apart in size: has each settled by its own, which is what the equations make
+ * of its digits, sum_k |J^-1_ik| sum_l |J_kl y_l|? */
+static int each_settled(dm_root_solver *s, path *p) {
+    const uint32_t r = s->r;
+    double least = INFINITY, *t = s->trial;
+    for (uint32_t i = 0; i < r; i++) least = fmin(least, fabs(p->y[i]) + fabs(s->dy[i]));
+    if (APART * least >= norm(p->y, r) || p->waited++ >= PATIENCE) return 1;
+    for (uint32_t k = 0; k < r; k++) t[k] = row_sum(s->out + r, p->y, k, r);
+    for (uint32_t i = 0; i < r; i++)
+        if (fabs(s->dy[i]) > EXACT * row_sum(s->inverse, t, i, r)) return 0;
+    return 1;
 }
 
 /* is trial = y + part dy nearer to a root? Then the next increment is shorter, or the one with
@@ -200,14 +226,6 @@ static dm_root_outcome rankless(const dm_root_solver *s, const path *p) {
     return at_root || p->step == INFINITY ? DM_ROOT_SINGULAR : DM_ROOT_NONE;
 }
 
-/* sum_l |a_kl x_l| of row k, |a_kl| where x is NULL */
-static double row_sum(const double *a, const double *x, uint32_t k, uint32_t columns) {
-    double sum = 0.0;
-    for (uint32_t l = 0; l < columns; l++)
-        sum += fabs(a[k * (size_t)columns + l] * (x ? x[l] : 1.0));
-    return sum;
-}
-
 /* |F| at the start and what of it may be rounding */
 static void note_first(const dm_root_solver *s, path *p) {
     double largest = 0.0;
@@ -235,7 +253,7 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     p->size = norm(p->y, s->r);
     for (int k = 0; k < s->most && isfinite(p->step); k++) {
         p->size = fmax(p->size, p->step);
-        if (p->step <= exact(p, s->r)) {
+        if (p->step <= exact(p, s->r) && each_settled(s, p)) {
             move(p->y, p->y, s->dy, 1.0, s->r);
             return arrived(s, p);
         }

@@ -230,6 +230,10 @@ dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper) {
                                        .ctx = g,
                                        .size = &g->size,
                                        .band = dm_step_matrix_band(&g->step),
+                                       .place = g->state,
+                                       .places = g->n,
+                                       .shared = dm_constrained_unknowns(g) - g->table.s * g->n,
+                                       .over = g->h,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);

@@ -97,6 +97,10 @@ static dm_status by_newton(dm_constrained *g, const dm_stepper *stepper) {
                                        .ctx = g,
                                        .size = &g->size,
                                        .band = dm_step_matrix_band(&g->hidden),
+                                       .place = g->next,
+                                       .places = g->n,
+                                       .shared = g->k + g->l,
+                                       .over = g->h,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->end, &problem, g->scratch, &report);

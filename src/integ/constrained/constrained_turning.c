@@ -5,6 +5,7 @@
  * only, and so would be the step. The equation is solved for given v~, again and again: they change
  * by a factor h a time. */
 #include "integ/constrained/constrained_inside.h"
+#include "linalg/solve/newton_limits.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,10 +35,17 @@ static void inner_momentum(dm_constrained *g, double *p, uint32_t k) {
         for (uint32_t j = 0; j < n; j++) p[j] += impulse[m] * g->impulse[m * n + j];
 }
 
-/* new v~; the largest change of an entry, relative to the largest */
-static dm_status renew(dm_constrained *g, double *change) {
+/* what a round of new v~ changes: the largest entry, relative to the largest; of entries relative
+ * to their own size the largest */
+typedef struct {
+    double all, each;
+} turned;
+
+/* new v~ */
+static dm_status renew(dm_constrained *g, turned *change) {
     const uint32_t n = g->n;
-    double most = 0.0, size = 0.0;
+    const double beside = DM_NEWTON_BESIDE / fabs(g->h);
+    double most = 0.0, size = 0.0, each = 0.0;
     for (uint32_t k = 1; k < g->K; k++) {
         double *v = g->inner_v + (k - 1) * (size_t)n;
         dm_constrained_at_constraint(g, g->root, k);
@@ -46,11 +54,13 @@ static dm_status renew(dm_constrained *g, double *change) {
         const dm_status status = dm_legendre_inverse(g->m, v, g->x, g->dp, g->x[2 * n], g->scratch);
         if (status != DM_OK) return status;
         for (uint32_t j = 0; j < n; j++) {
-            most = dm_constrained_larger(fabs(v[j] - g->dq[j]), most);
+            const double dv = fabs(v[j] - g->dq[j]);
+            most = dm_constrained_larger(dv, most);
             size = dm_constrained_larger(fabs(v[j]), size);
+            if (dv > 0.0) each = fmax(each, dv / (fabs(v[j]) + dv + beside * fabs(g->x[j])));
         }
     }
-    *change = size > 0.0 ? most / size : most;
+    *change = (turned){size > 0.0 ? most / size : most, each};
     return DM_OK;
 }
 
@@ -59,17 +69,21 @@ static dm_status renew(dm_constrained *g, double *change) {
 dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *stepper) {
     enum { SWEEPS = 60 };
     static const double NOISE = 1e-13; /* a change that small may stall */
-    double change = INFINITY, last;
+    static const double LOOSE = 16.0;  /* times the tolerance, for entries by their own size */
+    turned change = {INFINITY, INFINITY}, last;
     dm_status status = dm_constrained_finish(g, stepper);
     for (int k = 0; status == DM_OK && k < SWEEPS; k++) {
         last = change;
         status = renew(g, &change);
         if (status != DM_OK) return status;
-        const int done = change <= stepper->tolerance || (change >= last && change < NOISE);
+        const int settled =
+            change.each <= LOOSE * stepper->tolerance || change.each >= 0.5 * last.each;
+        const int done = (change.all <= stepper->tolerance && settled) ||
+                         (change.all >= last.all && change.all < NOISE);
         status = dm_constrained_newton(g, stepper);
         if (status == DM_OK) status = dm_constrained_finish(g, stepper);
         if (done) return status;
     }
-    g->residual = change * g->mass_size;
+    g->residual = change.all * g->mass_size;
     return status == DM_OK ? DM_NO_CONVERGENCE : status;
 }

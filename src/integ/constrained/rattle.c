@@ -2,6 +2,8 @@
 #include "integ/constrained/rattle.h"
 
 #include "integ/constrained/constrained.h"
+#include "linalg/solve/newton.h"
+#include "linalg/solve/newton_limits.h"
 #include "mech/constraints.h"
 
 #include <math.h>
@@ -11,11 +13,11 @@
  * of the tolerance */
 static const double STALLED = 1e-12, NEGLIGIBLE = 2.5e-3;
 
-/* workspace: this, memory, two buffers of a step, one for an iteration */
+/* workspace: this, memory, two buffers of a step, one for an iteration, the last change of y */
 typedef struct {
     dm_rattle_layout at;
     dm_rattle_kernels kernel;
-    double *memory, *now, *next, *iterate;
+    double *memory, *now, *next, *iterate, *change;
 } layout;
 
 /* memory: h of the last step (0: there is none), which may be a part of a composition, its mu */
@@ -58,7 +60,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_rattle_layout at = dm_rattle_lay_out(m);
     (void)rule;
-    return layout_size() + MU + at.m + 3 * (size_t)at.size;
+    return layout_size() + MU + at.m + 3 * (size_t)at.size + at.n;
 }
 
 /* what never varies stays in the buffers */
@@ -79,6 +81,7 @@ static dm_status open(dm_stepper *s) {
     l->now = l->memory + MU + l->at.m;
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
+    l->change = l->iterate + l->at.size;
     memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
     const int shake = (s->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
@@ -115,10 +118,10 @@ static void impulses(const dm_stepper *s, double *out) {
 
 /* ---- a step ---- */
 
-/* The squares of the last two changes and of q1 say that q1 is known to round-off: the last
- * change is, or what Newton's method, being quadratic, would change next. */
-static int is_last(const dm_stepper *s, const double *norms) {
-    const double before = norms[0], now = norms[1], size = norms[2];
+/* The squares of the last two changes and of a size of q1 say that it is known to round-off: the
+ * last change is, or what Newton's method, being quadratic, would change next. */
+static int is_known(const dm_stepper *s, const double *norms, double size) {
+    const double before = norms[0], now = norms[1];
     const double tolerance = s->tolerance * s->tolerance * size;
     if (now <= tolerance) return 1;
     if (now < before && now * now * now <= NEGLIGIBLE * NEGLIGIBLE * tolerance * before * before)
@@ -126,17 +129,55 @@ static int is_last(const dm_stepper *s, const double *norms) {
     return now >= before && now <= STALLED * STALLED * size;
 }
 
+/* one iteration more; what it changes y by */
+static void iterate_once(dm_stepper *s, layout *l) {
+    const size_t n = l->at.n, count = n + l->at.m + 3;
+    double *y = l->now + l->at.y;
+    dm_kernel_eval(&l->kernel.newton, l->now, l->iterate);
+    for (size_t c = 0; c < n; c++) l->change[c] = l->iterate[c] - y[c];
+    memcpy(y, l->iterate, count * sizeof *y);
+    s->report.iterations++;
+}
+
+static int is_last(const dm_stepper *s, const double *norms) {
+    return is_known(s, norms, norms[2]);
+}
+
 /* further iterations, where two were not enough */
-static dm_status iterate(dm_stepper *s, layout *l, double *norms) {
-    const size_t count = l->at.n + (size_t)l->at.m + 3;
+static dm_status iterate(dm_stepper *s, layout *l, const double *norms) {
     while (!is_last(s, norms)) {
         if (s->report.iterations >= s->max_iterations) return DM_NO_CONVERGENCE;
-        dm_kernel_eval(&l->kernel.newton, l->now, l->iterate);
-        memcpy(l->now + l->at.y, l->iterate, count * sizeof *norms);
-        s->report.iterations++;
+        iterate_once(s, l);
         if (!isfinite(norms[1] + norms[2])) return DM_NO_CONVERGENCE;
     }
     return DM_OK;
+}
+
+/* Is some coordinate much smaller than the largest, not zero, and not known yet? */
+static int has_small_ones(const dm_stepper *s, const layout *l) {
+    const double *q = l->now, *y = q + l->at.y, *norms = q + l->at.norms;
+    double least = norms[2];
+    for (uint32_t c = 0; c < l->at.n; c++) {
+        const double own = q[c] * q[c] + y[c] * y[c];
+        least = own < least && own > 0.0 ? own : least;
+    }
+    return least * 0x1p20 < norms[2] && !is_known(s, norms, least);
+}
+
+/* And on, until each of them is. */
+static void iterate_small_ones(dm_stepper *s, layout *l, double h) {
+    const uint32_t n = l->at.n;
+    const double *y = l->now + l->at.y;
+    const dm_newton_problem judge = {.m = n,
+                                     .place = l->now,
+                                     .places = n,
+                                     .over = l->at.drags ? h : DM_NEWTON_BESIDE, /* v; q */
+                                     .tolerance = s->tolerance};
+    dm_newton_wait wait = {0};
+    do {
+        iterate_once(s, l);
+    } while (!dm_newton_small_settled(&wait, &judge, y, l->change) &&
+             s->report.iterations < s->max_iterations);
 }
 
 /* The largest |g| so far, for the report. */
@@ -158,6 +199,7 @@ static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
         s->report.residual = sqrt(norms[1]);
         if (status != DM_OK) return status;
     }
+    if (solves && has_small_ones(s, l)) iterate_small_ones(s, l, h);
     dm_kernel_eval(&l->kernel.end, x, l->next);
     look_at_constraint(s, l, l->next + l->at.g);
     s->report.newton += s->report.iterations;

@@ -110,27 +110,48 @@ static dm_status find_increment(dm_curve_step *e, double *dx, int fresh) {
     return DM_OK;
 }
 
+/* All unknowns are velocities, but for the multipliers. */
+static dm_newton_problem problem_of(dm_curve_step *e, const dm_stepper *s) {
+    return (dm_newton_problem){.m = (uint32_t)e->unknowns,
+                               .equation = dm_curve_equation,
+                               .ctx = e,
+                               .size = &e->size,
+                               .place = e->state,
+                               .places = (uint32_t)e->n,
+                               .shared = (uint32_t)e->tie.m,
+                               .over = e->h,
+                               .tolerance = s->tolerance,
+                               .max_iterations = s->max_iterations};
+}
+
 /* one matrix for a whole step; DM_NO_CONVERGENCE where increments do not shrink tenfold */
 static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations, int fresh) {
     const size_t m = e->unknowns;
+    dm_newton_wait wait = {0};
     double *dx = e->scratch, last = INFINITY, rate, least = SLOW;
     for (int k = 0; k < CHORDS && k < s->max_iterations; k++) {
         const dm_status status = find_increment(e, dx, fresh && k == 0);
         if (status != DM_OK) return status;
         const double step = norm(dx, m), size = norm(e->z, m) + step;
         ++*iterations;
-        for (size_t i = 0; i < m; i++) e->z[i] += dx[i];
         if (!isfinite(step)) return DM_NOT_FINITE;
         rate = k ? step / last : SLOW; /* not known yet */
         const int stalled = k && rate > SLOW && step <= ROUND_OFF * size;
         if (k) least = fmin(least, rate); /* at the end rates are noise */
         const int small = least * step <= NEGLIGIBLE * s->tolerance * size;
-        if (step == 0.0 || stalled || small) {
-            e->settled = step <= s->tolerance * size;
+        const int all = step == 0.0 || stalled || small;
+        int done = all;
+        if (all && dm_newton_has_small(e->z, dx, (uint32_t)(m - e->tie.m), size)) {
+            const dm_newton_problem problem = problem_of(e, s);
+            done = dm_newton_small_settled(&wait, &problem, e->z, dx);
+        }
+        for (size_t i = 0; i < m; i++) e->z[i] += dx[i];
+        if (done) {
+            e->settled = step <= s->tolerance * size && wait.step <= s->tolerance;
             if (k > 3) e->memory[1 + 5 * e->n] = 0.0;
             return DM_OK;
         }
-        if (k && rate > SLOW) return DM_NO_CONVERGENCE;
+        if (k && rate > SLOW && !all) return DM_NO_CONVERGENCE;
         if (k && rate > STALE) e->memory[1 + 5 * e->n] = 0.0;
         last = step;
     }
@@ -139,12 +160,7 @@ static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations, i
 
 /* Newton's method with all its care */
 static dm_status newton(dm_curve_step *e, const dm_stepper *s, int *iterations) {
-    const dm_newton_problem problem = {.m = (uint32_t)e->unknowns,
-                                       .equation = dm_curve_equation,
-                                       .ctx = e,
-                                       .size = &e->size,
-                                       .tolerance = s->tolerance,
-                                       .max_iterations = s->max_iterations};
+    const dm_newton_problem problem = problem_of(e, s);
     dm_newton_report report = {0};
     const dm_status status = dm_newton(e->z, &problem, e->scratch, &report);
     *iterations += report.iterations;

@@ -326,6 +326,10 @@ dm_status dm_curve_tie_hide(dm_curve_step *e, const dm_stepper *s, double *v, co
                                        .equation = hidden_equation,
                                        .ctx = &hide,
                                        .size = &hide.size,
+                                       .place = q,
+                                       .places = (uint32_t)n,
+                                       .shared = (uint32_t)c->m,
+                                       .over = e->h,
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     dm_status status = hide_begin(&hide, v);

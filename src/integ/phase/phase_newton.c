@@ -88,6 +88,9 @@ static dm_status solve(dm_phase *g, dm_stepper *stepper) {
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
+                                       .place = g->state,
+                                       .places = 2 * g->n,
+                                       .over = 1.0,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     if (g->ratio > 0.0)

@@ -31,7 +31,7 @@ size_t dm_phase_work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, r = (size_t)basis.q.r, w = width_of(r), unknowns = 2 * n * r;
     const size_t head = (sizeof(dm_phase) + sizeof(double) - 1) / sizeof(double);
     return head + dm_stage_table_size((size_t)basis.s, r) + 4 * r * r + 4 * r + 12 * n * w + w +
-           8 * r * w + 6 * w + 4 * (4 * n + 1) + 12 * n + r * (2 * n + 4 * n * n) + 2 * n + 1 +
+           8 * r * w + 6 * w + 4 * (4 * n + 1) + 14 * n + r * (2 * n + 4 * n * n) + 2 * n + 1 +
            2 * unknowns + larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m)) +
            DM_SWEPT_END + ARRAYS * LINE;
 }
@@ -69,6 +69,7 @@ static void lay_sweeps(dm_phase *g, double **memory) {
     g->b = (dm_parts){take(memory, w), take(memory, w)};
     g->line = (dm_parts){take(memory, w), take(memory, w)};
     g->ones = take(memory, 2 * n);
+    g->unit = take(memory, 2 * n);
 }
 
 /* returns what is behind the last array */

@@ -10,6 +10,7 @@
 
 typedef struct {
     dm_phase *g;
+    int by_all;                /* the largest coordinate alone tells when they end */
     int settled;               /* what the coefficients lack is in the base */
     int rated;                 /* the rate is of this step */
     int count;                 /* sweeps */
@@ -21,16 +22,6 @@ typedef struct {
 static void evaluate(dm_phase *g) {
     dm_stage_apply(&g->field, g->width, g->r);
     g->evaluations += g->r;
-}
-
-/* sum of the squares of the start and of a point of the step */
-static double square(const dm_sweep *a, uint32_t width) {
-    double size = 0.0;
-    for (uint32_t k = 0; k < a->rows; k++) {
-        const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
-        size += x * x + y * y;
-    }
-    return size;
 }
 
 /* one sweep; what positions and momenta moved by, relative to their size */
@@ -99,20 +90,30 @@ static void set_off(dm_phase *g, int warm) {
 /* the iteration from one guess; the rate of the step before is taken with a margin */
 static dm_status attempt(iteration *it, const dm_stepper *stepper, int warm) {
     dm_phase *g = it->g;
-    *it = (iteration){.g = g, .change = 1.0, .rate = DM_SWEEP_SLOW};
+    *it = (iteration){.g = g, .by_all = it->by_all, .change = 1.0, .rate = DM_SWEEP_SLOW};
     if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * g->memory[DM_SWEPT_RATE]);
     set_off(g, warm);
-    for (int k = 0; k < 2; k++) it->scale[k] = 1.0 / square(&g->sum[k], g->width);
+    for (int k = 0; k < 2; k++)
+        it->scale[k] =
+            1.0 / dm_sweep_measure(&g->sum[k], g->unit + (k ? g->n : 0), g->width, it->by_all);
     evaluate(g);
     return iterate(it, stepper->tolerance, warm ? g->count : 0);
 }
 
 /* Far from its step the polynomial may leave the domain: then from the start. */
+static dm_status attempts(iteration *it, const dm_stepper *stepper, int warm) {
+    const dm_status status = attempt(it, stepper, warm);
+    return status != DM_OK && warm ? attempt(it, stepper, 0) : status;
+}
+
 dm_status dm_phase_sweep(dm_phase *g, dm_stepper *stepper) {
     iteration it = {.g = g};
     const int warm = dm_phase_memory_fits(g);
-    dm_status status = attempt(&it, stepper, warm);
-    if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
+    dm_status status = attempts(&it, stepper, warm);
+    if (status != DM_OK && (g->sum[0].unit || g->sum[1].unit)) {
+        it.by_all = 1;
+        status = attempts(&it, stepper, warm);
+    }
     stepper->report.iterations = it.count;
     if (status != DM_OK) return status;
     stepper->report.residual = sqrt(it.rate * it.change / it.scale[1]);

@@ -334,6 +334,10 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
+                                       .place = state,
+                                       .places = g->n,
+                                       .shared = g->projected ? g->n : 0,
+                                       .over = h,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     g->state = state;

@@ -397,6 +397,20 @@ static void find_units(pair *e) {
     }
 }
 
+/* z are displacements, and multipliers behind them. */
+static dm_newton_problem problem_of(pair *e, const dm_stepper *s) {
+    return (dm_newton_problem){.m = e->N,
+                               .equation = equation,
+                               .ctx = e,
+                               .size = &e->size,
+                               .place = e->state,
+                               .places = e->n,
+                               .shared = e->N - e->n,
+                               .over = 1.0,
+                               .tolerance = s->tolerance,
+                               .max_iterations = s->max_iterations};
+}
+
 /* Newton's method from the continued z with the exact matrix at every iterate, which the kernel
  * gives anyway. Errors are squared: the last increment need not be small, but the next one,
  * foretold by the last two. 0: it does not go that well. */
@@ -404,6 +418,8 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
     enum { MOST = 6 };
     static const double FAST = 0.1, NEGLIGIBLE = 1e-17;
     const uint32_t n = e->N;
+    dm_newton_problem problem = problem_of(e, s);
+    dm_newton_wait wait = {0};
     double *r = e->scratch, *J = r + n, before = INFINITY;
     uint32_t *pivot = (uint32_t *)(void *)(J + n * (size_t)n);
     find_units(e);
@@ -416,11 +432,13 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
         const double rate = before < INFINITY ? step / before : 1.0;
         const int noise = is_noise(e, step, size, report->residual);
         if (!(step <= FAST * before || noise)) return 0;
+        const int all = step <= s->tolerance * size || rate * rate * step <= NEGLIGIBLE * size ||
+                        (rate > 0.5 && noise);
+        const int done = all && (!dm_newton_has_small(e->z, r, e->n, size) ||
+                                 dm_newton_small_settled(&wait, &problem, e->z, r));
         for (uint32_t i = 0; i < n; i++) e->z[i] -= r[i];
         report->iterations++;
-        if (step <= s->tolerance * size || rate * rate * step <= NEGLIGIBLE * size ||
-            (rate > 0.5 && noise))
-            return 1;
+        if (done) return 1;
         before = step;
     }
     return 0;
@@ -429,12 +447,7 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
 /* from z = h v for a v[n], or from z = 0 */
 static dm_status solve_from(pair *e, const dm_stepper *s, const double *v, double h,
                             dm_newton_report *report) {
-    const dm_newton_problem problem = {.m = e->N,
-                                       .equation = equation,
-                                       .ctx = e,
-                                       .size = &e->size,
-                                       .tolerance = s->tolerance,
-                                       .max_iterations = s->max_iterations};
+    const dm_newton_problem problem = problem_of(e, s);
     memset(e->z, 0, e->N * sizeof *e->z);
     for (uint32_t i = 0; v && i < e->n; i++) e->z[i] = h * v[i];
     find_units(e);

@@ -138,6 +138,9 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper) {
                                        .inside = g->m->structure & DM_QUADRATIC_IN_V ? NULL
                                                                                      : g->points.v0,
                                        .period = g->n,
+                                       .place = g->group.state,
+                                       .places = g->n,
+                                       .over = g->weights.h,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = find_root(g, &problem, &report);

@@ -228,6 +228,9 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .ctx = g,
                                        .size = &g->size,
                                        .near_identity = unknowns > g->n, /* one point: J is cheap */
+                                       .place = g->group.state,
+                                       .places = g->n,
+                                       .over = 1.0,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->newton.root, &problem, g->scratch, &report);

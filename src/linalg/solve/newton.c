@@ -113,7 +113,7 @@ static dm_status search(solver *s) {
  * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had. */
 static int is_floor(const solver *s) {
     const chord *it = &s->it;
-    return it->step <= DM_NEWTON_FLOOR * (norm_of(it->x, s->p->m) + it->step);
+    return it->all.step <= DM_NEWTON_FLOOR * (norm_of(it->x, s->p->m) + it->all.step);
 }
 
 /* A start outside of the domain: half of the way to where r has a value, and half of that. */
@@ -136,8 +136,9 @@ static dm_status enter_domain(solver *s) {
 static dm_status damped(solver *s) {
     chord *it = &s->it;
     const uint32_t m = s->p->m;
+    waiting w = {0};
     it->todo = 1;
-    it->step = INFINITY;
+    it->all.step = INFINITY;
     if (s->status == DM_NOT_FINITE) {
         const dm_status entered = enter_domain(s);
         if (entered != DM_OK) return entered;
@@ -146,12 +147,12 @@ static dm_status damped(solver *s) {
         dm_status status = evaluate_at(s, it->x, 1, m);
         if (status != DM_OK) return status;
         find_increment(it, solve, s, m);
-        if (!isfinite(it->step)) return DM_NOT_FINITE;
-        if (is_last(it, m)) {
-            advance_iterates(it, m);
-            return DM_OK;
-        }
-        status = search(s);
+        if (!isfinite(it->all.step)) return DM_NOT_FINITE;
+        int waits;
+        const int last = is_last(it, &w, m, &waits);
+        if (last || waits) advance_iterates(it, m);
+        if (last) return DM_OK;
+        status = waits ? DM_OK : search(s);
         if (status == DM_NO_CONVERGENCE && is_floor(s)) return DM_OK;
         if (status != DM_OK) return status;
     }
@@ -159,11 +160,22 @@ static dm_status damped(solver *s) {
 }
 
 /* chord iterations, and damped ones from the same start where they fail */
-static dm_status find_root(solver *s) {
+static dm_status attempt(solver *s) {
     if (chord_iterations(s)) return DM_OK;
     if (s->status == DM_CALLBACK) return DM_CALLBACK;
     memcpy(s->it.x, s->start, s->p->m * sizeof *s->start);
     return damped(s);
+}
+
+/* A root that is only missed by unknowns that never settle is one by the largest. */
+static dm_status find_root(solver *s) {
+    for (;;) {
+        const dm_status status = attempt(s);
+        if (status == DM_OK || status == DM_CALLBACK || !s->it.waited) return status;
+        s->it.own.shared = s->p->m;
+        s->it.waited = s->it.factored = 0;
+        memcpy(s->it.x, s->start, s->p->m * sizeof *s->start);
+    }
 }
 
 dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
@@ -171,6 +183,10 @@ dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
     const uint32_t m = problem->m;
     solver s = {.p = problem, .report = report};
     s.it = (chord){.x = x, .dx = work, .r = work + m, .tolerance = problem->tolerance};
+    s.it.own.place = problem->place;
+    s.it.own.places = problem->places;
+    s.it.own.over = problem->over;
+    s.it.own.shared = problem->shared;
     s.trial = s.it.r + m;
     s.start = s.trial + m;
     s.J = s.start + m;
@@ -181,4 +197,14 @@ dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
     report->iterations = s.it.count;
     report->residual = s.it.residual;
     return status;
+}
+
+int dm_newton_small_settled(dm_newton_wait *wait, const dm_newton_problem *problem, const double *x,
+                            const double *dx) {
+    chord it = {.x = (double *)x, .dx = (double *)dx};
+    const double before = wait->step;
+    it.own = (own_sizes){problem->place, problem->places, problem->over, problem->shared};
+    wait->step = own_step(&it, problem->m);
+    if (wait->step <= problem->tolerance) return 1;
+    return wait->waited++ >= DM_NEWTON_PATIENCE && wait->step > 0.5 * before;
 }

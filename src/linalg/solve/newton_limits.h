@@ -9,5 +9,11 @@ static const double DM_NEWTON_FLOOR = 1e-9;      /* an increment that small may 
 static const double DM_NEWTON_NEGLIGIBLE =
     1e-5; /* of the tolerance: error left that is not worth a step, 4e-20 relative */
 static const double DM_NEWTON_SLOW = 0.1; /* rate that calls for a new Jacobian */
+/* Unknowns whose sizes are within this ratio are judged by the largest of them, others each by its
+ * own size, for so many iterations more at least. */
+static const double DM_NEWTON_APART = 0x1p10, DM_NEWTON_PATIENCE = 4;
+/* A displacement of so much of a coordinate counts for nothing beside it: of the tolerance that is
+ * 4e-18 of the coordinate. */
+static const double DM_NEWTON_BESIDE = 1e-3;
 
 #endif

@@ -1,7 +1,8 @@
 /* one_point_text.h - a step of one stage by one_point.h for W members: M u = L_q(Q, t + c h), Q =
  * q0 + h reach v0 + h^2 A u,  q1 = q0 + h v0 + h^2 mean u,  p1 = p0 + h b M u. It begins at the
  * displacements Z = Q - q0 of the steps before, continued. A text for files that have
- * numbers/lanes_text.h, which for one member is stage_one_point.c. */
+ * numbers/lanes_text.h, which for one member is stage_one_point.c. Long because it is one step,
+ * from its guess to what it leaves to the next one. */
 #ifndef DM_ONE_POINT_TEXT_H
 #define DM_ONE_POINT_TEXT_H
 
@@ -77,6 +78,30 @@ INLINE I is_root(V first, V second, V small) {
            (WHERE(second <= small) & slow);
 }
 
+/* Lanes of `where` with a coordinate much smaller than the largest: both increments of those count
+ * by their own size |q_k| + |Z_k|, in units of what all of them were to. */
+INLINE void judge_each(const one_point_step *a, I where, V w, V all, V *first, V *second) {
+    const uint32_t n = a->n;
+    const double *q = a->kernel->in, *Z = q + 2 * n * W, *du = a->kernel->out + n * W;
+    V size[DM_ONE_POINT_MOST], least = all, one = {0}, two = {0};
+    if (n == 1) return;
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++) {
+        size[k] = magnitude(load(q + k * W)) + magnitude(load(Z + k * W));
+        least = pick(WHERE(size[k] > (V){0}) & WHERE(size[k] < least), size[k], least);
+    }
+    const I apart = where & WHERE(DM_NEWTON_APART * least < all);
+    if (!some(apart)) return;
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++) {
+        const V unit = pick(WHERE(size[k] > (V){0}), all / size[k], same(1.0)) * magnitude(w);
+        one = larger_of(unit * magnitude(load(du + k * W)), one);
+        two = larger_of(unit * magnitude(load(du + (n + k) * W)), two);
+    }
+    *first = pick(apart, one, *first);
+    *second = pick(apart, two, *second);
+}
+
 /* The lanes that find a root from the guess. Where increments do not shrink at once, from a poor
  * guess on rough motion, there may be another root than the one of a small step: such a step is
  * left to continuation in h (stage.c). */
@@ -85,16 +110,20 @@ INLINE I iterate(one_point_step *a, I todo) {
     const double *in = a->kernel->in, *base = in + n * W, *out = a->kernel->out;
     const V w = load(in + (3 * n + DM_ONE_POINT_WEIGHT) * W);
     double *Z = a->kernel->in + 2 * n * W;
-    const V small = a->group->tolerance * (largest_of(in, n) + largest_of(Z, n));
+    const V all = largest_of(in, n) + largest_of(Z, n), small = a->group->tolerance * all;
     I ended = mask_of(0);
     for (a->calls = 0; a->calls < DM_ONE_POINT_CALLS && some(todo);) {
         V u[DM_ONE_POINT_MOST];
         dm_kernel_eval(&a->kernel->kernel, in, a->kernel->out);
         a->calls++;
-        const V first = magnitude(w) * largest_of(out + n * W, n);
-        const V second = magnitude(w) * largest_of(out + 2 * n * W, n);
-        const I now = todo & is_root(first, second, small);
+        V first = magnitude(w) * largest_of(out + n * W, n);
+        V second = magnitude(w) * largest_of(out + 2 * n * W, n);
+        I now = todo & is_root(first, second, small);
         a->left = second;
+        if (some(now)) {
+            judge_each(a, now, w, all, &first, &second);
+            now &= is_root(first, second, small);
+        }
         divide_by_mass(a->g->m, u, out, NULL, n);
 #pragma GCC unroll 4
         for (uint32_t k = 0; k < n; k++) {

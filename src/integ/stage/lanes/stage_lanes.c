@@ -86,18 +86,11 @@ static int lay_out_sweeps(dm_stage_lanes *w) {
     const size_t triangle = g->separable ? 0 : n * (n + 1) / 2;
     const size_t taken = 2 * n + 1, given = g->sweeps->force.outputs,
                  factored = g->separable ? 0 : 3 * n + triangle;
-    const array arrays[] = {{&w->group.next, 4 * n},
-                            {&x->in, r * taken},
-                            {&x->out, r * given},
-                            {&x->u, r * n},
-                            {&x->base, r * n},
-                            {&x->lift, r * n},
-                            {&x->v0, n},
-                            {&x->drift, n},
-                            {&x->end_u, r * n},
-                            {&x->end_f, r * n},
-                            {&x->zeros, r * n},
-                            {&x->factored, r * factored}};
+    const array arrays[] =
+        {{&w->group.next, 4 * n},     {&x->in, r * taken}, {&x->out, r * given}, {&x->u, r * n},
+         {&x->base, r * n},           {&x->lift, r * n},   {&x->v0, n},          {&x->drift, n},
+         {&x->end_u, r * n},          {&x->end_f, r * n},  {&x->zeros, r * n},   {&x->unit, 2 * n},
+         {&x->factored, r * factored}};
     const uint32_t lanes = w->members.lanes;
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
     for (size_t m = 0; m < r; m++) {

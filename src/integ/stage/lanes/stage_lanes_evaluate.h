@@ -132,23 +132,38 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     return fine;
 }
 
-/* sum of the squares of the start and of the last stage */
-INLINE V square_of(const lanes_sweeps *it, const lanes_walk *a) {
-    V size = {0};
+/* square of the start and of the last stage */
+INLINE V square_of(const lanes_sweeps *it, const lanes_walk *a, uint32_t k) {
+    const V x = load(a->start + k * W), y = load(a->x + (it->r - 1) * a->x_stage + k * W);
+    return x * x + y * y;
+}
+
+/* the sum of these; units[n][W] where rows of some lane are far apart, in others all 1 */
+INLINE V measure(const lanes_sweeps *it, const lanes_walk *a, double *units, int *has_units) {
+    V size = {0}, least = same(INFINITY);
     for (uint32_t k = 0; k < it->n; k++) {
-        const V x = load(a->start + k * W), y = load(a->x + (it->r - 1) * a->x_stage + k * W);
-        size += x * x + y * y;
+        const V row = square_of(it, a, k);
+        size += row;
+        least = pick(WHERE(row > (V){0}) & WHERE(row < least), row, least);
+    }
+    const I apart = WHERE(DM_SWEEP_APART * least < size);
+    *has_units = some(apart);
+    for (uint32_t k = 0; k < it->n && *has_units; k++) {
+        const V own = square_of(it, a, k);
+        for (uint32_t l = 0; l < W; l++)
+            units[k * W + l] = apart[l] ? dm_sweep_unit(size[l], own[l]) : 1.0;
     }
     return size;
 }
 
 INLINE void evaluate_first(lanes_sweeps *it) {
     const lanes_walk q = walk_of_q(it), p = walk_of_p(it);
-    it->size[0] = square_of(it, &q);
+    double *units = it->w->sweeps.unit;
+    it->size[0] = measure(it, &q, units, it->has_units);
     evaluate_stages(it);
     it->scale[0] = 1.0 / it->size[0];
     if (it->w->g->separable) return;
-    it->moved[1] = it->size[1] = square_of(it, &p);
+    it->moved[1] = it->size[1] = measure(it, &p, units + it->n * W, it->has_units + 1);
     it->scale[1] = 1.0 / it->size[1];
 }
 

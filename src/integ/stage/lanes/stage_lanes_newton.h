@@ -54,6 +54,7 @@ INLINE uint32_t step_of(const dm_stage_lanes *w, uint32_t asked, uint32_t n, uin
                .r = w->matrix.r,
                .dx = w->matrix.dx,
                .tolerance = x->tolerance,
+               .own = {x->state, n, load(x->h), 0},
                .factored = 1};
     c.todo = c.fresh = mask_of(asked) & guess_velocities(&it.e);
     if (!some(c.todo)) return 0;

@@ -11,6 +11,7 @@
 typedef struct {
     double *x;
     const double *base, *column, *u, *factor, *start; /* start [rows][W] */
+    const double *unit; /* [rows][W] by which moves count; NULL: all are 1 */
     size_t x_stage, u_stage, u_row;
 } lanes_walk;
 
@@ -18,6 +19,7 @@ typedef struct {
     const dm_stage_lanes *w;
     uint32_t n, r, width;
     int measured, count;
+    int has_units[2]; /* of positions, momenta */
     I settled, rated;
     V size[2], scale[2], moved[2], change, rate;
 } lanes_sweeps;
@@ -50,7 +52,7 @@ INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u, 
     return even + odd;
 }
 
-/* stages and measured are constants where this is called; lanes that are not in `where` keep x */
+/* stages and measured (2: by units) are constants where this is called; lanes that are not in `where` keep x */
 INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, int measured,
                      const I *where) {
     const uint32_t n = it->n, width = r == 1 ? 1 : r <= 4 ? 4 : 8;
@@ -71,7 +73,8 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, in
             if (at.factor) sum = madd(same(at.factor[k]), sum, base, fused);
             const V now = start + sum;
             if (measured) {
-                const V d = now - load(x);
+                V d = now - load(x);
+                if (measured > 1) d *= load(at.unit + k * W);
                 moved[i] = madd(d, d, moved[i], fused);
             }
             store(x, where ? pick(*where, now, load(x)) : now);
@@ -80,8 +83,13 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, in
     return measured ? moved_of(moved, width) : (V){0};
 }
 
+HOW static __attribute__((noinline)) V move_by_units(const lanes_sweeps *it, const lanes_walk *a) {
+    return walk_stages(it, a, it->r, 2, NULL);
+}
+
 /* few stages are written out */
 HOW static V move(const lanes_sweeps *it, const lanes_walk *a) {
+    if (a->unit) return move_by_units(it, a);
     if (it->r == 1) return walk_stages(it, a, 1, 1, NULL);
     if (it->r == 2) return walk_stages(it, a, 2, 1, NULL);
     if (it->r == 3) return walk_stages(it, a, 3, 1, NULL);
@@ -148,6 +156,7 @@ INLINE lanes_walk walk_of_q(const lanes_sweeps *it) {
                     .column = columns_of(w, one->whole),
                     .factor = one->q.factor,
                     .start = w->group.state,
+                    .unit = it->has_units[0] ? w->sweeps.unit : NULL,
                     .x_stage = taken(it),
                     .u_row = W};
     a.u = unknowns_of(it, &a.u_stage);
@@ -162,6 +171,7 @@ INLINE lanes_walk walk_of_p(const lanes_sweeps *it) {
                         .column = columns_of(w, one->whole),
                         .u = w->sweeps.out,
                         .start = w->group.state + it->n * W,
+                        .unit = it->has_units[1] ? w->sweeps.unit + it->n * W : NULL,
                         .x_stage = factored(it),
                         .u_stage = given(it),
                         .u_row = W};

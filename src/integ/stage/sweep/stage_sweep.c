@@ -122,16 +122,6 @@ static void sweep(iteration *it) {
     it->count++;
 }
 
-/* sum of the squares of the start and of a point of the step */
-static double square(const dm_sweep *a, uint32_t width) {
-    double size = 0.0;
-    for (uint32_t k = 0; k < a->rows; k++) {
-        const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
-        size += x * x + y * y;
-    }
-    return size;
-}
-
 /* the first positions and velocities: u of the step before, continued, or a straight line */
 static void set_off(iteration *it, int warm) {
     dm_stage *g = it->g;
@@ -165,10 +155,13 @@ static void prepare(iteration *it, int warm) {
 
 /* the first one, which tells what changes are compared with */
 static void evaluate_first(iteration *it) {
-    const dm_stage_sweeps *w = it->w;
-    it->size[0] = square(&w->q, w->row->width);
+    dm_stage_sweeps *w = it->w;
+    const uint32_t width = w->row->width;
+    it->size[0] = dm_sweep_measure(&w->q, w->unit, width, w->by_all);
     evaluate(it);
-    it->moved[1] = it->size[1] = it->g->separable ? 0.0 : square(&w->p, w->row->width);
+    it->size[1] =
+        it->g->separable ? 0.0 : dm_sweep_measure(&w->p, w->unit + it->g->n, width, w->by_all);
+    it->moved[1] = it->size[1];
     for (int k = 0; k < 2; k++) it->scale[k] = 1.0 / it->size[k];
 }
 
@@ -250,17 +243,26 @@ static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
     return status == DM_OK && !is_regular(g) ? DM_NO_CONVERGENCE : status;
 }
 
-/* far from its step the polynomial may leave the domain: then from a straight line. The end is
- * in the state */
+/* far from its step the polynomial may leave the domain: then from a straight line */
+static dm_status attempts(iteration *it, dm_stepper *stepper, int warm) {
+    const dm_status status = attempt(it, stepper, warm);
+    return status != DM_OK && warm ? attempt(it, stepper, 0) : status;
+}
+
+/* The end is in the state. */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
     iteration it = {.g = g, .w = g->sweeps};
-    const dm_stage_sweeps *w = it.w;
+    dm_stage_sweeps *w = it.w;
     const int warm = dm_stage_memory_fits(g);
     const double *before = warm ? w->memory + DM_SWEPT_END : g->group.next;
     if (!warm)
         dm_stage_copy(g->group.next, g->group.state, 4 * g->n); /* should the end not be finite */
-    dm_status status = attempt(&it, stepper, warm);
-    if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
+    dm_status status = attempts(&it, stepper, warm);
+    if (status != DM_OK && (w->q.unit || w->p.unit)) {
+        w->by_all = 1;
+        status = attempts(&it, stepper, warm);
+        w->by_all = 0;
+    }
     stepper->report.iterations = it.count;
     if (status == DM_OK) status = finish(g, before);
     if (status != DM_OK) return status;

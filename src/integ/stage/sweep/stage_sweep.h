@@ -31,6 +31,7 @@ typedef struct dm_stage_sweeps {
     const dm_sweep_row *row;                  /* sums for so many stages, of this processor */
     dm_stage_kernel force, factors, velocity; /* the last two: general form, else lanes = 0 */
     int count;                                /* sweeps a step; 0: to round-off */
+    int by_all;                               /* the largest coordinate alone tells when they end */
     dm_sweep q, p;                            /* a sweep: positions; momenta of the general form */
     dm_sweep q_rest, p_rest;  /* into their bases, by the low-order parts of the coefficients */
     dm_sweep ahead, v_ahead;  /* positions, velocities from u of the step before */
@@ -46,6 +47,7 @@ typedef struct dm_stage_sweeps {
     double *none;             /* [max(n, width)][width] zeros */
     double *share;            /* [2n] factors of q's increments, ones for p */
     double *drift;            /* [2n] h v0 in the separable form, else zero */
+    double *unit;             /* [2n] by which moves of q and p count, where that is not all one */
     dm_sweep_end end;
     double *memory;  /* what is kept from step to step, as follows */
     double heaviest; /* largest entry of M, where it is constant */

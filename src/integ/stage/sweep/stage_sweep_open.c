@@ -28,7 +28,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     if (!separable && !dm_hamilton_fits(m)) return 0;
     return dm_stage_doubles(sizeof(dm_stage_sweeps)) +
            kernels_size(n, w, separable ? 0 : dm_hamilton_known(m->n)) + 4 * n * w + 5 * r * w +
-           9 * w + 8 * n + 3 + ARRAYS * LINE;
+           9 * w + 10 * n + 3 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -77,6 +77,7 @@ static void lay_out(dm_stage *g, double *memory) {
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = take(&memory, width);
     w->share = take(&memory, 2 * n);
     w->drift = take(&memory, 2 * n);
+    w->unit = take(&memory, 2 * n);
     const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
     w->memory = memory + (LINE - before % LINE) % LINE;
 }

@@ -16,13 +16,13 @@ typedef double v8 __attribute__((vector_size(64), aligned(8), may_alias));
 
 /* ---- one stage ---- */
 
-DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows) {
+DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows, const double *units) {
     double moved = 0.0;
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < rows; k++) {
         const double factor = a->factor ? a->factor[k] : 1.0;
         const double sum = a->base[k] + factor * (a->column[0] * a->u[k]);
-        const double x = a->start[k] + sum, d = x - a->x[k];
+        const double x = a->start[k] + sum, d = (x - a->x[k]) * (units ? units[k] : 1.0);
         moved += d * d;
         a->x[k] = x;
     }
@@ -30,17 +30,18 @@ DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows) {
 }
 
 static double move_1(const dm_sweep *a) {
+    if (a->unit) return move_rows(a, a->rows, a->unit);
     switch (a->rows) {
     case 1:
-        return move_rows(a, 1);
+        return move_rows(a, 1, NULL);
     case 2:
-        return move_rows(a, 2);
+        return move_rows(a, 2, NULL);
     case 3:
-        return move_rows(a, 3);
+        return move_rows(a, 3, NULL);
     case 4:
-        return move_rows(a, 4);
+        return move_rows(a, 4, NULL);
     default:
-        return move_rows(a, a->rows);
+        return move_rows(a, a->rows, NULL);
     }
 }
 
@@ -185,3 +186,11 @@ const dm_sweep_row *dm_sweep_find(uint32_t stages) {
     return stages <= 4 ? &plain4 : &plain8;
 }
 #endif
+
+/* ---- units ---- */
+
+void dm_sweep_units(dm_sweep *a, double *unit, uint32_t width, double size) {
+    for (uint32_t k = 0; k < a->rows; k++)
+        unit[k] = dm_sweep_unit(size, dm_sweep_row_size(a, k, width));
+    a->unit = unit;
+}

@@ -6,6 +6,9 @@
 #ifndef DM_SWEEP_H
 #define DM_SWEEP_H
 
+#include "integ/stage/workspace/stage_limits.h"
+
+#include <stddef.h>
 #include <stdint.h>
 
 enum { DM_SWEEP_WIDTH = 8 }; /* stages at most */
@@ -24,6 +27,7 @@ typedef struct {
     const double *column;         /* [columns][width] */
     const double *u;              /* [rows][width] */
     const double *factor, *start; /* [rows]; factors NULL: all are 1 */
+    const double *unit;           /* [rows] by which moves of x count; NULL: all are 1 */
 } dm_sweep;
 
 /* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with
@@ -39,7 +43,7 @@ typedef struct {
 typedef struct {
     uint32_t width;
     void (*put)(const dm_sweep *a);
-    /* put; returns the sum of squares of what x moved by */
+    /* put; returns the sum of squares of what x moved by, in units */
     double (*move)(const dm_sweep *a);
     /* base[rows][width] = low[rows] + c v[rows] */
     void (*line)(double *base, const double *low, const double *v, const dm_parts *c,
@@ -49,6 +53,28 @@ typedef struct {
     /* to[4 rows] = a state that finish has just left */
     void (*copy)(double *to, const double *state, uint32_t rows);
 } dm_sweep_row;
+
+/* squares of the start and of the last stage */
+static inline double dm_sweep_row_size(const dm_sweep *a, uint32_t k, uint32_t width) {
+    const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
+    return x * x + y * y;
+}
+
+/* Their sum over all rows, which moves are compared with. Where some row is much smaller than that
+ * and not zero, and not `by_all`, moves count in units that make all rows as large. */
+void dm_sweep_units(dm_sweep *a, double *unit, uint32_t width, double size);
+static inline double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all) {
+    double size = 0.0, least = INFINITY;
+    for (uint32_t k = 0; k < a->rows; k++) {
+        const double row = dm_sweep_row_size(a, k, width);
+        const double counts = row > 0.0 ? row : INFINITY;
+        size += row;
+        least = counts < least ? counts : least;
+    }
+    if (a->unit) a->unit = NULL; /* a store would be waited for by the next sweep */
+    if (DM_SWEEP_APART * least < size && !by_all) dm_sweep_units(a, unit, width, size);
+    return size;
+}
 
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors
  * that serve. */

@@ -32,7 +32,8 @@ HOW INLINE void OWN(inner)(V *sum, const V *base, const V *c, const double *u, u
     *sum = even + odd;
 }
 
-/* columns and measured are constants where this is called, so that everything unrolls */
+/* columns and measured are constants where this is called, so that everything unrolls; measured: 2
+ * by units */
 HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
     const dm_sweep at = *a; /* nothing of it changes by what is written */
     const V *from = (const V *)(const void *)at.column;
@@ -51,7 +52,7 @@ HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
         if (at.factor) sum = MADD(SAME(at.factor[k]), sum, base);
         sum = at.start[k] + sum;
         if (measured) {
-            const V d = sum - *x;
+            const V d = measured > 1 ? (sum - *x) * at.unit[k] : sum - *x;
             moved = MADD(d, d, moved);
         }
         *x = sum;
@@ -72,7 +73,7 @@ HOW static void OWN(put)(const dm_sweep *a) {
 }
 
 HOW static double OWN(move)(const dm_sweep *a) {
-    return OWN(choose)(a, 1);
+    return a->unit ? OWN(choose)(a, 2) : OWN(choose)(a, 1);
 }
 
 HOW static void OWN(line)(double *base, const double *low, const double *v, const dm_parts *c,
