@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Of at most 128 bytes: callers fill one in for every step, and compilers zero larger ones slowly. */
+/* At most 128 bytes: callers fill one in for every step, and compilers zero larger ones slowly. */
 typedef struct {
     uint32_t m; /* unknowns */
     int max_iterations;

@@ -52,7 +52,8 @@ INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u, 
     return even + odd;
 }
 
-/* stages and measured (2: by units) are constants where this is called; lanes that are not in `where` keep x */
+/* stages and measured (2: by units) are constants where this is called; lanes that are not in
+ * `where` keep x */
 INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, int measured,
                      const I *where) {
     const uint32_t n = it->n, width = r == 1 ? 1 : r <= 4 ? 4 : 8;
