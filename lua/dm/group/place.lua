@@ -209,12 +209,14 @@ local function on_group(place, q, project)
   if not fine then
     error(("%s; an element of %s is %s"):format(g, name, require "dm.group.form".of(kit)), 0)
   end
-  local list = place.flat(g)
+  local defect = kit.defect(g)
+  if defect <= LOOSE then
+    local list = place.flat(g)
+    if kits.is_finite(list) then return list end
+  end
   if not kits.is_finite(kit.entries(g)) then
     error(("field 'q': the element of %s is not finite"):format(name), 0)
   end
-  local defect = kit.defect(g)
-  if defect <= LOOSE then return list end
   if not project then
     error(("field 'q': this is no element of %s, it is off by %.3g: project = true starts at the "
       .. "nearest one"):format(name, defect), 0)

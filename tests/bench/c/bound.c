@@ -4,8 +4,8 @@
 #include <stdio.h>
 
 int main(int argc, char **argv) {
-    const bench_problem *all[] = {bench_kepler,   bench_satellite, bench_planets,
-                                  bench_pendulum, bench_spring,    bench_chain};
+    const bench_problem *all[] = {bench_kepler, bench_satellite, bench_planets, bench_pendulum,
+                                  bench_body,   bench_spring,    bench_chain};
     if (argc < 2) {
         fprintf(stderr, "usage: bound FOLDER [KEY]\n");
         return 2;

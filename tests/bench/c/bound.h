@@ -10,6 +10,6 @@
 #include "stoermer.h"
 
 extern const bench_problem bench_kepler[], bench_satellite[], bench_planets[], bench_pendulum[],
-    bench_spring[], bench_chain[];
+    bench_body[], bench_spring[], bench_chain[];
 
 #endif

@@ -105,4 +105,8 @@ INLINE v8 exp8(v8 x) {
 #endif
 }
 
+/* heavy tops by rotations(2), groups of 8 lanes (turns.c); a sum, so that nothing is left out */
+enum { TURNS_GROUPS = 8 };
+double turns_lanes(long steps);
+
 #endif

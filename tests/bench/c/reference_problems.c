@@ -186,6 +186,60 @@ static void fpu(real *a, const real *q, const real *v) {
     chain(a, q, fpu_slope);
 }
 
+/* P5: q the entries of a rotation matrix R, v of R' = R hat(w); a = R (hat(w') + hat(w)^2) with
+ * I w' = I w x w + torque, that of mgl = 1 on the third axis for the top (parameter 1);
+ * what is off the rotations, G = (R^T R - 1)/2, would grow: G'' = -10 G' - 25 G is added */
+static const real *body_moments(void) {
+    static const real BODY[3] = {1, 2, 3}, TOP[3] = {1, REAL(1.2), REAL(0.6)};
+    return reference_now->parameter > 0 ? TOP : BODY;
+}
+
+static void body_hat(real *out, const real *w) {
+    const real hat[9] = {0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0};
+    for (int i = 0; i < 9; i++) out[i] = hat[i];
+}
+
+static void body_product(real *out, const real *a, const real *b) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+}
+
+static void body_start(real *q, real *v) {
+    const real BODY[3] = {REAL(0.9), REAL(0.3), REAL(1.2)},
+               TOP[3] = {REAL(0.2), REAL(0.1), REAL(1.5)}, tilt = REAL(0.4);
+    const int top = reference_now->parameter > 0;
+    const real c = top ? FN(cos)(tilt) : 1, s = top ? FN(sin)(tilt) : 0;
+    const real R[9] = {1, 0, 0, 0, c, -s, 0, s, c};
+    real w[3], hat[9];
+    for (int i = 0; i < 3; i++) w[i] = (top ? TOP : BODY)[i] / body_moments()[i];
+    for (int i = 0; i < 9; i++) q[i] = R[i];
+    body_hat(hat, w);
+    body_product(v, q, hat);
+}
+
+static void body(real *a, const real *q, const real *v) {
+    const real *I = body_moments(), mgl = reference_now->parameter > 0;
+    real W[9], rate[3], hat[9], turned[9];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            W[3 * i + j] = q[i] * v[j] + q[3 + i] * v[3 + j] + q[6 + i] * v[6 + j];
+    const real w[3] = {(W[7] - W[5]) / 2, (W[2] - W[6]) / 2, (W[3] - W[1]) / 2};
+    rate[0] = ((I[1] - I[2]) * w[1] * w[2] + mgl * q[7]) / I[0];
+    rate[1] = ((I[2] - I[0]) * w[2] * w[0] - mgl * q[6]) / I[1];
+    rate[2] = (I[0] - I[1]) * w[0] * w[1] / I[2];
+    body_hat(hat, rate);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const real G = q[i] * q[j] + q[3 + i] * q[3 + j] + q[6 + i] * q[6 + j] - (i == j);
+            hat[3 * i + j] -= 5 * (W[3 * i + j] + W[3 * j + i]) + REAL(12.5) * G;
+        }
+    body_hat(W, w);
+    body_product(turned, W, W);
+    for (int i = 0; i < 9; i++) hat[i] += turned[i];
+    body_product(a, q, hat);
+}
+
 #define PI REAL(3.14159265358979323846264338327950288)
 const reference_problem reference_problems[] =
     {{"P1-0.6", 2, 200 * PI, 400, 0.6, kepler_start, kepler, NULL},
@@ -193,6 +247,8 @@ const reference_problem reference_problems[] =
      {"P2", 3, 200 * PI, 160, 0, satellite_start, satellite, NULL},
      {"P3", 18, 200000, 64, 0, planets_start, planets, NULL},
      {"P4", 6, 10, 16, 0, pendulum_start, pendulum, masses},
+     {"P5-body", 9, 100, 60, 0, body_start, body, NULL},
+     {"P5-top", 9, 100, 60, 1, body_start, body, NULL},
      {"P6-1e2", 2, 16, 24, 1e2, spring_start, spring, NULL},
      {"P6-1e4", 2, 16, 120, 1e4, spring_start, spring, NULL},
      {"P6-1e6", 2, 16, 1200, 1e6, spring_start, spring, NULL},

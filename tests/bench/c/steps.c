@@ -7,7 +7,6 @@
 #include "rattle.h"
 #include "search.h"
 #include "tied.h"
-
 #include <stdio.h>
 #include <string.h>
 
@@ -173,6 +172,8 @@ int main(int argc, char **argv) {
            best(leapfrog_reciprocal, STEPS) / STEPS);
     printf("step\tC\tleapfrog, ensemble of Kepler orbits\t64 in lanes\t%.3f\t0\n",
            best(leapfrog_lanes, STEPS / 10) / (STEPS / 10 * ORBITS));
+    printf("step\tC\trotations(2), ensemble of heavy tops\t64 in lanes\t%.3f\t0\n",
+           best(turns_lanes, STEPS / 50) / (STEPS / 50 * 8 * TURNS_GROUPS));
     FILE *ends = argc > 1 ? fopen(argv[1], "w") : NULL;
     const int fine = implicit(&newton_satellite, ends) && implicit(&newton_pendulum, ends) &&
                      implicit(&newton_bodies, ends) && tied(&tied_sphere, ends) &&

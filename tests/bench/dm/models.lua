@@ -73,6 +73,20 @@ add("P4", { T = 10, system = pendulum, q = { sin(0.8), 0, sin(0.4), 0 }, v = { 0
     return { x1, y1, z1, x1 + x2, y1 + y2, z1 + z2 }
   end })
 
+-- entries of the rotation matrix; bench/dm/search.lua starts from p
+local G, no_angle = dm.SO(3), dm.SO(3):identity()
+local function entries(R)
+  local out = {}
+  for i = 1, 3 do
+    for j = 1, 3 do out[#out + 1] = R[i][j] end
+  end
+  return out
+end
+add("P5-body", { T = 100, q = no_angle, p = { 0.9, 0.3, 1.2 }, positions = entries, on_group = true,
+  system = dm.system { Q = G, L = function(_, w) return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2 end } })
+add("P5-top", { T = 100, q = G:exp { 0.4, 0, 0 }, p = { 0.2, 0.1, 1.5 }, positions = entries, on_group = true,
+  system = dm.system { Q = G, L = function(R, w) return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 - R[3][3] end } })
+
 for _, k in ipairs { "1e2", "1e4", "1e6" } do
   local stiffness = tonumber(k)
   add("P6-" .. k, { T = 16, q = { sin(1), -cos(1) }, v = { 0, 0 }, system = dm.system { Q = dm.R(2), L = function(q, v)

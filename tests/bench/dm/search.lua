@@ -15,6 +15,8 @@ local RULES = { "gauss(8, 6)", "gauss(8, 8)", "gauss(8, 7)", "gauss(8, 5)", "gau
   "blanes-moan(6, 11)", "blanes-moan(4)", "suzuki(4)", "mclachlan(4)", "yoshida(6)", "yoshida(4)",
   "log-hamiltonian(sofroniou-spaletta(10))", "log-hamiltonian(kahan-li(8))", "log-hamiltonian(verlet)",
   "stoermer(16)", "stoermer(12)", "verlet", "midpoint" }
+local RULES_ON_GROUPS = { "gauss(8)", "gauss(7)", "gauss(6)", "gauss(5)", "gauss(4)", "gauss(3)", "gauss(8, 8)", "gauss(8, 6)", "lie(4)",
+  "lie(3)", "lie(2)", "lie(1)", "rotations(8)", "rotations(6)", "rotations(4)", "rotations(2)", "rkmk4" }
 
 -- and for chains of 1024, where an implicit step would have a matrix of 1024 x 1024; sums of the bound are plain there
 local LONG_RULES, LONGEST_LONG =
@@ -47,11 +49,11 @@ end
 local function run(model, rule, m)
   local solver = solver_of(model, rule, m)
   if not rule:find "^log" then
-    return solver:run { q = model.q, v = model.v, steps = OUTPUTS * m, every = m }, solver
+    return solver:run { q = model.q, v = model.v, p = model.p, steps = OUTPUTS * m, every = m }, solver
   end
   local at = {}
   for i = 1, OUTPUTS do at[i] = model.T / OUTPUTS * i end
-  return solver:run { q = model.q, v = model.v, at = at }, solver
+  return solver:run { q = model.q, v = model.v, p = model.p, at = at }, solver
 end
 
 -- max norm over the 32 outputs (the first row may be the start)
@@ -99,7 +101,7 @@ local function setup_of(model, rule, m)
   local least = math.huge
   for _ = 1, 7 do
     local t = os.clock()
-    solver_of(model, rule, m):run { q = model.q, v = model.v, steps = 0 }
+    solver_of(model, rule, m):run { q = model.q, v = model.v, p = model.p, steps = 0 }
     least = math.min(least, (os.clock() - t) * 1e9)
   end
   return least
@@ -158,7 +160,7 @@ end
 for _, model in ipairs(models) do
   if model.key:sub(1, #only) == only then
     model.reference, model.longest = read_reference(model.key), model.long and LONGEST_LONG or LONGEST
-    for _, rule in ipairs(model.long and LONG_RULES or RULES) do
+    for _, rule in ipairs(model.long and LONG_RULES or model.on_group and RULES_ON_GROUPS or RULES) do
       if known[rule:match "^[%w_-]+"] and (model.attracting or not rule:find "^log") then
         -- one step tells whether the rule fits the problem at all
         local fine, why = pcall(run, model, rule, 1)

@@ -33,6 +33,24 @@ else
   io.stderr:write "skipped  ensemble: solver:ensemble is not there\n"
 end
 
+-- heavy tops: rotations in lanes, the natural chart by its row and by a table of Lua functions
+local G = dm.SO(3)
+local top = dm.system { Q = G, L = function(R, w) return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 - R[3][3] end }
+local tilted = G:exp { 0.4, 0, 0 }
+do
+  local members, count, turns = 4096, 400, top:solver { rule = "rotations(2)", h = 0.05 }
+  local function many(n)
+    return best(function()
+      turns:ensemble { members = members, q = function() return tilted end, p = function(i) return { 0.2, 0.1, 1.5 + 1e-5 * i } end, steps = n, threads = 1 }
+    end)
+  end
+  line("rotations(2), ensemble of heavy tops", "rotations(2), 4096 members", (many(count) - many(0)) / (members * count))
+  for _, rule in ipairs { "rotations(2)", "lie(1)", "lie(2)", "gauss(2)", "gauss(8)" } do
+    local one, n = top:solver { rule = rule, h = 0.05 }, 20000
+    line("heavy top", rule, best(function() one:run { q = tilted, p = { 0.2, 0.1, 1.5 }, steps = n, every = n } end) / n, one:report().newton_per_step)
+  end
+end
+
 local J2 = 0.05
 local models = {
   { "J2 satellite", h = 0.05, q = { 1.1, 0, 0.1 }, v = { 0, 0.95, 0.2 }, Q = dm.R(3), L = function(q, v)

@@ -17,6 +17,38 @@ static inline void kepler(double *a, const double *q) {
     a[0] = w * q[0], a[1] = w * q[1];
 }
 
+/* P5: y = (unit quaternion (w, x, y, z), body momentum); top: mgl = 1 on the third axis */
+static inline void body_start(double *y, int top) {
+    const double c = top ? cos(0.2) : 1.0, s = top ? sin(0.2) : 0.0;
+    const double start[7] = {c, s, 0.0, 0.0, top ? 0.2 : 0.9, top ? 0.1 : 0.3, top ? 1.5 : 1.2};
+    memcpy(y, start, sizeof start);
+}
+
+static inline void body(double *f, const double *y, int top) {
+    const double *q = y, *p = y + 4;
+    const double u = p[0], v = top ? p[1] / 1.2 : 0.5 * p[1], w = top ? p[2] / 0.6 : p[2] / 3.0;
+    f[0] = -0.5 * (q[1] * u + q[2] * v + q[3] * w);
+    f[1] = 0.5 * (q[0] * u + q[2] * w - q[3] * v);
+    f[2] = 0.5 * (q[0] * v + q[3] * u - q[1] * w);
+    f[3] = 0.5 * (q[0] * w + q[1] * v - q[2] * u);
+    f[4] = p[1] * w - p[2] * v;
+    f[5] = p[2] * u - p[0] * w;
+    f[6] = p[0] * v - p[1] * u;
+    if (!top) return;
+    f[4] += 2.0 * (q[2] * q[3] + q[0] * q[1]);
+    f[5] -= 2.0 * (q[1] * q[3] - q[0] * q[2]);
+}
+
+/* entries of the rotation matrix, by rows */
+static inline void body_row(double *R, const double *q) {
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    R[0] = w * w + x * x - y * y - z * z, R[1] = 2.0 * (x * y - w * z);
+    R[2] = 2.0 * (x * z + w * y), R[3] = 2.0 * (x * y + w * z);
+    R[4] = w * w - x * x + y * y - z * z, R[5] = 2.0 * (y * z - w * x);
+    R[6] = 2.0 * (x * z - w * y), R[7] = 2.0 * (y * z + w * x);
+    R[8] = w * w - x * x - y * y + z * z;
+}
+
 static inline void satellite_start(double *q, double *v) {
     const double speed = sqrt(1.1 / 0.9);
     q[0] = 0.9, q[1] = q[2] = v[0] = 0.0;

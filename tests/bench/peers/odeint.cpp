@@ -59,6 +59,15 @@ template <int N> struct Fpu : Toda<N> {
     static void force(double *a, const double *q, const double *) { fpu(a, q, N); }
 };
 
+// no (q, v): seven numbers, of which the nine of an output are made
+template <int top> struct Body {
+    enum { n = 9, separable = 0 };
+    static double T() { return 100.0; }
+    static void start(double *y, double *) { body_start(y, top); }
+    static void force(double *, const double *, const double *) {} // of no method that splits
+    static void positions(double *) {}
+};
+
 // y = (q, v), steps of a general method
 template <class P> struct Slope {
     typedef std::array<double, 2 * P::n> state;
@@ -67,6 +76,16 @@ template <class P> struct Slope {
         P::force(f.data() + P::n, y.data(), y.data() + P::n);
     }
 };
+
+template <int top> struct Slope<Body<top>> {
+    typedef std::array<double, 7> state;
+    void operator()(const state &y, state &f, double) const { body(f.data(), y.data(), top); }
+};
+
+template <class P> void put_row(double *out, const double *y, P) {
+    for (int j = 0; j < P::n; j++) out[j] = y[j];
+}
+template <int top> void put_row(double *out, const double *y, Body<top>) { body_row(out, y); }
 
 template <class P> void fixed(double *out, const bench_method *, long steps) {
     typedef typename Slope<P>::state state;
@@ -77,7 +96,7 @@ template <class P> void fixed(double *out, const bench_method *, long steps) {
     for (int i = 0; i < BENCH_OUTPUTS; i++) {
         for (long k = 0; k < steps; k++)
             stepper.do_step(Slope<P>(), y, row * i + h * double(k), h);
-        for (int j = 0; j < P::n; j++) out[i * P::n + j] = y[j];
+        put_row(out + i * P::n, y.data(), P());
     }
     P::positions(out);
 }
@@ -97,7 +116,7 @@ template <class P> void controlled(double *out, const bench_method *, long steps
         else
             odeint::integrate_adaptive(control, Slope<P>(), y, row * i, row * (i + 1),
                                        row / 64);
-        for (int j = 0; j < P::n; j++) out[i * P::n + j] = y[j];
+        put_row(out + i * P::n, y.data(), P());
     }
     P::positions(out);
 }
@@ -139,6 +158,8 @@ int main(int argc, char **argv) {
                                       problem<Satellite>("P2"),
                                       problem<Planets>("P3"),
                                       problem<Pendulum>("P4"),
+                                      problem<Body<0>>("P5-body"),
+                                      problem<Body<1>>("P5-top"),
                                       problem<Spring<100>>("P6-1e2"),
                                       problem<Spring<10000>>("P6-1e4"),
                                       problem<Spring<1000000>>("P6-1e6"),

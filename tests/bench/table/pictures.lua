@@ -7,6 +7,7 @@ local all = results.searches(folder)
 
 local TITLES = { ["P1-0.6"] = "Kepler, e = 0.6, 100 periods", ["P1-0.9"] = "Kepler, e = 0.9, 100 periods",
   P2 = "J2 satellite, 100 periods", P3 = "outer solar system, 200,000 days", P4 = "double spherical pendulum, T = 10",
+  ["P5-body"] = "free rigid body, T = 100", ["P5-top"] = "heavy top, T = 100",
   ["P6-1e2"] = "stiff spring, k = 1e2, T = 16", ["P6-1e4"] = "stiff spring, k = 1e4, T = 16",
   ["P6-1e6"] = "stiff spring, k = 1e6, T = 16", ["P8-toda-1024"] = "Toda chain, N = 1024, T = 16",
   ["P8-fpu-1024"] = "FPU-beta chain, N = 1024, T = 16", ["P8-toda-32"] = "Toda chain, N = 32, T = 100",
