@@ -16,7 +16,7 @@ local function point_lines(K, before)
   if K.ambient > 3 then fail("points of %d coordinates fit in no such file", K.ambient) end
   local out, points = {}, K:points()
   for i = 1, K:count(0) do
-    local p = points[i]
+    local p = points[i]:totable()
     out[i] = ("%s%.17g %.17g %.17g"):format(before, p[1], p[2] or 0, p[3] or 0)
   end
   return out

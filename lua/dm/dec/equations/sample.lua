@@ -10,8 +10,7 @@ local function finite(x) return type(x) == "number" and x - x == 0 end
 
 -- f at row i of a matrix of points, a number; `maybe`: or nil
 function M.at_point(f, points, i, where, what, maybe)
-  local p = points[i]
-  local x = f(p[1], p[2], p[3], select(4, table.unpack(p:totable())))
+  local x = f(table.unpack(points[i]:totable()))
   if maybe and x == nil then return nil end
   if not finite(x) then
     option.fail(where, "%s must give finite numbers (got %s at point %d)", what, option.got(x), i)

@@ -6,7 +6,9 @@ local M = {}
 -- counts stand on the line of the word OFF, or on the next
 local function counts(r)
   local words = r:need "the word OFF"
-  if words[1] ~= "OFF" then r:fail("an OFF file begins with the word OFF (got %s)", words[1]) end
+  if not words[1]:find "^S?T?C?N?OFF$" then -- what these add stands behind the coordinates
+    r:fail("an OFF file begins with the word OFF (got %s)", words[1])
+  end
   table.remove(words, 1)
   if #words == 0 then words = r:need "the counts of vertices and faces" end
   return r:whole(words[1], "the count of vertices", 0), r:whole(words[2], "the count of faces", 0)

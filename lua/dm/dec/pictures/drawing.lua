@@ -16,7 +16,7 @@ local function points_of(K)
   if K.ambient > 3 then fail("points of %d coordinates cannot be drawn", K.ambient) end
   local out, points = {}, K:points()
   for i = 1, K:count(0) do
-    local p = points[i]
+    local p = points[i]:totable()
     out[i] = { p[1], p[2] or 0, p[3] or 0 }
   end
   return out
