@@ -6,6 +6,7 @@
 -- for together, so such meshes need no pinv.
 local class = require "dm.base.class"
 local core = require "dm.core"
+local loose = require "dm.dec.equations.loose"
 local mass = require "dm.dec.equations.mass"
 local matrices = require "dm.dec.equations.matrices"
 local operator = require "dm.dec.equations.operator"
@@ -56,29 +57,15 @@ local function sources(K, options)
   return K:oriented(out)
 end
 
--- a function of boundary facets: x(i) of a number, of a function of the circumcentre, or of a form
-local function on_facets(K, x, what)
-  local centres
-  if x == nil then return function() end end
-  if type(x) == "number" and x - x == 0 then return function() return x end end
-  if type(x) == "function" then
-    return function(i)
-      centres = centres or K:circumcentres(K.dimension - 1)
-      return sample.at_point(x, centres, i, WHERE, what, true)
-    end
-  end
-  fail("%s must be a number or a function of the point (got %s)", what, option.got(x))
-end
-
 -- What holds at the boundary facets: marks of the facets whose flux is not known, their part of the
 -- equations, the known fluxes; `held`: is a pressure given anywhere?
 local function boundary(K, options)
   local n, facets = K.dimension, K:count(K.dimension - 1)
   local marks, signs = K:boundary_marks(n - 1), K:oriented(mass.ones(K, n))
-  local pressure, flux = on_facets(K, options.pressure, "pressure"), options.flux
+  local pressure, flux = sample.on_facets(K, options.pressure, WHERE, "pressure"), options.flux
   local through = type(flux) == "table" and flux.values
     and sample.values(flux, K, operator.primal(n - 1), facets, nil, WHERE, "flux")
-  local density = not through and on_facets(K, flux, "flux")
+  local density = not through and sample.on_facets(K, flux, WHERE, "flux")
   local volume = K:volume(n - 1)
   local open, push, known, held = mass.ones(K, n - 1), core.vector(facets), core.vector(facets), {}
   for i = 1, facets do
@@ -106,20 +93,9 @@ end
 -- for every component without a given pressure: the list of its cells; its source must be what
 -- flows out, and its first cell is held
 local function floating(K, held)
-  local component = K:component_of()
-  local cells, has, out, at = K:simplices(K.dimension), {}, {}, {}
-  for _, cell in ipairs(held) do has[component[cells[cell][1]]] = true end
-  for i, cell in ipairs(cells) do
-    local c = component[cell[1]]
-    if not has[c] then
-      if not at[c] then
-        at[c] = {}
-        out[#out + 1] = at[c]
-      end
-      table.insert(at[c], i)
-    end
-  end
-  return out
+  local cells, has = K:simplices(K.dimension), {}
+  for _, cell in ipairs(held) do has[cell] = true end
+  return loose.lists(K, #cells, function(i) return cells[i][1] end, function(i) return has[i] end)
 end
 
 -- the source of such a component loses what does not flow out: per volume, for the report
@@ -181,8 +157,8 @@ class.method("dm.mesh", "darcy", function(K, options)
   local open, push, known, held = boundary(K, options)
   local D = K:incidence(n - 1)
   local q, keep, means = sources(K, options) - D * known, mass.ones(K, n), {}
-  local loose = floating(K, held)
-  for c, list in ipairs(loose) do
+  local floats = floating(K, held)
+  for c, list in ipairs(floats) do
     means[c] = balance(q, list, volume, signs)
     keep[list[1]] = 0
   end
@@ -190,7 +166,7 @@ class.method("dm.mesh", "darcy", function(K, options)
   local P, flux, s = way(D:pick(nil, open), core.pick(R, open), core.pick(push, open), q, keep,
     wish)
   local p = K:oriented(P)
-  for _, list in ipairs(loose) do centred(p, list, volume) end
+  for _, list in ipairs(floats) do centred(p, list, volume) end
   return core.result { flux = K:form(n - 1, core.spread(flux, open, known)),
     pressure = K:form(0, p, { dual = true }), report = report_of(s, zeros, means) }
 end, [[

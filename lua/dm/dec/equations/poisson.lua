@@ -3,6 +3,7 @@
 -- a solution only for a load without mean, and it is known up to a constant.
 local class = require "dm.base.class"
 local core = require "dm.core"
+local loose = require "dm.dec.equations.loose"
 local mass = require "dm.dec.equations.mass"
 local operator = require "dm.dec.equations.operator"
 local option = require "dm.base.options"
@@ -55,26 +56,15 @@ end
 
 ---- components without a fixed vertex ----
 
--- lists of vertices of such components, nil where the only one is the whole mesh; how many
+-- lists of vertices of such components; false where it is the whole mesh, which goes by vectors
 local function floating(K, keep)
-  local component, count = K:component_of()
-  local held = {}
+  local _, count = K:component_of()
+  local function is_held(i) return keep[i] == 0 end
+  if count > 1 then return loose.lists(K, #keep, function(i) return i end, is_held) end
   for i = 1, #keep do
-    if keep[i] == 0 then held[component[i]] = true end
+    if is_held(i) then return {} end
   end
-  local out, at = {}, {}
-  if count == 1 then return held[1] and {} or { false } end
-  for i = 1, #keep do
-    local c = component[i]
-    if not held[c] then
-      if not at[c] then
-        at[c] = {}
-        out[#out + 1] = at[c]
-      end
-      table.insert(at[c], i)
-    end
-  end
-  return out
+  return { false }
 end
 
 -- the sum of x over a component
@@ -97,18 +87,8 @@ end
 -- densities of the flux through the boundary, at the centres of its facets, as a load of vertices
 local function flux_load(K, flux)
   local k = K.dimension - 1
-  local marks, out = K:boundary_marks(k), core.vector(K:count(k))
-  local centres
-  for i = 1, #marks do
-    if marks[i] ~= 0 then
-      if type(flux) == "function" then
-        centres = centres or K:circumcentres(k)
-        out[i] = sample.at_point(flux, centres, i, WHERE, "flux")
-      else
-        out[i] = flux
-      end
-    end
-  end
+  local density, out = sample.on_facets(K, flux, WHERE, "flux"), core.vector(K:count(k))
+  for _, i in ipairs(K:boundary_cells(k)) do out[i] = density(i) or 0 end
   return K:lumped(k, out)
 end
 
@@ -118,9 +98,6 @@ local function load_of(K, options)
     function() return K:points() end, WHERE, "f")
   local b, flux = K:star_values(0, f, "dual"), options.flux
   if flux == nil then return b, weights end
-  if type(flux) ~= "function" and (type(flux) ~= "number" or flux - flux ~= 0) then
-    fail("flux must be a number or a function of the point (got %s)", option.got(flux))
-  end
   return b + flux_load(K, flux), weights
 end
 
@@ -131,11 +108,11 @@ local function system_of(K, keep, key, wish)
     local A = solver.once(K, "poisson", function()
       return K:incidence(0):gram(mass.of(K, 1).values)
     end)
-    local loose = floating(K, keep)
+    local floats = floating(K, keep)
     keep = keep:copy()
-    for _, vertices in ipairs(loose) do keep[vertices and vertices[1] or 1] = 0 end
+    for _, vertices in ipairs(floats) do keep[vertices and vertices[1] or 1] = 0 end
     local S = A:pick(keep, keep)
-    return { A = A, keep = keep, loose = loose,
+    return { A = A, keep = keep, floats = floats,
       solver = S.rows > 0 and solver.new(S, wish, WHERE) or nil }
   end)
 end
@@ -154,8 +131,8 @@ class.method("dm.mesh", "poisson", function(K, options)
   local b, weights = load_of(K, options)
   local u, keep, key = fixed_values(K, options.fixed or {})
   local system = system_of(K, keep, key, wish)
-  local removed, loose = {}, system.loose
-  for c, vertices in ipairs(loose) do
+  local removed, floats = {}, system.floats
+  for c, vertices in ipairs(floats) do
     removed[c] = total(b, vertices) / total(weights, vertices)
     b = less(b, removed[c], weights, vertices)
   end
@@ -164,7 +141,7 @@ class.method("dm.mesh", "poisson", function(K, options)
   if system.solver then
     u = core.spread(system.solver:solve(core.pick(right, system.keep)), system.keep, u)
   end
-  for _, vertices in ipairs(loose) do
+  for _, vertices in ipairs(floats) do
     local mean = 0
     if vertices then
       for _, i in ipairs(vertices) do mean = mean + weights[i] * u[i] end
@@ -175,7 +152,7 @@ class.method("dm.mesh", "poisson", function(K, options)
     u = less(u, mean / total(weights, vertices), ones, vertices)
   end
   local report = system.solver and system.solver:report() or core.result { unknowns = 0 }
-  if #loose > 0 then note_mean(report, removed) end
+  if #floats > 0 then note_mean(report, removed) end
   local negatives = mass.of(K, 1).negatives
   if negatives > 0 then report.negative_stars = negatives end
   return K:form(0, u), report
@@ -183,7 +160,8 @@ end, [[
 K:poisson{f=, fixed={boundary=, [vertex]=}, flux=, solver=} -> dm.form, report
 u with delta d u = f, f a density: a number, a function of the point, a 0-form or a list (0). fixed:
 values on the boundary (the same kinds), and at single vertices; flux: du/dn outward through the
-rest of the boundary, a number or a function of the point, asked at circumcentres of facets (0).
+rest of the boundary, a number or a function of the point, asked at circumcentres of facets (0;
+nil is 0).
 Where nothing is fixed the mean of the load is taken away, u has mean 0 and report.text says so.
 Factors are kept: the next solve with the same vertices fixed is cheap. report: solver, unknowns,
 note where the matrix is not positive definite, negative_stars of edges. solver = "cholesky", "lu",

@@ -42,6 +42,21 @@ function M.values(x, K, kind, count, points, where, what)
   return values
 end
 
+--- x(i) of boundary facet i, from a number, or a function that is asked at the circumcentre of the
+-- facet and may give nil; without x: nil everywhere.
+function M.on_facets(K, x, where, what)
+  local centres
+  if x == nil then return function() end end
+  if finite(x) then return function() return x end end
+  if type(x) == "function" then
+    return function(i)
+      centres = centres or K:circumcentres(K.dimension - 1)
+      return M.at_point(x, centres, i, where, what, true)
+    end
+  end
+  option.fail(where, "%s must be a number or a function of the point (got %s)", what, option.got(x))
+end
+
 --- The mean of the points of every k-cell.
 function M.barycentres(K, k)
   local points, cells, out = K:points(), K:simplices(k), {}
