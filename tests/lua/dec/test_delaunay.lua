@@ -1,5 +1,6 @@
 -- Delaunay triangulations: no point inside of a circumsphere, the hull is filled, grids and other
 -- points on spheres give complexes without cracks, what has no triangulation is named
+local cochains = require "cochains"
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
@@ -11,11 +12,8 @@ if not fine then
   return
 end
 
-local seed = 7
-local function random()
-  seed = (seed * 1103515245 + 12345) % 2 ^ 31
-  return seed / 2 ^ 31
-end
+local centred = cochains.random(7)
+local function random() return centred() + 0.5 end
 local function cloud(count, n, scale, shift)
   local points = {}
   for i = 1, count do

@@ -1,19 +1,12 @@
 -- identities of the calculus on random meshes of dimension 1 to 4, closed and with boundary: exact
 -- where they are exact, else to round-off
+local cochains = require "cochains"
 local tap = require "tap"
 local dm = require "dm"
 local ok, near = tap.ok, tap.near
 
-local seed = 3
-local function random()
-  seed = (seed * 1103515245 + 12345) % 2 ^ 31
-  return seed / 2 ^ 31 - 0.5
-end
-local function cochain(K, k, dual)
-  local x = {}
-  for i = 1, K:count(dual and K.dimension - k or k) do x[i] = random() end
-  return K:form(k, x, { dual = dual })
-end
+local random = cochains.random(3)
+local cochain = cochains.of(random)
 local function whole(K, k)
   local x = {}
   for i = 1, K:count(k) do x[i] = math.floor(200 * random()) end

@@ -1,21 +1,13 @@
 -- operators of forms and fields: exact on constants and linear functions on bent and random meshes
 -- of dimension 1 to 4, identities of products, values worked by hand (Leok 3.5-3.10)
+local cochains = require "cochains"
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
 local sqrt, sin, cos, pi = math.sqrt, math.sin, math.cos, math.pi
 
--- random numbers that are the same everywhere
-local seed = 1
-local function random()
-  seed = (seed * 1103515245 + 12345) % 2 ^ 31
-  return seed / 2 ^ 31 - 0.5
-end
-local function cochain(K, k, dual)
-  local x = {}
-  for i = 1, K:count(dual and K.dimension - k or k) do x[i] = random() end
-  return K:form(k, x, { dual = dual })
-end
+local random = cochains.random(1)
+local cochain = cochains.of(random)
 
 -- one mesh for every dimension, flat, with inner vertices and boundary, bent at random by linear
 -- maps and displaced vertices; triangles and tetrahedra of both orders
