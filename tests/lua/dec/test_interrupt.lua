@@ -35,7 +35,7 @@ for _, row in ipairs(ENDLESS) do
     local out = assert(io.open(file, "w"))
     out:write(script, "\nprint 'whole'\n")
     out:close()
-    local pipe = assert(io.popen(("timeout -s INT -k 60 2 %s %s 2>&1; echo code $?"):format(dmlua, file)))
+    local pipe = assert(io.popen(("timeout --foreground -s INT -k 60 2 %s %s 2>&1; echo code $?"):format(dmlua, file)))
     local said = pipe:read "a"
     pipe:close()
     os.remove(file)
