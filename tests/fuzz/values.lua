@@ -109,6 +109,7 @@ end
 local function element_of(self)
   local fine, g = pcall(function()
     local G = self.Q or self.group or self
+    assert(G.dimension < 40) -- a result may be R^(10^9)
     return G:exp(reals(G.dimension))
   end)
   return fine and g or numbers_of(self)

@@ -139,6 +139,12 @@ local function check_branch(self)
 end
 
 local function least(values)
+  for i = 1, #values do
+    if not kits.is_scalar(values[i]) then
+      fail("the branch must return a number that is > 0 where it holds, or several (got %s)",
+        kits.class_of(values[i]))
+    end
+  end
   local out = values[1]
   for i = 2, #values do out = core.min(out, values[i]) end
   return out

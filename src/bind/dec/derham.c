@@ -96,6 +96,7 @@ static void bend_edges(const integral *q) {
 static double integrate(const integral *q) {
     const uint32_t N = q->N, k = q->k;
     double sum = 0.0, factor = 1.0;
+    dml_checkstop(q->L);
     for (uint32_t i = 2; i <= k; i++) factor /= i;
     for (uint32_t i = 0; i < k * N; i++) q->edge[i] = q->corner[i + N] - q->corner[i % N];
     if (!q->chart) make_minors(q);

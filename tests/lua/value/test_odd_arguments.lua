@@ -68,6 +68,19 @@ told("must return as many numbers everywhere", turn.invariant, turn, function()
 end)
 told("entry 1 must be a number", turn.transitive, turn, { { 1 }, print })
 raises("dm.path expected, got boolean", path.momentum, true, turn)
+local sly = 0
+told("the branch must return a number", function()
+  dm.moving_frame { action = turn, cross_section = function(z) return z[2] end, branch = function(z)
+    sly = sly + 1
+    return sly == 1 and z[1] or { z, z }
+  end }
+end)
+local planet = dm.system { Q = dm.R(2), L = function(q, v)
+  return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 + 1 / q[2]
+end }
+local shape = planet:routh { cyclic = 1, mu = 1 }
+told("option 'beta' must be a function", shape.rsprk, shape,
+  { rule = "gauss(2)", h = 0.1, beta = {} })
 -- a formula that is finite nowhere on a section that is no section: there is no root to ask instead
 told("nowhere transversal", dm.moving_frame, { action = turn,
   cross_section = function(z) return z:norm() - 1 end, solution = function() return 0 / 0 end })
@@ -94,6 +107,11 @@ told("there is no cell 1.5", core.matching, K, { { 1.5 } })
 told("entry 1 of row 2 must be an integer (got nil)", dm.smith, { { 1, 2 }, { nil, 2 } })
 told("a matrix of integers is needed", dm.five_lemma, { top = { nil, { { 1 } } },
   bottom = { { { 1 } }, { { 1 } } }, maps = { { { 1 } }, { { 1 } }, { { 1 } } } })
+
+local line = dm.mesh { simplices = { { 1, 2 }, { 2, 3 } }, points = { { 0 }, { 1 }, { 2.5 } } }
+local picture = os.tmpname() .. ".svg"
+ok(line:plot { file = picture }, "a mesh on a line is drawn")
+os.remove(picture)
 
 ---- others ----
 
