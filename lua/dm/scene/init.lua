@@ -1,6 +1,7 @@
 --- dm.scene: no more than needed. What is watched, how well, how long; the cheapest model, rule and
 -- step that deliver it are found by pilot runs and checked.
 local blame = require "dm.base.blame"
+local central = require "dm.scene.central"
 local choice = require "dm.scene.choice"
 local class = require "dm.base.class"
 local core = require "dm.core"
@@ -8,6 +9,7 @@ local deadline = require "dm.scene.deadline"
 local lists = require "dm.base.lists"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
+local modes = require "dm.scene.modes"
 local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
@@ -208,6 +210,22 @@ local function keep_deadline(scene, given)
   return conclude(scene)
 end
 
+-- models in the order in which rules are tried on them: what costs little rules out the most
+local function smallest_first(rungs)
+  local out, size = {}, {}
+  for i, rung in ipairs(rungs) do
+    local n, operations = rung:size()
+    out[i], size[rung] = rung, { n, operations, -i }
+  end
+  table.sort(out, function(a, b)
+    local x, y = size[a], size[b]
+    if x[1] ~= y[1] then return x[1] < y[1] end
+    if x[2] ~= y[2] then return x[2] < y[2] end
+    return x[3] < y[3]
+  end)
+  return out
+end
+
 -- find the choice, once
 local function decide(scene)
   if scene.best then return scene end
@@ -216,16 +234,19 @@ local function decide(scene)
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
   if scene.options.frame then return keep_deadline(scene, given) end
-  local split = scene.options.symmetry
-    and require "dm.scene.symmetry".model(scene.problem, scene.options)
+  local splits = { central.model(scene.problem, scene.options) }
+  if scene.options.symmetry then
+    splits[#splits + 1] = require "dm.scene.symmetry".model(scene.problem, scene.options)
+  end
   -- of the seconds of a step, what one run may take
   local function allow(part, most)
     pilot.allow(scene.problem, scene.began + part * scene.allowed - core.cpu(), most)
   end
   allow(MODELS_TIME, 1 / 4)
-  scene.rungs = reduce.ladder(scene.search, given, split)
+  scene.rungs = reduce.ladder(scene.search, given, splits,
+    modes.models(scene.problem, scene.options))
   allow(RULES_TIME, 1 / 4)
-  for i = #scene.rungs, 1, -1 do search.model(scene.search, scene.rungs[i]) end
+  for _, rung in ipairs(smallest_first(scene.rungs)) do search.model(scene.search, rung) end
   scene.finalists = search.finalists(scene.search)
   allow(1, 1)
   choice.choose(scene)

@@ -25,8 +25,10 @@ end
 
 local LEAST_SECONDS = 5e-3
 
--- s of CPU that a run may take: until the problem's deadline, while it has one, and its part of all
+-- s of CPU that a run may take: until the deadline of the problem, or of that which it is another
+-- form of, while it has one, and its part of all
 local function seconds_of(problem)
+  problem = problem.parent or problem
   if not problem.deadline then return nil end
   return max(LEAST_SECONDS, min(problem.deadline - core.cpu(), problem.most_seconds))
 end

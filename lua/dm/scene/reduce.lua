@@ -211,9 +211,9 @@ end
 
 -- each rung also without its cyclic coordinates, and the system in coordinates of a symmetry
 -- without those of the group
-local function with_reduced(search, rungs, split)
+local function with_reduced(search, rungs, splits)
   local all = { table.unpack(rungs) }
-  all[#all + 1] = split
+  for _, split in ipairs(splits) do all[#all + 1] = split end
   for _, rung in ipairs(all) do
     local model = M.reduced(rung)
     if model and not tried(search, model) then
@@ -226,12 +226,24 @@ local function with_reduced(search, rungs, split)
   end
 end
 
+-- models that are linear, or in other coordinates, each if it delivers what is watched
+local function with_others(search, rungs, others)
+  for _, model in ipairs(others) do
+    local err, why = M.measure(search, model)
+    local kept = err <= ENOUGH
+    note(search, model, err, kept and "inside the tolerance" or why or "beyond the tolerance",
+      kept)
+    if kept then rungs[#rungs + 1] = model end
+  end
+end
+
 --- The models of a scene that deliver what is watched, from the system as given to the smallest;
--- split: the same in coordinates of a symmetry, or nil.
-function M.ladder(search, given, split)
+-- splits: the same in coordinates of symmetries, others: further models.
+function M.ladder(search, given, splits, others)
   local problem, rungs, base = given.problem, { given }, given
   note(search, given, 0, "the system as given", true)
   search.seen = {}
+  with_reduced(search, rungs, splits)
   if not problem.units then
     search.whole = problem.whole or "its terms are not taken apart"
   else
@@ -241,11 +253,12 @@ function M.ladder(search, given, split)
       note(search, base, 0, "exact", true)
       rungs[#rungs + 1] = base
     end
+    with_others(search, rungs, others)
     for _, model in ipairs(together(search, base, singles(search, base, changes.all(problem)))) do
       rungs[#rungs + 1] = model
     end
+    with_reduced(search, rungs, {})
   end
-  with_reduced(search, rungs, split)
   return rungs
 end
 

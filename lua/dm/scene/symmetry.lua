@@ -65,6 +65,7 @@ function M.model(problem, options)
   local other = model.problem(split, { q = start.q, v = start.v, t0 = problem.t0,
     until_t = options.until_t, watch = lifted(problem, T),
     tolerance = problem.tolerance, project = options.project })
+  other.parent = problem
   other.group = {}
   for a = 1, #start.cyclic do
     other.group[other.names[a]] = true

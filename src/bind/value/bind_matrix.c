@@ -244,6 +244,13 @@ static int matrix_eigenvalues(lua_State *L) {
     return 2;
 }
 
+static int matrix_modes(lua_State *L) {
+    const dml_array *a = check(L), *b = dml_toarray(L, 2, 2);
+    luaL_argcheck(L, b, 2, "a matrix expected");
+    dml_modes(L, a, b);
+    return 2;
+}
+
 static const dml_row meta[] = {{"__add", dml_add, NULL},
                                {"__sub", dml_sub, NULL},
                                {"__mul", dml_mul, NULL},
@@ -276,6 +283,11 @@ static const dml_row methods[] =
       "m:eigenvalues() -> dm.vector, dm.vector\n"
       "Real and imaginary parts of the eigenvalues, sorted; the latter are zero for a symmetric "
       "matrix. Numbers only."},
+     {"modes", matrix_modes,
+      "a:modes(b) -> dm.vector, dm.matrix\n"
+      "The values k, sorted, and in the columns of the matrix the vectors x with a x = k b x and "
+      "x^T b x = 1, of two symmetric matrices of numbers, b positive definite: of a stiffness and "
+      "a mass omega^2 and the modes (GSL). Raises where b is not positive definite."},
      {"copy", matrix_copy, "m:copy() -> dm.matrix\nA new matrix with the same entries."},
      {"totable", matrix_totable, "m:totable() -> table\nThe rows as a table of tables."},
      {NULL, NULL, NULL}};

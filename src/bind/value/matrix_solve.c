@@ -351,3 +351,38 @@ void dml_eigenvalues(lua_State *L, const dml_array *m) {
         luaL_error(L, "the eigenvalues did not converge: %s", gsl_strerror(status));
     sort_pairs(re, im, n);
 }
+
+/* x^T B x of column k of the vectors, which is made 1 */
+static void scale_mode(double *x, const double *b, size_t n, size_t k) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) sum += x[i * n + k] * b[i * n + j] * x[j * n + k];
+    for (size_t i = 0; i < n; i++) x[i * n + k] /= sqrt(sum);
+}
+
+/* By Cholesky's decomposition of B (GSL). */
+void dml_modes(lua_State *L, const dml_array *a, const dml_array *b) {
+    const size_t n = a->rows, size = n * n;
+    const double *A = dml_numbersof(a), *B = dml_numbersof(b);
+    if (!A || !B || a->columns != n || b->rows != n || b->columns != n || !is_symmetric(A, n) ||
+        !is_symmetric(B, n))
+        luaL_error(L, "a:modes(b) takes two symmetric matrices of numbers of one size");
+    check_finite(L, A, size);
+    check_finite(L, B, size);
+    double *copy = lua_newuserdatauv(L, 2 * size * sizeof *copy, 0);
+    double *values = dml_pushvector(L, a->rows), *vectors = dml_pushmatrix(L, a->rows, a->rows);
+    memcpy(copy, A, size * sizeof *copy);
+    memcpy(copy + size, B, size * sizeof *copy);
+    gsl_eigen_gensymmv_workspace *w = gsl_eigen_gensymmv_alloc(n);
+    if (!w) luaL_error(L, "not enough memory");
+    gsl_matrix_view ma = gsl_matrix_view_array(copy, n, n),
+                    mb = gsl_matrix_view_array(copy + size, n, n),
+                    mv = gsl_matrix_view_array(vectors, n, n);
+    gsl_vector_view v = gsl_vector_view_array(values, n);
+    const int status = gsl_eigen_gensymmv(&ma.matrix, &mb.matrix, &v.vector, &mv.matrix, w);
+    gsl_eigen_gensymmv_free(w);
+    if (status != GSL_SUCCESS)
+        luaL_error(L, "a:modes(b): %s; is b positive definite?", gsl_strerror(status));
+    gsl_eigen_gensymmv_sort(&v.vector, &mv.matrix, GSL_EIGEN_SORT_VAL_ASC);
+    for (size_t k = 0; k < n; k++) scale_mode(vectors, B, n, k);
+}

@@ -1,0 +1,188 @@
+--- Linear models: L to second order about an equilibrium near the start, in its modes, of which
+-- those that the start does not excite, or nothing watched feels, are left out.
+local core = require "dm.core"
+local model_of = require "dm.scene.model"
+local pilot = require "dm.scene.pilot"
+
+local M = {}
+
+local abs, sqrt, max = math.abs, math.sqrt, math.max
+
+local MOST = 128               -- coordinates
+local TRIES, SETTLED = 30, 1e-13
+local SEEN = 0.1               -- of the tolerance: what all modes left out may add up to
+local GYROSCOPIC = 1e-12       -- of the mass: couplings of q and v that are none
+
+-- blocks of the Hessian of L by (q, v) as matrices: -L_qq and L_vv; nil where q and v are coupled
+local function blocks(H, n)
+  local K, mass, largest, coupled = {}, {}, 0, 0
+  for i = 1, n do
+    K[i], mass[i] = {}, {}
+    for k = 1, n do
+      K[i][k], mass[i][k] = -0.5 * (H[i][k] + H[k][i]), 0.5 * (H[n + i][n + k] + H[n + k][n + i])
+      largest = max(largest, abs(mass[i][k]))
+      coupled = max(coupled, abs(H[i][n + k]))
+    end
+  end
+  if coupled > GYROSCOPIC * largest then return nil end
+  return core.matrix(K), core.matrix(mass)
+end
+
+-- the equilibrium that Newton's method finds from the start, and the blocks there
+local function equilibrium(problem, L)
+  local n, q, rest, last = problem.n, problem.q + 0, core.zeros(problem.n), math.huge
+  for _ = 1, TRIES do
+    local g = L:gradient(q, rest, problem.t0)
+    local K, mass = blocks(L:hessian(q, rest, problem.t0), n)
+    if not K then return nil end
+    local slope = core.zeros(n)
+    for i = 1, n do slope[i] = g[i] end
+    local step = K:solve(slope)
+    local length = step:norm()
+    if not (length <= last) and length <= 1e-9 * (1 + q:norm()) then return q, K, mass end
+    q, last = q + step, length
+    if length <= SETTLED * (q:norm() + (q - problem.q):norm()) then return q, K, mass end
+  end
+end
+
+-- rows of all watched numbers by q and v at the equilibrium, in tolerances
+local function sensitivities(problem, q)
+  local n, out = problem.n, {}
+  local rest = core.zeros(n)
+  local slope = core.derivative(problem.L, n, n, "number")
+  for name, f in pairs(problem.watched) do
+    local g = core.trace(function(x, v, t)
+      local p, s = {}, slope(x, v, t)
+      for i = 1, n do p[i] = s[n + i] end
+      return f(x, v, t, core.vector(p))
+    end, n, n, "number")
+    local J = g:jacobian(q, rest, problem.t0)
+    for i = 1, J.rows do
+      out[#out + 1] = { row = J[i],
+        tolerance = problem.tolerance[name] or problem.tolerance[name .. i] }
+    end
+  end
+  return out
+end
+
+-- how much each mode moves what is watched, in tolerances
+local function seen(problem, q, modes)
+  local n, out = problem.n, {}
+  local rows = sensitivities(problem, q)
+  for k, mode in ipairs(modes) do
+    out[k] = 0
+    for _, s in ipairs(rows) do
+      local by_q, by_v = 0, 0
+      for i = 1, n do
+        by_q, by_v = by_q + s.row[i] * mode.x[i], by_v + s.row[n + i] * mode.x[i]
+      end
+      out[k] = max(out[k], (abs(by_q) * mode.amplitude + abs(by_v) * mode.speed) / s.tolerance)
+    end
+  end
+  return out
+end
+
+-- modes with x, omega^2, where they start, how far they go
+local function modes_of(problem, q, K, mass)
+  local n, T = problem.n, problem.T
+  local squares, vectors = K:modes(mass)
+  local d, out = problem.q - q, {}
+  local Md, Mv = mass * d, mass * problem.v
+  for k = 1, n do
+    local x = core.zeros(n)
+    for i = 1, n do x[i] = vectors[i][k] end
+    local y, w, square = x:dot(Md), x:dot(Mv), squares[k]
+    local omega = sqrt(max(square, 0))
+    out[k] = { x = x, square = square, y = y, w = w,
+      amplitude = square > 0 and sqrt(y * y + w * w / square) or abs(y) + T * abs(w),
+      speed = square > 0 and sqrt(y * y * square + w * w) or abs(w) }
+    if square < 0 then -- it grows
+      local rate = sqrt(-square)
+      out[k].amplitude = (abs(y) + abs(w) / rate) * math.exp(rate * T)
+      out[k].speed = rate * out[k].amplitude
+    end
+    out[k].omega = omega
+  end
+  return out
+end
+
+-- functions of (q, v) of the modes
+local function lifted(problem, q, modes)
+  local out, n = {}, problem.n
+  local slope = core.derivative(problem.L, n, n, "number")
+  for name, f in pairs(problem.watched) do
+    out[name] = function(y, w, t)
+      local x, v = {}, {}
+      for i = 1, n do
+        x[i], v[i] = q[i], 0
+        for k, mode in ipairs(modes) do
+          if mode.x[i] ~= 0 then x[i], v[i] = x[i] + mode.x[i] * y[k], v[i] + mode.x[i] * w[k] end
+        end
+      end
+      x, v = core.vector(x), core.vector(v)
+      local needs = core.trace(f, n, n, "number", n):depends()[4]
+      local any, p = false, {}
+      for i = 1, n do any = any or needs[i] end
+      local g = any and slope(x, v, t)
+      for i = 1, n do p[i] = g and g[n + i] or 0 end
+      return f(x, v, t, core.vector(p))
+    end
+  end
+  return out
+end
+
+local function model_with(problem, options, q, modes, all)
+  local k, y, w = #modes, {}, {}
+  for i, mode in ipairs(modes) do y[i], w[i] = mode.y, mode.w end
+  local system = core.system { Q = core.R(k), L = function(x, v)
+    local sum = 0
+    for i, mode in ipairs(modes) do sum = sum + (v[i] ^ 2 - mode.square * x[i] ^ 2) / 2 end
+    return sum
+  end }
+  local other = model_of.problem(system, { q = y, v = w, t0 = problem.t0,
+    until_t = options.until_t, watch = lifted(problem, q, modes), tolerance = problem.tolerance })
+  other.parent = problem
+  local out = model_of.given(other)
+  out.steps = { ("linear about an equilibrium, %d of %d modes"):format(k, all) }
+  return out
+end
+
+-- the least number of modes: the others add up to less than is seen
+local function excited(problem, q, modes)
+  local size, order, left, out = seen(problem, q, modes), {}, 0, {}
+  for k = 1, #modes do order[k] = k end
+  table.sort(order, function(a, b) return size[a] > size[b] or (size[a] == size[b] and a < b) end)
+  for at = #order, 2, -1 do
+    left = left + size[order[at]]
+    if not (left <= SEEN) then break end
+    order[at] = nil
+  end
+  table.sort(order)
+  for _, k in ipairs(order) do out[#out + 1] = modes[k] end
+  return out
+end
+
+local function is_plain(problem)
+  local given = problem.given
+  return problem.n <= MOST and not (given.force or given.constraint or given.rolling
+    or given.control or given.reaction or given.derivatives or problem.project)
+    and problem.system:structure().autonomous and not problem.system:structure().linear_in_v
+end
+
+--- Linear models of a problem: with the modes that are seen. None where there is no equilibrium near
+-- the start, or forces, constraints, couplings of q and v.
+function M.models(problem, options)
+  local fine, out = pcall(function()
+    if not is_plain(problem) then return {} end
+    local n = problem.n
+    local L = core.trace(problem.L, n, n, "number")
+    local q, K, mass = equilibrium(problem, L)
+    if not q then return {} end
+    local modes = modes_of(problem, q, K, mass)
+    return { model_with(problem, options, q, excited(problem, q, modes), n) }
+  end)
+  if not fine then pilot.pass_stop(out) end
+  return fine and out or {}
+end
+
+return M
