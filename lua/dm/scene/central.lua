@@ -6,7 +6,7 @@ local pilot = require "dm.scene.pilot"
 
 local M = {}
 
-local abs, sqrt, cos, sin = math.abs, math.sqrt, math.cos, math.sin
+local abs, cos, sin = math.abs, math.cos, math.sin
 
 local SAME, FLAT = 1e-11, 1e-9
 
@@ -102,7 +102,8 @@ local function is_central(problem)
   return true
 end
 
---- The system in (theta, r) of the plane of motion, theta cyclic; nil where it has no such symmetry.
+--- The system in (theta, r) of the plane of motion, theta cyclic; nil where it has no such
+-- symmetry.
 function M.model(problem, options)
   local fine, e1, e2, start = pcall(function()
     if is_central(problem) then return plane(problem) end

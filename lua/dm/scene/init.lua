@@ -124,6 +124,7 @@ local CHECK_TIMES = { 2048, 20000, 8, 0.4142135623730951 }
 local SECONDS, WITHOUT_CLOCK = 20, 600
 -- parts of the seconds that are over when reference, models, rules are to be done
 local REFERENCE_TIME, MODELS_TIME, RULES_TIME = 0.35, 0.55, 0.8
+local LEAST = 0.08  -- of them, for each of these, where those before took longer
 
 local function mesh(reference, how)
   local steps = #reference.times
@@ -240,7 +241,8 @@ local function decide(scene)
   end
   -- of the seconds of a step, what one run may take
   local function allow(part, most)
-    pilot.allow(scene.problem, scene.began + part * scene.allowed - core.cpu(), most)
+    local left = scene.began + part * scene.allowed - core.cpu()
+    pilot.allow(scene.problem, max(left, LEAST * scene.allowed), most)
   end
   allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, splits,
@@ -318,11 +320,12 @@ end
 
 class.method("dm.scene", "run", run, [[
 scene:run([{at=, every=, file=}]) -> path of what is watched
-The chosen model by the chosen rule and step, with as many rows as straight lines between them need,
-as far as there are steps (a picture: by rows between steps), or those asked for as in solver:run.
-Beside all of dm.path it has error_estimate: the largest error of what is watched, from pilot runs,
-a hold-out run and what is left of doubt in the reference (where columns have tolerances of their
-own: in parts of these); and model, rule.]])
+The chosen model by the chosen rule and step, with as many rows as straight lines between them need
+to stay inside the tolerance, or those asked for as in solver:run. Raises where lines need more than
+10^6 rows: give `at`. Beside all of dm.path it has error_estimate: the largest error of what is
+watched, at the rows and, of a plain run, on straight lines between them, with what is left of doubt
+in the reference (where columns have tolerances of their own: in parts of these); and model,
+rule.]])
 
 class.method("dm.scene", "why", function(scene) return report.why(decide(scene)) end, [[
 scene:why() -> string
@@ -349,20 +352,25 @@ end
 
 local doc_scene =
   "dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, "
-  .. "profile=, seconds=, project=} -> dm.scene\n" .. [[
+  .. "profile=, costs=, seconds=, frame=, per_step=, project=} -> dm.scene\n" .. [[
 The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta
 ("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
-tolerance: the largest error of each watched number up to the time until_t, in its units, or a table
-name -> tolerance. Models: the system as given; without coordinates that nothing watched feels;
-cyclic ones that are not watched reduced away (Routh), also those of a symmetry = { action =
-f(theta, q), section = f(x) } as for system:routh; stiff terms of L as constraints; coordinates at
-rest held; terms of L and of the force left out where that stays inside the tolerance. Rules: all of
-dm.rules(), or a list `rules`. All of it is decided by pilot runs against a reference of two unlike
-methods, and checked at other times and with half the step; where the tolerance cannot be promised,
-scene:run() raises with everything that was measured. profile: a file of scene.profile:save(file):
-costs are then not measured, and the choice is always the same. seconds: CPU time to be spent on
-looking (default 20). scene:run(), scene:why(), scene:animate(file);
-scene.candidates, scene.best.]]
+tolerance: the largest error of each watched number at every time up to until_t, in its units, or a
+table name -> tolerance. Models: the system as given; without coordinates that nothing watched
+feels; in the plane of motion where turns change nothing; cyclic coordinates reduced away (Routh),
+also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear,
+in the modes that are seen; stiff terms of L as constraints; coordinates at rest held; terms left
+out where that stays inside the tolerance. Rules: all of dm.rules(), log-hamiltonian(...) and
+"controlled(rk8)", whose steps are as long as their error allows, or a list `rules`. All of it is
+measured against two unlike methods with controlled steps that jump over nothing hidden in the
+forces, and checked at other times and between them; where the tolerance cannot be promised,
+scene:run() raises with everything that was measured (docs/theory/trust.md). Costs are counted
+operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
+a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
+scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
+seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
+raises). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best = { model,
+rule, N, h, n (dimension), work, ns, error }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(options)

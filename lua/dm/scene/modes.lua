@@ -169,8 +169,8 @@ local function is_plain(problem)
     and problem.system:structure().autonomous and not problem.system:structure().linear_in_v
 end
 
---- Linear models of a problem: with the modes that are seen. None where there is no equilibrium near
--- the start, or forces, constraints, couplings of q and v.
+--- Linear models of a problem: with the modes that are seen. None where there is no equilibrium
+-- near the start, or forces, constraints, couplings of q and v.
 function M.models(problem, options)
   local fine, out = pcall(function()
     if not is_plain(problem) then return {} end

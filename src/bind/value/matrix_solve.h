@@ -13,8 +13,8 @@ void dml_solve(lua_State *L, const dml_array *m, const dml_array *b);
 /* Real and imaginary parts of the eigenvalues: two vectors, sorted. Numbers only. */
 void dml_eigenvalues(lua_State *L, const dml_array *m);
 
-/* Values k, sorted, and vectors x, columns of a matrix, with a x = k b x, x^T b x = 1: two symmetric
- * matrices of numbers, b positive definite. */
+/* Values k, sorted, and vectors x, columns of a matrix, with a x = k b x, x^T b x = 1: of two
+ * symmetric matrices of numbers, b positive definite. */
 void dml_modes(lua_State *L, const dml_array *a, const dml_array *b);
 
 #endif
