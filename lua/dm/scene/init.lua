@@ -211,22 +211,6 @@ local function keep_deadline(scene, given)
   return conclude(scene)
 end
 
--- models in the order in which rules are tried on them: what costs little rules out the most
-local function smallest_first(rungs)
-  local out, size = {}, {}
-  for i, rung in ipairs(rungs) do
-    local n, operations = rung:size()
-    out[i], size[rung] = rung, { n, operations, -i }
-  end
-  table.sort(out, function(a, b)
-    local x, y = size[a], size[b]
-    if x[1] ~= y[1] then return x[1] < y[1] end
-    if x[2] ~= y[2] then return x[2] < y[2] end
-    return x[3] < y[3]
-  end)
-  return out
-end
-
 -- find the choice, once
 local function decide(scene)
   if scene.best then return scene end
@@ -248,7 +232,7 @@ local function decide(scene)
   scene.rungs = reduce.ladder(scene.search, given, splits,
     modes.models(scene.problem, scene.options))
   allow(RULES_TIME, 1 / 4)
-  for _, rung in ipairs(smallest_first(scene.rungs)) do search.model(scene.search, rung) end
+  for _, rung in ipairs(search.smallest_first(scene.rungs)) do search.model(scene.search, rung) end
   scene.finalists = search.finalists(scene.search)
   allow(1, 1)
   choice.choose(scene)

@@ -246,6 +246,22 @@ function M.model(search, model)
   end
 end
 
+--- Models in the order in which rules are tried on them: what costs little rules out the most
+function M.smallest_first(rungs)
+  local out, size = {}, {}
+  for i, rung in ipairs(rungs) do
+    local n, operations = rung:size()
+    out[i], size[rung] = rung, { n, operations, -i }
+  end
+  table.sort(out, function(a, b)
+    local x, y = size[a], size[b]
+    if x[1] ~= y[1] then return x[1] < y[1] end
+    if x[2] ~= y[2] then return x[2] < y[2] end
+    return x[3] < y[3]
+  end)
+  return out
+end
+
 local AS_GOOD = 1.15    -- costs that differ by less are equal: the smaller model is then preferred
 local NEAR, ROUNDS = 1.6, 5  -- what cost so many times the best is timed again, so often
 
