@@ -4,6 +4,7 @@
 
 static const dm_interval ALL = DM_ANYWHERE;
 
+/* An operation with two or three operands; operands that are the same node are one number. */
 static dm_interval of_more(const dm_expr *e, const dm_interval *value) {
     const dm_interval a = value[e->as.arg[0]], b = value[e->as.arg[1]], c = value[e->as.arg[2]];
     const int same = e->as.arg[0] == e->as.arg[1];
@@ -55,10 +56,12 @@ void dm_bounds(const dm_graph *g, const dm_interval *in, dm_interval *value) {
 
 /* ---- rates ---- */
 
+/* k a */
 static dm_interval scaled(double k, dm_interval a) {
     return dm_interval_multiply((dm_interval){k, k}, a);
 }
 
+/* 1 + a */
 static dm_interval plus_one(dm_interval a) {
     return dm_interval_add((dm_interval){1.0, 1.0}, a);
 }
@@ -106,12 +109,14 @@ static dm_interval of_product(const dm_interval *value, const dm_interval *rate,
                            dm_interval_multiply(value[a], rate[b]));
 }
 
+/* (a^k)' = k a^(k-1) a', of a k that does not move */
 static dm_interval of_power(dm_interval a, dm_interval k, dm_interval rate_a, dm_interval rate_k) {
     if (k.lo != k.hi || rate_k.lo != 0.0 || rate_k.hi != 0.0) return ALL;
     const dm_interval less = {k.lo - 1.0, k.lo - 1.0};
     return dm_interval_multiply(scaled(k.lo, dm_interval_power(a, less)), rate_a);
 }
 
+/* the hull of two */
 static dm_interval both(dm_interval a, dm_interval b) {
     return (dm_interval){fmin(a.lo, b.lo), fmax(a.hi, b.hi)};
 }
@@ -123,6 +128,7 @@ static dm_interval of_extreme(double sign_of, dm_interval a, dm_interval b, dm_i
     return d.hi < 0.0 ? rate_a : d.lo > 0.0 ? rate_b : both(rate_a, rate_b);
 }
 
+/* The chain rule for two or three operands; y is the value. */
 static dm_interval rate_of_more(const dm_expr *e, dm_interval y, const dm_interval *value,
                                 const dm_interval *rate) {
     const dm_node a = e->as.arg[0], b = e->as.arg[1], c = e->as.arg[2];

@@ -12,6 +12,7 @@ static double below(double x, int units) {
     return isinf(x) ? (x > 0.0 ? DBL_MAX : x) : x - (units * DBL_EPSILON * fabs(x) + 5e-324);
 }
 
+/* x and some units of the last place */
 static double above(double x, int units) {
     return -below(-x, units);
 }
@@ -22,12 +23,14 @@ static dm_interval widened(double lo, double hi, int units) {
     return (dm_interval){below(lo, units), above(hi, units)};
 }
 
+/* of the ends of products and the like; an end that is no number is anything */
 static double least(const double *x, int count) {
     double out = x[0];
     for (int i = 1; i < count; i++) out = isnan(x[i]) ? -INFINITY : fmin(out, x[i]);
     return out;
 }
 
+/* the same upwards */
 static double largest(const double *x, int count) {
     double out = x[0];
     for (int i = 1; i < count; i++) out = isnan(x[i]) ? INFINITY : fmax(out, x[i]);
@@ -39,16 +42,19 @@ static dm_interval hull(const double *x, int count, int units) {
     return widened(least(x, count), largest(x, count), units);
 }
 
+/* Is it one number? */
 static int is_point(dm_interval a) {
     return a.lo == a.hi;
 }
 
 /* ---- arithmetic ---- */
 
+/* [a.lo + b.lo, a.hi + b.hi] */
 dm_interval dm_interval_add(dm_interval a, dm_interval b) {
     return widened(a.lo + b.lo, a.hi + b.hi, ROUNDED);
 }
 
+/* exact: no rounding */
 dm_interval dm_interval_negative(dm_interval a) {
     return (dm_interval){-a.hi, -a.lo};
 }
@@ -58,6 +64,7 @@ static double product(double x, double y) {
     return x == 0.0 || y == 0.0 ? 0.0 : x * y;
 }
 
+/* extreme at corners */
 dm_interval dm_interval_multiply(dm_interval a, dm_interval b) {
     const double x[4] = {product(a.lo, b.lo), product(a.lo, b.hi), product(a.hi, b.lo),
                          product(a.hi, b.hi)};
@@ -68,17 +75,20 @@ dm_interval dm_interval_multiply(dm_interval a, dm_interval b) {
     return out;
 }
 
+/* |a|; 0 is in it where a changes its sign */
 static dm_interval absolute(dm_interval a) {
     if (a.lo >= 0.0) return a;
     if (a.hi <= 0.0) return dm_interval_negative(a);
     return (dm_interval){0.0, fmax(-a.lo, a.hi)};
 }
 
+/* a a is not negative, which a product of unrelated numbers may be */
 dm_interval dm_interval_square(dm_interval a) {
     const dm_interval b = absolute(a);
     return dm_interval_multiply(b, b);
 }
 
+/* 1/a has a pole at 0, which may be an end of a: then it goes one way only */
 dm_interval dm_interval_reciprocal(dm_interval a) {
     if (a.lo < 0.0 && a.hi > 0.0) return ALL;
     if (a.lo == 0.0 && a.hi == 0.0) return ALL;
@@ -87,6 +97,7 @@ dm_interval dm_interval_reciprocal(dm_interval a) {
     return widened(1.0 / a.hi, 1.0 / a.lo, ROUNDED);
 }
 
+/* a/b extreme at corners, unless b meets 0 */
 dm_interval dm_interval_divide(dm_interval a, dm_interval b) {
     const double x[4] = {a.lo / b.lo, a.lo / b.hi, a.hi / b.lo, a.hi / b.hi};
     if (b.lo <= 0.0 && b.hi >= 0.0) return dm_interval_multiply(a, dm_interval_reciprocal(b));
@@ -97,10 +108,12 @@ dm_interval dm_interval_divide(dm_interval a, dm_interval b) {
 
 typedef double function(double);
 
+/* of a function that rises */
 static dm_interval rising(function *f, dm_interval a) {
     return widened(f(a.lo), f(a.hi), COMPUTED);
 }
 
+/* of a function that falls */
 static dm_interval falling(function *f, dm_interval a) {
     return widened(f(a.hi), f(a.lo), COMPUTED);
 }
@@ -110,10 +123,12 @@ static dm_interval cut(dm_interval a, double lo, double hi) {
     return (dm_interval){fmax(a.lo, lo), fmin(a.hi, hi)};
 }
 
+/* x^(-3/2) */
 static double cube_of_root(double x) {
     return 1.0 / (x * sqrt(x));
 }
 
+/* x^(-1/2) */
 static double root_of_inverse(double x) {
     return 1.0 / sqrt(x);
 }
@@ -143,20 +158,24 @@ static dm_interval wave(function *f, dm_interval a, double shift) {
     return cut(out, -1.0, 1.0);
 }
 
+/* tan has poles at pi/2 + pi k, and rises between them */
 static dm_interval tangent(dm_interval a) {
     if (!(a.hi - a.lo < PI) || meets(a, 0.5 * PI, PI)) return ALL;
     return rising(tan, a);
 }
 
+/* cosh(a) = cosh(|a|) >= 1 */
 static dm_interval hyperbolic_cosine(dm_interval a) {
     return cut(rising(cosh, absolute(a)), 1.0, INFINITY);
 }
 
+/* log(a), from -infinity where a begins at 0 */
 static dm_interval logarithm(dm_interval a) {
     if (a.lo < 0.0 || a.hi == 0.0) return ALL;
     return rising(log, a);
 }
 
+/* asin(a) or acos(a), of -1 <= a <= 1 only */
 static dm_interval arc(dm_interval a, int cosine) {
     if (a.lo < -1.0 || a.hi > 1.0) return ALL;
     return cosine ? cut(falling(acos, a), 0.0, 2.0 * PI) : rising(asin, a);
@@ -196,6 +215,7 @@ dm_interval dm_interval_either(dm_interval condition, dm_interval yes, dm_interv
     return (dm_interval){fmin(yes.lo, no.lo), fmax(yes.hi, no.hi)};
 }
 
+/* -1, 0, 1 */
 static dm_interval sign(dm_interval a) {
     return (dm_interval){(double)((a.lo > 0.0) - (a.lo < 0.0)),
                          (double)((a.hi > 0.0) - (a.hi < 0.0))};

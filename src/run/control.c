@@ -15,10 +15,12 @@ typedef struct {
     double *whole, *halves, *middle, *size;
 } rooms;
 
+/* Three states and the sizes of q and p. */
 size_t dm_control_room(uint32_t n) {
     return 3 * dm_state_size(n) + 2 * (size_t)n;
 }
 
+/* what lies where in c->room */
 static rooms open(const dm_control *c, uint32_t n) {
     double *x = c->room;
     const size_t size = dm_state_size(n);
@@ -30,6 +32,7 @@ static void note_size(double *size, const double *y, uint32_t n) {
     for (uint32_t i = 0; i < 2 * n; i++) size[i] = fmax(size[i], fabs(y[i]));
 }
 
+/* Sizes are those of the start, which may be zero: they grow as steps are made. */
 void dm_control_begin(dm_control *c, const dm_stepper *s, const double *state, double t, double h) {
     const uint32_t n = s->model->n;
     rooms r = open(c, n);

@@ -14,15 +14,18 @@ typedef struct {
     double start, slope, bend;
 } parabola;
 
+/* coordinate i */
 static parabola through(const dm_swept *step, uint32_t i) {
     const double a = step->q[0][i], b = step->q[1][i], c = step->q[2][i];
     return (parabola){a, 4.0 * (b - a) - (c - a), 2.0 * (c - a) - 4.0 * (b - a)};
 }
 
+/* a + s (slope + s bend) */
 static double at(parabola p, double s) {
     return p.start + s * (p.slope + s * p.bend);
 }
 
+/* in any order */
 static dm_interval hull_of(double a, double b) {
     return (dm_interval){fmin(a, b), fmax(a, b)};
 }
@@ -143,6 +146,7 @@ static int stands_out(const dm_hidden *x, const dm_swept *step, uint32_t j, uint
     return !(fabs(e[j * width] - mean) <= JUMP * others + negligible);
 }
 
+/* Of every sample of every force; *where is the time of the sample before. */
 static int samples_agree(dm_hidden *x, const dm_swept *step, double *where) {
     for (uint32_t j = 0; j <= DM_HIDDEN_PARTS; j++)
         for (uint32_t i = 0; i < x->count; i++)

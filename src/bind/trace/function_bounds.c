@@ -78,6 +78,7 @@ static void push_end(lua_State *L, const dml_function *f, const dm_interval *val
     }
 }
 
+/* dm_bounds walks over all nodes of a graph, so what the value does not need is left behind. */
 void dml_function_alone(lua_State *L, dml_function *f) {
     const uint32_t m = dml_outputs(f);
     if (f->alone) return;
@@ -87,6 +88,7 @@ void dml_function_alone(lua_State *L, dml_function *f) {
     f->alone_roots = roots;
 }
 
+/* (f, lo, hi) -> lo, hi */
 int dml_function_bounds(lua_State *L) {
     dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
     const uint32_t inputs = f->inputs;

@@ -244,6 +244,7 @@ static int matrix_eigenvalues(lua_State *L) {
     return 2;
 }
 
+/* Values and vectors of the stiffness at 1 in the mass at 2. */
 static int matrix_modes(lua_State *L) {
     const dml_array *a = check(L), *b = dml_toarray(L, 2, 2);
     luaL_argcheck(L, b, 2, "a matrix expected");
