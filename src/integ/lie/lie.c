@@ -224,10 +224,14 @@ static dm_status check_end(dm_lie *e) {
 /* V from a guess; reports what it took. */
 static dm_status solve(dm_lie *e, dm_stepper *s) {
     dm_newton_report report;
+    static const double angle = 1.0; /* of this size are displacements in a chart */
     const dm_newton_problem problem = {.m = e->m,
                                        .equation = dm_lie_equation,
                                        .ctx = e,
                                        .size = &e->size,
+                                       .place = &angle,
+                                       .places = 1,
+                                       .over = e->h,
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     dm_status status = guess(e);

@@ -142,11 +142,16 @@ static void keep(dm_lie_joints *e) {
 }
 
 dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_report *report) {
+    static const double angle = 1.0; /* of this size are displacements in a chart */
     const dm_newton_problem problem = {.m = e->N,
                                        .equation = dm_lie_joints_equation,
                                        .ctx = e,
                                        .size = &e->size,
                                        .band = dm_step_matrix_band(&e->step),
+                                       .place = &angle,
+                                       .places = 1,
+                                       .shared = e->N - e->s * e->d,
+                                       .over = e->h,
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     memcpy(e->x, e->state, e->n * sizeof *e->x);

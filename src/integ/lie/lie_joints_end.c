@@ -86,11 +86,16 @@ void dm_lie_joints_closing_pattern(dm_lie_joints *e, double *J) {
 /* v1 and multipliers from those of the last velocity of the curve */
 static dm_status close(dm_lie_joints *e, const dm_stepper *s) {
     dm_newton_report report = {0};
+    static const double angle = 1.0; /* of this size are displacements in a chart */
     const dm_newton_problem problem = {.m = e->d + e->m,
                                        .equation = closing_equation,
                                        .ctx = e,
                                        .size = &e->size,
                                        .band = dm_step_matrix_band(&e->closing),
+                                       .place = &angle,
+                                       .places = 1,
+                                       .shared = e->m,
+                                       .over = e->h,
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     memcpy(e->in, e->end, e->n * sizeof *e->in);
