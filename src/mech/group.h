@@ -7,7 +7,12 @@
 #include "mech/model.h"
 
 /* Maps tau from the algebra to the group whose charts g0 tau(xi) are known. */
-typedef enum { DM_TAU_EXP, DM_TAU_CAYLEY, DM_TAUS } dm_tau;
+typedef enum {
+    DM_TAU_EXP,
+    DM_TAU_CAYLEY,
+    DM_TAU_PADE, /* that of degree 2, then of degrees 3 and 4 */
+    DM_TAUS = 5
+} dm_tau;
 
 /* The traces of one tau (lua/dm/group/place.lua); chart NULL: the group has no such map. With
  * right trivialization tau(xi) stands on the left of g0. */

@@ -48,9 +48,9 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CONSTRAINT_FORCE = 1024,   /* f */
        DM_WANT_FORCE_CURVE = 2048,        /* f, f_q, f_v */
        DM_WANT_REACTION = 4096,           /* r = G^T lambda + E^T mu, r_q, r_v */
-       DM_WANT_CHART = 32768, /* of a system on a group, the charts of mech/group.h: this bit
+       DM_WANT_CHART = 1 << 21, /* of a system on a group, the charts of mech/group.h: this bit
                                  shifted by the number of a dm_tau */
-       DM_WANT_CHARTS = 98304,
+       DM_WANT_CHARTS = 31 << 21,
        DM_WANT_LIFT = 524288, /* of a system on a group: its collective lift (mech/group_lift.c) */
        DM_WANT_JOINTS = 1048576, /* of a chart that is wanted: dm_group_joints, in its place */
        DM_WANT_ON_GROUP = DM_WANT_CHARTS | DM_WANT_LIFT | DM_WANT_JOINTS,

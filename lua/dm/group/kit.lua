@@ -203,6 +203,19 @@ local function cayley_of_matrices(kit)
   end
 end
 
+-- the Pade approximants of exp by way of the Cayley map: kit.cayley(kit.pade(k, xi)), and what the
+-- rate eta of xi is that of its argument
+local function pade_of_matrices(kit)
+  if kit.euclidean then
+    function kit.pade(_, xi, eta) return xi, eta end
+  elseif kit.cayley and kit.hat and kit.vee and not kit.pade then
+    function kit.pade(k, xi, eta)
+      local z, dz = matrix_functions.pade(k, kit.hat(xi), eta and kit.hat(eta))
+      return kit.vee(z), eta and kit.vee(dz)
+    end
+  end
+end
+
 local function list_of(x)
   local out = {}
   for i = 1, #x do out[i] = x[i] end
@@ -237,6 +250,7 @@ function M.complete(kit)
   differentials(kit)
   tangents(kit)
   cayley_of_matrices(kit)
+  pade_of_matrices(kit)
   return kit
 end
 

@@ -177,6 +177,32 @@ function M.near_symplectic(a, J)
     "symplectic")
 end
 
+-- numerators of the diagonal Pade approximants of exp, 1 + x/2 + ...
+local PADE = { [2] = { 1, 1 / 2, 1 / 12 }, [3] = { 1, 1 / 2, 1 / 10, 1 / 120 },
+  [4] = { 1, 1 / 2, 3 / 28, 1 / 84, 1 / 1680 } }
+
+--- z with cay(z) = the Pade approximant of degree k of exp(x), k = 2, 3, 4: twice the odd part of
+-- its numerator over the even one, z = 2 o e^-1. Then dz along y.
+function M.pade(k, x, y)
+  local c, power, slope = PADE[k], core.identity(x.rows), nil
+  local odd, even = x * 0, power
+  local d_odd, d_even = x * 0, x * 0
+  for i = 1, k do
+    if y then slope = slope and slope * x + power * y or y end
+    power = power * x
+    if i % 2 == 1 then
+      odd = odd + power * c[i + 1]
+      if y then d_odd = d_odd + slope * c[i + 1] end
+    else
+      even = even + power * c[i + 1]
+      if y then d_even = d_even + slope * c[i + 1] end
+    end
+  end
+  local inverse = even:inverse()
+  local z = odd * inverse * 2
+  return z, y and (d_odd * 2 - z * d_even) * inverse
+end
+
 --- J of R^(2k), x = (q, p).
 function M.symplectic_unit(n)
   local k = n // 2

@@ -160,7 +160,18 @@ end
 -- the left differential of tau: g^-1 g' of tau(xi), as d/dt tau(xi) = tau(xi) hat(left(xi, xi'))
 local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }
 
---- What a step asks of the chart g = g0 tau(xi) (right: tau(xi) g0), tau = exp or cayley, as
+-- tau and its differential on coordinates, tau on elements: "exp", "cayley", "pade(2)" ...
+local function maps(place, tau)
+  local kit, name, k = place.kit, DIFFERENTIALS[tau], tonumber(tau:match "^pade%((%d)%)$")
+  if not k then return place[tau], place[name] or kit[name], kit[tau] end
+  if not kit.pade or not place.cayley then return end
+  local cayley, dcay = place.cayley, place.dcay or kit.dcay
+  return function(xi) return cayley((kit.pade(k, xi))) end,
+    function(xi, rate) return dcay(kit.pade(k, xi, rate)) end,
+    function(xi) return kit.cayley((kit.pade(k, xi))) end
+end
+
+--- What a step asks of the chart g = g0 tau(xi) (right: tau(xi) g0), tau = exp, cayley or pade(k),
 -- functions that are traced: chart(q0, e, xi, rate) gives the coordinates of g0 near(e) tau(xi),
 -- then the velocity of xi(t) with this rate; finish(q0, xi, mu) those of g0 tau(xi), then mu
 -- carried there by the coadjoint action, then squares of angles that must stay below pi. turns(q0,
@@ -169,8 +180,7 @@ local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }
 -- has no such tau.
 function M.chart(place, tau)
   local kit, right = place.kit, place.right
-  local name = DIFFERENTIALS[tau]
-  local map, slope = place[tau], place[name] or kit[name]
+  local map, slope, element = maps(place, tau)
   if not map or not slope then return end
   local function about(q0, xi, e)
     local list = kits.list_of(q0)
@@ -181,7 +191,7 @@ function M.chart(place, tau)
     return append(kits.list_of(about(q0, xi, e)), slope(right and xi or -xi, rate))
   end
   local function finish(q0, xi, mu)
-    local f = kit[tau](xi)
+    local f = element(xi)
     local carried = kit.coAd(right and f or kit.inverse(f), mu)
     local out = append(kits.list_of(place.tidy(about(q0, xi))), carried)
     return tau == "exp" and kit.arcs and append(out, kit.arcs(xi)) or out

@@ -193,6 +193,22 @@ local function as_manifold(kit, parts)
   end
 end
 
+-- that of each factor
+local function pade_of(parts)
+  return function(k, xi, eta)
+    local z, dz, first = {}, {}, 0
+    for _, part in ipairs(parts) do
+      local d = part.dimension
+      local a, b = part.pade(k, core.vector(slice(xi, first, d)),
+        eta and core.vector(slice(eta, first, d)))
+      append(z, a)
+      if eta then append(dz, b) end
+      first = first + d
+    end
+    return core.vector(z), eta and core.vector(dz)
+  end
+end
+
 -- the facts of a product from those of its factors
 local function facts(kit, parts)
   local forms = {}
@@ -224,6 +240,7 @@ function M.of(parts)
     if has_all(parts, name) then kit[name] = by_factors(parts, name, kinds, true) end
   end
   kit.no_cayley = not kit.cayley
+  if has_all(parts, "pade") then kit.pade = pade_of(parts) end
   matrix_maps(kit, parts)
   function kit.arcs(xi)
     local out, first = {}, 0

@@ -169,7 +169,7 @@ void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *ru
 
 /* ---- charts ---- */
 
-static const char *const taus[] = {"exp", "cayley"};
+static const char *const taus[] = {"exp", "cayley", "pade(2)", "pade(3)", "pade(4)"};
 
 /* chart, finish and turns of one tau are at fn, fn + 1 and fn + 2, nil where there is none */
 static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *arena,
@@ -201,22 +201,44 @@ static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *
     out->turned = traced.out;
 }
 
-/* a userdata with the traces of all taus; the place is on top */
+/* of one tau, with the place at an index and the arena on top */
+static void make_trace(lua_State *L, const dml_system *s, int place, int tau, dm_arena *arena,
+                       dm_chart_trace *out) {
+    push_module(L, "chart");
+    lua_pushvalue(L, place);
+    lua_pushstring(L, taus[tau]);
+    lua_call(L, 2, 3);
+    trace_chart(L, lua_gettop(L) - 2, s->n, s->momenta, arena, out + tau);
+    lua_pop(L, 3);
+}
+
+/* a userdata with the traces of exp and the Cayley map; the place is on top */
 static void make_traces(lua_State *L, const dml_system *s) {
     const int place = lua_gettop(L);
-    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, 1);
+    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, DM_TAUS);
     memset(out, 0, DM_TAUS * sizeof *out);
     dm_arena *arena = dml_pusharena(L);
     lua_setiuservalue(L, -2, 1);
-    for (int tau = 0; tau < DM_TAUS; tau++) {
-        push_module(L, "chart");
-        lua_pushvalue(L, place);
-        lua_pushstring(L, taus[tau]);
-        lua_call(L, 2, 3);
-        trace_chart(L, lua_gettop(L) - 2, s->n, s->momenta, arena, out + tau);
-        lua_pop(L, 3);
-    }
+    for (int tau = 0; tau < DM_TAU_PADE; tau++) make_trace(L, s, place, tau, arena, out);
     lua_setfield(L, place, "traces");
+}
+
+/* The traces of the place are those of all models that come later. */
+void dml_place_taus(lua_State *L, int arg, dm_group *out, unsigned wants) {
+    const dml_system *s = dml_checksystem(L, arg);
+    const int place = lua_gettop(L) + 1;
+    for (int tau = DM_TAU_PADE; tau < DM_TAUS; tau++) {
+        if (!(wants & (unsigned)DM_WANT_CHART << tau) || out->trace[tau].chart) continue;
+        dml_systemfield(L, arg, "place");
+        lua_getfield(L, place, "traces");
+        dm_chart_trace *traces = lua_touserdata(L, -1);
+        dm_arena *arena = dml_pusharena(L);
+        lua_pushvalue(L, -1);
+        lua_setiuservalue(L, place + 1, tau); /* the first is that of exp and Cayley's map */
+        make_trace(L, s, place, tau, arena, traces);
+        out->trace[tau] = traces[tau];
+        lua_settop(L, place - 1);
+    }
 }
 
 /* The kit has no upvalue of the user's, so one trace serves for ever. */
@@ -247,9 +269,11 @@ static void want_lift(lua_State *L, dml_model *m, dm_compile *compile) {
 void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile) {
     if (chart & DM_WANT_LIFT) want_lift(L, m, compile);
     if (!(chart & DM_WANT_CHARTS)) return;
-    const dm_tau tau = chart & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
+    dm_tau tau = DM_TAU_EXP;
+    while (!(chart & (unsigned)DM_WANT_CHART << tau)) tau++;
     if (!m->group.trace[tau].chart)
-        luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");
+        luaL_error(L, "this group has no %s that stays on it; take \"exp\"",
+                   tau == DM_TAU_CAYLEY ? "Cayley map" : "Pade approximant of exp");
     const dm_status status =
         (chart & DM_WANT_JOINTS ? dm_group_want_joints : dm_group_want)(&m->group, &m->model, tau,
                                                                         compile);

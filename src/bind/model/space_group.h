@@ -37,6 +37,9 @@ int dml_place_column(lua_State *L, int arg, const char *name);
 /* The traces of the charts of the group of the system at `arg`, made once and kept by it. */
 void dml_place_charts(lua_State *L, int arg, dm_group *out);
 
+/* The same of those taus among `wants` that few ask for. */
+void dml_place_taus(lua_State *L, int arg, dm_group *out, unsigned wants);
+
 /* Raise where the rule does not step groups, as that of the system at `arg`; a rule of coordinates
  * gets the lift of the model, where the group has one. */
 void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *rule,

@@ -94,6 +94,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (refusal) luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = dm_rule_engine(s->nodes, &r->model->model)->wants(s->nodes, &r->model->model);
     if (r->complete && r->wants & DM_WANT_STAGE_LATER) r->wants |= DM_WANT_STAGE;
+    if (r->model->model.group) dml_place_taus(L, r->system, &r->model->group, r->wants);
     dml_stepping_inputs(L, r);
     if (r->inputs) dml_want(L, r->inputs, DM_WANT_FORCE | DM_WANT_VALUE, backend_name(L));
     const unsigned wants = (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |

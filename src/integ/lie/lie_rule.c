@@ -1,4 +1,4 @@
-/* lie_rule.c - lie(s [, quadrature] [, exp | cayley]) as a row. */
+/* lie_rule.c - lie(s [, quadrature] [, exp | cayley | pade(k)]) as a row. */
 #include "integ/lie/lie.h"
 #include "integ/method/stage_table.h"
 #include "integ/rules/galerkin.h"
@@ -11,13 +11,13 @@ static int degree(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
 
-/* The maps by name, in the order of dm_tau. */
-static const char *const taus[] = {"exp", "cayley"};
-
-/* -1: it is no map. */
+/* -1: it is no map. The Pade approximant of degree 1 is the Cayley map. */
 static int tau_of(const dm_rule *arg) {
-    for (int k = 0; k < DM_TAUS; k++)
-        if (strcmp(arg->name, taus[k]) == 0 && !arg->count) return k;
+    if (strcmp(arg->name, "exp") == 0 && !arg->count) return DM_TAU_EXP;
+    if (strcmp(arg->name, "cayley") == 0 && !arg->count) return DM_TAU_CAYLEY;
+    if (strcmp(arg->name, "pade") != 0 || arg->count != 1 || arg->arg[0].rule) return -1;
+    for (int k = 0; k < DM_TAUS - DM_TAU_CAYLEY; k++)
+        if (arg->arg[0].number == k + 1) return DM_TAU_CAYLEY + k;
     return -1;
 }
 
@@ -56,12 +56,13 @@ static const char *check(const dm_rule *rule) {
         return "lie takes the degree of its curves, from 1 to 32";
     const dm_quadrature_row *row = q ? dm_quadrature_find(q->name) : NULL;
     if (q && (!row || q->count != 1 || q->arg[0].rule || !is_count(q->arg[0].number, row->least)))
-        return "behind the degree come a quadrature, as gauss(2), and a map, exp or cayley";
+        return "behind the degree come a quadrature, as gauss(2), and a map, exp, cayley "
+               "or pade(k), k from 1 to 4";
     if (q && nodes(q) < degree(rule))
         return "curves of degree s need a quadrature of s nodes at least";
     if (rule->count > last + 1 ||
         (rule->count > last && !(named(rule, last) && tau_of(named(rule, last)) >= 0)))
-        return "its last argument is a map from the algebra, exp or cayley";
+        return "its last argument is a map from the algebra, exp, cayley or pade(k), k from 1 to 4";
     return NULL;
 }
 
@@ -85,9 +86,10 @@ static int order(const dm_rule *rule) {
 
 const dm_method dm_method_lie = {
     .name = "lie",
-    .signature = "lie(s [, quadrature] [, exp | cayley])",
+    .signature = "lie(s [, quadrature] [, exp | cayley | pade(k)])",
     .doc = "Lie group variational integrator of degree s on any group: curves g0 tau(xi(t)) in the "
-           "natural chart about the start of a step, tau = exp or the Cayley map, the action by "
+           "natural chart about the start of a step, tau = exp, the Cayley map or a diagonal Pade "
+           "approximant of exp (k from 1, which is Cayley's, to 4), the action by "
            "gauss(s) or another quadrature; order 2 s, s dim G unknowns a step (Leok 5.3.2, with "
            "the signs of B7). Symplectic, keeps momentum maps and coadjoint orbits. With "
            "constraints and "

@@ -44,7 +44,8 @@ local at4 = { { 0.863360085068844877, 0.297258278600659099, -0.40773383390796731
   { 0.442013057065418363, -0.83529096439530884, 0.326976241007260511 } }
 for _, row in ipairs { { "lie(1)", 2, 40 }, { "lie(1, cayley)", 2, 80 }, { "lie(2)", 4, 20 },
   { "lie(2, lobatto(3))", 4, 40 }, { "lie(2, gauss(2), cayley)", 4, 40 }, { "lie(3)", 6, 20 },
-  { "lie(3, lobatto(4))", 6, 20 } } do
+  { "lie(3, lobatto(4))", 6, 20 }, { "lie(1, pade(1))", 2, 80 }, { "lie(1, pade(2))", 2, 80 },
+  { "lie(2, pade(3))", 4, 40 }, { "lie(3, gauss(3), pade(4))", 6, 20 } } do
   near(order(heavy, row[1], 4, row[3], tilt, at4), row[2], 0.15, row[1] .. " on a heavy top")
 end
 local R, p = finish(heavy, "lie(1)", 0.2, 20, tilt)
@@ -70,7 +71,7 @@ local sheared = { q = dm.SL(2):exp { 0.1, 0.2, 0.3 }, p = { 0.4, -0.3, 0.6 } }
 for _, case in ipairs { { "SE(3)", body, swimming }, { "SL(2)", special, sheared } } do
   local fine = finish(case[2], "lie(4)", 1 / 128, 128, case[3])
   for _, row in ipairs { { "lie(1)", 2, 8 }, { "lie(2)", 4, 4 }, { "lie(2, lobatto(3))", 4, 4 },
-    { "lie(3)", 6, 2 }, { "lie(2, cayley)", 4, 4 } } do
+    { "lie(3)", 6, 2 }, { "lie(2, cayley)", 4, 4 }, { "lie(2, pade(2))", 4, 4 } } do
     near(order(case[2], row[1], 1, row[3], case[3], fine), row[2], 0.15,
       row[1] .. " on " .. case[1])
   end
@@ -243,7 +244,7 @@ raises("no Cayley map", finish, dm.system { Q = dm.SL(3),
   L = function(_, x) return x:dot(x) / 2 end }, "lie(1, cayley)", 0.1, 1,
   { q = dm.SL(3):identity(), p = { 0, 0, 0, 0, 0, 0, 0, 1 } })
 raises("lie takes the degree", heavy.solver, heavy, { rule = "lie(1.5)", h = 0.1 })
-raises("exp or cayley", heavy.solver, heavy, { rule = "lie(1, nothing)", h = 0.1 })
+raises("exp, cayley or pade(k)", heavy.solver, heavy, { rule = "lie(1, nothing)", h = 0.1 })
 raises("s nodes at least", heavy.solver, heavy, { rule = "lie(2, gauss(1))", h = 0.1 })
 raises("left\" or \"right", dm.system, { Q = SO3, trivialization = "up", L = heavy.L })
 
