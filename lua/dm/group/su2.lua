@@ -83,6 +83,7 @@ end
 local function coordinates(kit)
   local of = so3.smooth
   return { carry = times, exp = of.exp, dexp = of.dexp, near = of.near, tidy = of.tidy,
+    turn = of.turn, turned = of.turned,
     cayley = function(xi) return kits.list_of(kit.cayley(xi)) end }
 end
 
@@ -91,6 +92,7 @@ local function facts(kit)
   function kit.element(g) return kits.vector(g, 4, "the group element") end
   kit.raw = kit.element
   kit.form, kit.bonds = "a unit quaternion, a vector of 4 numbers", so3.norm_bond
+  kit.body = { pose = so3.rotation, turning = 0 }
   function kit.arcs(xi) return { xi:dot(xi) } end
   function kit.project(q)
     if linear.is_plain(core.matrix { q }) and q:norm() == 0 then
