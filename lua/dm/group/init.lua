@@ -26,6 +26,15 @@ core.semidirect = blame.caller(function(...)
 end)
 core.docs[core.semidirect] = core.docs[semidirect]
 
+-- those on groups without coordinates are another class (group/discrete.lua)
+local discrete = core.discrete_lagrangian
+core.discrete_lagrangian = blame.caller(function(...)
+  return require "dm.group.discrete".new(...) or discrete(...)
+end)
+core.docs[core.discrete_lagrangian] = core.docs[discrete]
+  .. " On a group elements take the place of q, and momenta are body covectors; of a system rule is "
+  .. "lie(s): class dm.group_lagrangian."
+
 --- The kit of a group; raises for another manifold.
 function M.group(space)
   local kit = M.kit(space)

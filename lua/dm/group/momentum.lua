@@ -76,20 +76,27 @@ local function map_of(place, group, side)
   return function(g, mu) return standard(kit, name, g, mu) end, d
 end
 
---- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
--- rotations and translations of space, of any group by its action on elements, of one generator g
--- -> the body velocity of its field.
-function M.momentum(place, path, group, options)
+-- J and its dimension; raises where there is none
+local function found(place, group, options)
   local side = type(options) == "table" and options.side or "left"
   if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
   local J, d = given_action(place, group, options)
   if not J then J, d = map_of(place, group, side) end
-  if not J then
-    error(("%s has no standard action on %s: give path:momentum(G, { action = function(k, g) ... "
-      .. "end }), or the generator as a function of the element that returns the body velocity of "
-      .. "its field")
-      :format(tostring(group), tostring(place.space)), 0)
-  end
+  if J then return J, d end
+  error(("%s has no standard action on %s: give path:momentum(G, { action = function(k, g) ... "
+    .. "end }), or the generator as a function of the element that returns the body velocity of "
+    .. "its field")
+    :format(tostring(group), tostring(place.space)), 0)
+end
+
+--- That of one element g with the body momentum mu.
+function M.at(place, group, options, g, mu) return (found(place, group, options))(g, mu) end
+
+--- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
+-- rotations and translations of space, of any group by its action on elements, of one generator g
+-- -> the body velocity of its field.
+function M.momentum(place, path, group, options)
+  local J, d = found(place, group, options)
   local rows, q, p = {}, path.q, path.p
   for i = 1, #path do
     local g, mu = q[i], p[i]

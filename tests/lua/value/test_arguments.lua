@@ -43,6 +43,10 @@ local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps 
   start = function(n) return dm.zeros(n), dm.zeros(n) end }
 local rows = solver:section { g = function(q) return q[2] end, starts = { { q = { 1, 0 }, v = { 0, 1.1 } } }, t = 40, x = "q1", y = "p1" }
 
+local upright = dm.SO(3):identity()
+local rotor = dm.discrete_lagrangian { Q = dm.SO(3), h = 0.1,
+  Ld = function(q0, q1) return -(q0:transpose() * q1)[1][1] - 2 * (q0:transpose() * q1)[2][2] end }
+
 -- class -> method -> a list of calls that are right: { object, arguments }
 local calls = {
   ["dm.vector"] = { { dm.vector { 1, 2, 3 }, cross = { xi }, dot = { xi }, map = { math.sin }, outer = { xi }, slice = { 1, 2 } } },
@@ -84,6 +88,9 @@ local calls = {
   ["dm.journal_file"] = { { assert(require "dm.core".journal_file(os.tmpname(), true)), read = { 0, 8 }, append = { "" }, truncate = { 0 } } },
   ["dm.worker"] = { { require "dm.core".worker(function(channel) while channel:receive() do end end), send = { "x" } } },
   ["dm.sweep"] = { { dm.sweep { members = 2, workers = 1, run = function(i) return i end }, plot = { "member", "value", {} } } },
+  ["dm.group_lagrangian"] = { { rotor, legendre_minus = { upright, upright },
+    legendre_plus = { upright, upright }, momentum = { dm.SO(3), upright, upright },
+    two_form = { upright, upright }, value = { upright, upright } } },
   ["dm.branch"] = { { branch, series = { "mu", "energy" } } },
   ["dm.solver"] = { { dm.solver { Ld }, step = { a, b } } },
   ["dm.scaling"] = { { scaling, exponent = { "verlet" } } },

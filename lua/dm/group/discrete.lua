@@ -1,0 +1,286 @@
+--- Discrete Lagrangians Ld(g0, g1) on groups: a formula of a script, or the action of lie(s) between
+-- two elements (Leok 5.3). Momenta are body covectors: p0 = -D1 Ld, p1 = D2 Ld along g exp(e).
+local blame = require "dm.base.blame"
+local bound = require "dm.base.bound"
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
+local momentum = require "dm.group.momentum"
+local options = require "dm.base.options"
+local place = require "dm.group.place"
+
+local M = {}
+
+local WHERE = "dm.discrete_lagrangian"
+
+local Class = core.class({ __name = "dm.group_lagrangian" }, [[
+dm.group_lagrangian: Ld(g0, g1) on a group, made by dm.discrete_lagrangian{Q=, h=, Ld=} or
+dm.discrete_lagrangian(system, {rule = "lie(2)", h=})
+fields: Q, h, name, Ld or system and rule; Ld(g0, g1) is its value.]])
+
+function Class.__tostring(Ld)
+  local by = Ld.rule and (", by %s"):format(tostring(Ld.rule)) or ""
+  return ("discrete Lagrangian on %s, h = %g%s"):format(tostring(Ld.Q), Ld.h, by)
+end
+
+local part = lists.part
+
+-- g0, g1 as coordinates of matrices
+local function ends_of(Ld, g0, g1)
+  local kit, P = kits.of(Ld.Q), Ld.place
+  local out = {}
+  for k, g in ipairs { g0, g1 } do
+    local fine, x = pcall(kit.element, g)
+    if not fine then error(("g%d: %s"):format(k - 1, x), 0) end
+    out[k] = core.vector(P.flat(x))
+  end
+  return out[1], out[2]
+end
+
+---- a formula ----
+
+-- Ld(g0 near(e0), g1 near(e1)) of (q0, e0, q1, e1)
+local function moved(P, f, h)
+  return function(q0, e0, q1, e1)
+    return f(P.element(P.carry(q0, P.near(e0))), P.element(P.carry(q1, P.near(e1))), h)
+  end
+end
+
+local function by_formula(Ld)
+  local P, N, d = Ld.place, Ld.place.size, Ld.place.dimension
+  local zero = core.zeros(d)
+  local f = moved(P, Ld.Ld, Ld.h)
+  local slopes = core.derivative(f, N, d, N, d)
+  local way = {}
+  function way.value(q0, q1) return f(q0, zero, q1, zero) end
+  function way.momenta(q0, q1)
+    local y = slopes(q0, zero, q1, zero)
+    return -part(y, N, d), part(y, 2 * N + d, d)
+  end
+  -- -D1 D2 Ld
+  function way.two_form(q0, q1)
+    local H = core.trace(f, N, d, N, d):hessian(q0, zero, q1, zero)
+    return linear.fill(d, d, function(i, j) return -H[N + i][2 * N + d + j] end)
+  end
+  return way
+end
+
+-- its step, p0 = -D1 Ld(g0, g0 exp(x)), as a rule
+local function rule_of(Ld)
+  local kit, P, d = kits.of(Ld.Q), Ld.place, Ld.place.dimension
+  local function momenta(g0, g1)
+    return Ld.way.momenta(core.vector(P.flat(g0)), core.vector(P.flat(g1)))
+  end
+  return core.step { name = Ld.name or "del", unknowns = d, order = 1,
+    start = function() return core.zeros(d) end,
+    equation = function(y, x) return (momenta(y.q, kit.compose(y.q, kit.exp(x)))) - y.p end,
+    next = function(y, x)
+      local g1 = kit.compose(y.q, kit.exp(x))
+      local _, p1 = momenta(y.q, g1)
+      return { q = g1, p = p1 }
+    end }
+end
+
+---- the action of lie(s) ----
+
+-- degree, map, and a, d, b, beta of the curves: those of galerkin on R^n
+local function curves_of(rule)
+  local inside = tostring(rule):match "^lie%s*%((.*)%)$"
+  if not inside then
+    error(("%s: on groups rule must be lie(s [, quadrature] [, exp | cayley]) (got %s)")
+      :format(WHERE, tostring(rule)), 0)
+  end
+  local tau = inside:match ",%s*(%a+)%s*$"
+  if tau then inside = inside:gsub(",%s*%a+%s*$", "") end
+  local s, quadrature = inside:match "^%s*(%d+)%s*,%s*(.-)%s*$"
+  s = s or inside:match "^%s*(%d+)%s*$"
+  local line = core.system { Q = core.R(1), L = function(_, v) return v[1] * v[1] / 2 end }
+  local text = ("galerkin(%s, %s)"):format(s, quadrature or "gauss(" .. s .. ")")
+  local c = core.discrete_lagrangian(line, { rule = text, h = 1 })
+  return math.tointeger(tonumber(s)), tau or "exp", c
+end
+
+-- S(q0, e, V) = h sum_i b_i L(g0 near(e) tau(xi_i), dtau_L(xi_i) xi'_i)
+local function action(Ld, L, s, tau, c)
+  local P, N, d, h = Ld.place, Ld.place.size, Ld.place.dimension, Ld.h
+  local chart = place.chart(P, tau)
+  if not chart then error(("%s: %s has no map '%s'"):format(WHERE, tostring(Ld.Q), tau), 0) end
+  local function combined(row, V, factor)
+    local sum = core.zeros(d)
+    for j = 1, s do sum = sum + part(V, (j - 1) * d, d) * (factor * row[j]) end
+    return sum
+  end
+  return function(q0, e, V)
+    local sum = 0
+    for i = 1, #c.b do
+      local y = chart(q0, e, combined(c.a[i], V, h), combined(c.d[i], V, 1))
+      sum = sum + h * c.b[i] * L(P.element(part(y, 0, N)), part(y, N, d), 0)
+    end
+    return sum
+  end
+end
+
+-- V and S_1 with dS/dV_j = h beta_j S_1 and h sum_j beta_j V_j = xi, by Newton's method
+local function stationary(S, c, h, q0, xi)
+  local d, N = #xi, #q0
+  local m, zero, last = #c.beta * d, core.zeros(d), math.huge
+  local z = core.zeros(m + d)
+  for k = 1, m do z[k] = xi[(k - 1) % d + 1] / h end
+  local function equation()
+    local V = part(z, 0, m)
+    local G, H = S:gradient(q0, zero, V), S:hessian(q0, zero, V)
+    local R, J = core.zeros(m + d), core.zeros(m + d, m + d):totable()
+    for a = 1, d do R[m + a] = -xi[a] end
+    for k = 1, m do
+      local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
+      R[k], R[m + a] = G[N + d + k] - hb * z[m + a], R[m + a] + hb * V[k]
+      for l = 1, m do J[k][l] = H[N + d + k][N + d + l] end
+      J[k][m + a], J[m + a][k] = -hb, hb
+    end
+    return R, core.matrix(J)
+  end
+  for _ = 1, 30 do
+    local R, J = equation()
+    local change = J:solve(R)
+    z = z - change
+    local size = change:norm()
+    if size ~= size or size >= last and size < 1e-9 * (1 + z:norm()) then break end
+    last = size
+    if size == 0 then break end
+  end
+  if not (last < 1e-9 * (1 + z:norm())) then
+    error("no curve of this rule was found from g0 to g1: are they one step apart?", 0)
+  end
+  return part(z, 0, m), part(z, m, d)
+end
+
+local function by_rule(Ld)
+  local kit, P, N, d = kits.of(Ld.Q), Ld.place, Ld.place.size, Ld.place.dimension
+  local given = Ld.system.given
+  local L = bound(given.L, given.params)
+  local s, tau, of_line = curves_of(Ld.rule)
+  local c = of_line:coefficients()
+  local S = core.trace(action(Ld, L, s, tau, c), N, d, s * d)
+  local back = tau == "exp" and kit.log or kit.cayleyinv
+  local inverse = tau == "exp" and kit.dexpinv or kit.dcayinv
+  local zero = core.zeros(d)
+  local function between(q0, q1)
+    local g0, g1 = P.element(q0), P.element(q1)
+    local xi = back(kit.compose(kit.inverse(g0), g1))
+    local V, S1 = stationary(S, c, Ld.h, q0, xi)
+    return V, S1, xi
+  end
+  local function transposed(xi, mu)
+    return linear.matrix_of(function(x) return inverse(xi, x) end, d):transpose() * mu
+  end
+  local way = {}
+  function way.value(q0, q1) return S(q0, zero, (between(q0, q1))) end
+  function way.momenta(q0, q1)
+    local V, S1, xi = between(q0, q1)
+    return transposed(xi, S1) - part(S:gradient(q0, zero, V), N, d), transposed(-xi, S1)
+  end
+  -- dp0 = Omega u1 at u0 = 0: the inverse of a block of the tangent map of the step
+  function way.two_form(q0, q1)
+    local p0 = way.momenta(q0, q1)
+    local D = Ld:solver():tangent { q = P.element(q0), p = p0, steps = 1 }
+    return linear.fill(d, d, function(i, j) return D[i][d + j] end):inverse()
+  end
+  return way
+end
+
+---- the object ----
+
+local function method(name, f, doc)
+  core.method("dm.group_lagrangian", name, blame.caller(f), doc)
+end
+
+function Class.__call(Ld, g0, g1) return Ld.way.value(ends_of(Ld, g0, g1)) end
+
+method("value", function(Ld, g0, g1) return Ld.way.value(ends_of(Ld, g0, g1)) end, [[
+Ld:value(g0, g1) -> number
+The same as Ld(g0, g1): approximately the action between two elements in the time h.]])
+method("legendre_minus", function(Ld, g0, g1)
+  return (Ld.way.momenta(ends_of(Ld, g0, g1)))
+end, [[
+Ld:legendre_minus(g0, g1) -> dm.vector of dim G entries
+The body momentum at g0, -D1 Ld along g0 exp(e).]])
+method("legendre_plus", function(Ld, g0, g1)
+  local _, p1 = Ld.way.momenta(ends_of(Ld, g0, g1))
+  return p1
+end, [[
+Ld:legendre_plus(g0, g1) -> dm.vector of dim G entries
+The body momentum at g1, D2 Ld along g1 exp(e).]])
+method("two_form", function(Ld, g0, g1) return Ld.way.two_form(ends_of(Ld, g0, g1)) end, [[
+Ld:two_form(g0, g1) -> dm.matrix, dim G x dim G
+-D1 D2 Ld, row e0, column e1: the discrete symplectic form in the left-invariant frames at g0 and
+g1.]])
+method("momentum", function(Ld, group, g0, g1, given)
+  local q0, q1 = ends_of(Ld, g0, g1)
+  local _, p1 = Ld.way.momenta(q0, q1)
+  return momentum.at(Ld.place, group, given, Ld.place.element(q1), p1)
+end, [[
+Ld:momentum(group, g0, g1 [, {side=, action=}]) -> dm.vector
+Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body.]])
+method("solver", function(Ld, given)
+  given = given or {}
+  local out = { h = Ld.h, newton = given.newton, backend = given.backend }
+  if Ld.system then
+    out.rule = Ld.rule
+    return Ld.system:solver(out)
+  end
+  out.rule = rule_of(Ld)
+  return Ld.frame:solver(out)
+end, [[
+Ld:solver{newton=, backend=} -> dm.solver
+Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
+they have no energy: the one of a path is that of |xi|^2/2.]])
+
+local function check_left(Q, given)
+  if given and given.right then
+    error(WHERE .. ": on groups with the left trivialization only", 0)
+  end
+  return place.of(Q, { columns = "matrix" })
+end
+
+local function of_formula(given)
+  options.check(given, { "Q", "h", "Ld", "name" }, WHERE, "{ Q =, h =, Ld = }")
+  options.need(given, "h", WHERE, "the time between two elements")
+  options.positive(given, "h", WHERE, "a step")
+  options.need(given, "Ld", WHERE, "a function of (g0, g1 [, h])")
+  options.callable(given, "Ld", WHERE, "(g0, g1 [, h])")
+  local Ld = setmetatable({ Q = given.Q, h = given.h, Ld = given.Ld, name = given.name,
+    place = check_left(given.Q) }, Class)
+  Ld.frame = core.system { Q = given.Q, name = given.name,
+    L = function(_, xi) return xi:dot(xi) / 2 end }
+  Ld.way = by_formula(Ld)
+  return Ld
+end
+
+local function of_system(system, given)
+  options.check(given, { "rule", "h", "name" }, WHERE, "(system, { rule =, h = })")
+  options.need(given, "h", WHERE, "the time between two elements")
+  options.positive(given, "h", WHERE, "a step")
+  local own = system.given
+  if not own.L or own.constraint or own.rolling or own.force then
+    error(WHERE .. ": on groups of an L without constraints and forces", 0)
+  end
+  local Ld = setmetatable({ Q = system.Q, h = given.h, rule = given.rule, system = system,
+    name = given.name, place = check_left(system.Q, system.place) }, Class)
+  Ld.way = by_rule(Ld)
+  return Ld
+end
+
+-- does it live on a group that has no coordinates of its own?
+local function is_group(Q)
+  return kits.class_of(Q) == "dm.space" and not Q.chart and not kits.of(Q).manifold
+end
+
+--- The discrete Lagrangian of these arguments, or nothing where it is none on a group.
+function M.new(first, given)
+  local class = kits.class_of(first)
+  if class == "dm.system" and first.place then return of_system(first, given or {}) end
+  if class == "table" and is_group(first.Q) then return of_formula(first) end
+end
+
+return M
