@@ -1,5 +1,6 @@
---- Discrete Lagrangians Ld(g0, g1) on groups: a formula of a script, or the action of lie(s) between
--- two elements (Leok 5.3). Momenta are body covectors: p0 = -D1 Ld, p1 = D2 Ld along g exp(e).
+--- Discrete Lagrangians Ld(g0, g1) on groups: a formula of a script, or the action of lie(s)
+-- between two elements (Leok 5.3). Momenta are body covectors: p0 = -D1 Ld, p1 = D2 Ld along
+-- g exp(e).
 local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"

@@ -32,8 +32,8 @@ core.discrete_lagrangian = blame.caller(function(...)
   return require "dm.group.discrete".new(...) or discrete(...)
 end)
 core.docs[core.discrete_lagrangian] = core.docs[discrete]
-  .. " On a group elements take the place of q, and momenta are body covectors; of a system rule is "
-  .. "lie(s): class dm.group_lagrangian."
+  .. " On a group elements take the place of q, and momenta are body covectors; of a system rule "
+  .. "is lie(s): class dm.group_lagrangian."
 
 --- The kit of a group; raises for another manifold.
 function M.group(space)
