@@ -18,6 +18,7 @@ return {
   },
   -- examples without a chart of rules: name, why
   charts = {
+    game_loop = "a deadline, which charts do not know",
     porous_hole = "an equation on a mesh, no rule of time",
     cavity = "frequencies on a mesh, no rule of time",
     torus_fields = "forms on a mesh, no rule of time",

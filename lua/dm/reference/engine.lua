@@ -129,8 +129,9 @@ local function pair(self, k, at)
 end
 
 --- The reference of a job { system =, start =, t0 =, T =, watch =, goal =, seconds =,
--- distance = function(path, path) -> number, except = { rule = true } }: distance <= goal, with
--- rule, distance, text and path(times); or nil and why there is none.
+-- distance = function(path, path) -> number, except = { rule = true } }: distance <= goal or,
+-- where no more is had in the seconds, enough, with rule, distance, text and path(times); or nil
+-- and why there is none.
 function M.find(job)
   local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
     start = job.start, t0 = job.t0 or 0, T = job.T, watch = job.watch, ends = job.ends,
@@ -168,7 +169,7 @@ function M:refine(job)
   end
   self.text = ("%s and %s with controlled steps (%d of the first)"):format(self.first, self.rule,
     #self.times - 1)
-  if self.distance <= job.goal or job.best then return self end
+  if self.distance <= max(job.goal, job.enough or 0) or job.best then return self end
   return nil, ("%s and %s, with steps controlled to %.0e, are %.1e apart"):format(self.first,
     self.rule, self.tolerance or TOLERANCES[1], self.distance)
 end

@@ -236,7 +236,8 @@ end
 
 ---- the reference ----
 
-local AGREED = 0.02  -- tolerances
+-- tolerances: what the methods are asked to agree to, and what will do when the time is over
+local AGREED, ENOUGH = 0.02, 0.1
 
 --- The reference of a scene: two unlike methods on the system as given that agree
 -- (dm.reference.engine), `best`: as closely as they can. Raises what was measured.
@@ -244,8 +245,8 @@ function M.reference(model, seconds, except, best)
   local problem = model:ready().problem
   local found, why = engine.find { system = model.system, start = { q = model.start.q,
     v = model.start.v, project = model.start.project }, t0 = problem.t0, T = problem.T,
-    watch = model.watch, goal = best and 0 or AGREED, best = best, seconds = seconds,
-    except = except,
+    watch = model.watch, goal = best and 0 or AGREED, enough = ENOUGH, best = best,
+    seconds = seconds, except = except,
     distance = function(a, b)
       return M.apart(problem, M.record(problem, a), M.record(problem, b))
     end }
