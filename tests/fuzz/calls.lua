@@ -13,7 +13,9 @@ local SKIPPED = {
   ["dm.core"] = "a table of what follows by name", ["dm.time"] = "measures for seconds by design",
   ["dm.demo"] = "waits for a key", ["core.end_file"] = "renames a file of new_file alone",
   ["core.class"] = "internal: changes classes", ["core.method"] = "internal: changes classes",
-  ["core.result"] = "internal: marks tables", ["core.within"] = "ends what shard.lua calls",
+  ["core.end_process"] = "ends the process", ["core.nap"] = "sleeps",
+  ["core.worker"] = "forks", ["core.wait"] = "waits for what forks", ["core.own_group"] = "signals",
+  ["dm.sweep"] = "forks", ["core.result"] = "internal: marks tables", ["core.within"] = "ends what shard.lua calls",
 }
 local MATH = { "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "sqrt", "abs", "max",
   "min", "floor", "ceil", "fmod", "tointeger", "modf" }
@@ -33,6 +35,7 @@ function M.list()
   local calls = {}
   local function add(call)
     if SKIPPED[call.name] or type(call.f) ~= "function" then return end
+    if call.name:find "^core%.ranks" or call.class == "dm.worker" then return end -- processes
     call.ways = signature.ways(docs[call.f])
     calls[#calls + 1] = call
   end

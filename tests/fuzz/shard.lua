@@ -78,7 +78,7 @@ debug.getregistry().dm_explain = function(message)
 end
 local RAW = { "attempt to ", "number has no integer representation", "for' ", "table index is ",
   "invalid value %(at index", "invalid option", "invalid key to", "string slice too long",
-  "out of range", "to 'unpack'", "to 'format'", "to 'insert'", "to 'concat'", "to 'rep'",
+  "to 'unpack'", "to 'format'", "to 'insert'", "to 'concat'", "to 'rep'",
   "to 'ipairs'", "to 'pairs'", "to 'char'", "to 'sub'", "to 'sort'", "invalid order function" }
 -- what Lua itself says, of a line that is not one of this folder's functions
 local function is_raw(message)

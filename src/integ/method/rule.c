@@ -104,6 +104,7 @@ static const dm_rule *read_rule(reader *r) {
 /* Static sentences: nobody has to free what is told. */
 const char *dm_rule_parse(dm_rule nodes[DM_RULE_NODES], const char *text) {
     reader r = {.at = text, .nodes = nodes};
+    memset(nodes, 0, DM_RULE_NODES * sizeof *nodes); /* the names of unused ones are looked at */
     read_rule(&r);
     skip_blanks(&r);
     if (!r.wrong && *r.at)

@@ -7,7 +7,9 @@
 
 static void reads_names_and_arguments(void) {
     dm_rule nodes[DM_RULE_NODES];
+    memset(nodes, 'x', sizeof nodes);
     CHECK(dm_rule_parse(nodes, "verlet") == NULL);
+    CHECK(nodes[1].name[0] == 0 && nodes[DM_RULE_NODES - 1].name[0] == 0); /* unused */
     CHECK(strcmp(nodes[0].name, "verlet") == 0 && nodes[0].count == 0);
     CHECK(dm_rule_parse(nodes, " gauss ( 2 ) ") == NULL);
     CHECK(strcmp(nodes[0].name, "gauss") == 0 && nodes[0].count == 1);
