@@ -101,24 +101,43 @@ static const double *factor(const double *A, const dm_band *b, uint32_t k) {
     return A + 2 * (size_t)b->width + k + k * 3 * (size_t)b->width;
 }
 
+/* y[i] -= x a[i] for i < count, two at a time: every entry is rounded by itself */
+static void subtract(double *restrict y, const double *restrict a, double x, uint32_t count) {
+    typedef double pair __attribute__((vector_size(16)));
+    uint32_t i = 0;
+    for (; i + 2 <= count; i += 2) {
+        pair u, v;
+        memcpy(&u, y + i, sizeof u);
+        memcpy(&v, a + i, sizeof v);
+        u -= v * x;
+        memcpy(y + i, &u, sizeof u);
+    }
+    if (i < count) y[i] -= a[i] * x;
+}
+
+/* how far above its diagonal the upper factor reaches: exchanges have moved rows up so far */
+static uint32_t reach_of(const uint32_t *pivot, const dm_band *b) {
+    uint32_t farthest = 0;
+    for (uint32_t k = 0; k < b->n; k++) farthest = pivot[k] > farthest ? pivot[k] : farthest;
+    return b->width + farthest;
+}
+
 void dm_band_solve(double *x, const double *A, const uint32_t *pivot, const dm_band *b,
                    double *scratch) {
-    const uint32_t n = b->n, w = b->width;
+    const uint32_t n = b->n, w = b->width, reach = reach_of(pivot, b);
     double *y = scratch;
     for (uint32_t i = 0; i < n; i++) y[b->order[i]] = x[i];
     for (uint32_t k = 0; k < n; k++) {
         const double *column = factor(A, b, k), top = y[k + pivot[k]];
-        const uint32_t below = smaller(w, n - 1 - k);
         y[k + pivot[k]] = y[k];
         y[k] = top;
-        for (uint32_t i = 1; i <= below; i++) y[k + i] -= column[i] * top;
+        subtract(y + k + 1, column + 1, top, smaller(w, n - 1 - k));
     }
     for (uint32_t k = n; k-- > 0;) {
         const double *column = factor(A, b, k);
-        const uint32_t above = smaller(2 * w, k);
-        const double value = y[k] * column[0];
-        y[k] = value;
-        for (uint32_t i = 1; i <= above; i++) y[k - i] -= *(column - i) * value;
+        const uint32_t above = smaller(reach, k);
+        y[k] *= column[0];
+        subtract(y + k - above, column - above, y[k], above);
     }
     for (uint32_t i = 0; i < n; i++) x[i] = y[b->order[i]];
 }

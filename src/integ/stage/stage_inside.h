@@ -14,6 +14,13 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper);
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper);
 void dm_stage_separable_open(dm_stage *g);
 
+/* The matrix of the separable form as a band, once its kernel is there: opened, filled in (the
+ * newton.matrix says where), and where V is quadratic its factors for the h of the weights, which
+ * stay until Newton's method takes the room. */
+void dm_stage_band_open(dm_stage *g);
+void dm_stage_band_fill(const dm_stage *g, double *J);
+dm_status dm_stage_band_factor(dm_stage *g);
+
 /* One step of one stage, separable, few coordinates, of g->group.state in place (one_point.h):
  * doubles; open it where there is a kernel for it; doubles of its memory. DM_NO_CONVERGENCE leaves
  * a step to Newton's method, whose root is kept then. */

@@ -5,6 +5,7 @@
  * for Lobatto these are the ends, and Stoermer-Verlet is left with no unknown at all. */
 #include "integ/stage/stage_inside.h"
 
+#include "base/largest.h"
 #include "linalg/solve/newton.h"
 #include "numbers/compensated.h"
 
@@ -113,17 +114,25 @@ static void jacobian(dm_stage *g, double *J, size_t rows) {
     }
 }
 
-static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
-    dm_stage *g = ctx;
-    const uint32_t n = g->n;
+/* forces at all points to solve for, which are at Z; how many unknowns there are */
+static size_t evaluate_all(dm_stage *g, const double *Z, int with_curve) {
     size_t at = 0;
     for (uint32_t m = 0; m < g->table.r; m++) {
         if (g->points.kind[m] != DM_POINT_SOLVED) continue;
-        evaluate(g, m, Z + at, J != NULL);
-        at += n;
+        evaluate(g, m, Z + at, with_curve);
+        at += g->n;
     }
+    return at;
+}
+
+static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
+    dm_stage *g = ctx;
+    const size_t at = evaluate_all(g, Z, J != NULL);
     residual(g, R, Z);
-    if (J) jacobian(g, J, at);
+    if (J && g->newton.matrix.banded)
+        dm_stage_band_fill(g, J);
+    else if (J)
+        jacobian(g, J, at);
     return DM_OK;
 }
 
@@ -221,12 +230,48 @@ static dm_status finish(dm_stage *g) {
     return update(g, dq, dp);
 }
 
+enum { MOST_REFINED = 6 };
+
+static const double REFINED = 1e-12; /* an increment that small is what rounding left */
+
+/* max |a|; NaN where there is one */
+static double norm(const double *a, uint32_t m) {
+    double largest = 0.0;
+    for (uint32_t i = 0; i < m; i++) largest = dm_largest(largest, a[i]);
+    return largest;
+}
+
+/* V is quadratic: one solution with the factors of h, refined by what rounding left of it; the
+ * forces are those at the root then. */
+static dm_status solve_linear(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
+    dm_stage_newton *w = &g->newton;
+    double *r = w->factors - 3 * (size_t)unknowns, *scratch = r + unknowns;
+    const dm_status status = dm_stage_band_factor(g);
+    for (int k = 1; k <= MOST_REFINED && status == DM_OK; k++) {
+        equation(g, r, NULL, w->root);
+        const double left = norm(r, unknowns);
+        dm_band_solve(r, w->factors, w->pivot, &w->matrix.band, scratch);
+        const double step = norm(r, unknowns), size = norm(w->root, unknowns) + step;
+        if (!isfinite(step)) return DM_NOT_FINITE;
+        stepper->report.iterations = k;
+        stepper->report.residual = left * dm_stage_heaviest(g->m) / fabs(g->weights.h);
+        for (uint32_t i = 0; i < unknowns; i++) w->root[i] -= r[i];
+        if (step > REFINED * size) continue;
+        evaluate_all(g, w->root, 0);
+        return DM_OK;
+    }
+    return status == DM_OK ? DM_NO_CONVERGENCE : status;
+}
+
 static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
+    if (g->newton.linear && solve_linear(g, stepper, unknowns) == DM_OK) return DM_OK;
+    g->newton.factored = NAN; /* their room is taken */
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = unknowns,
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
+                                       .band = dm_step_matrix_band(&g->newton.matrix),
                                        .near_identity = unknowns > g->n, /* one point: J is cheap */
                                        .place = g->group.state,
                                        .places = g->n,

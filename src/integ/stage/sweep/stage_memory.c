@@ -64,7 +64,9 @@ static void take_root(const dm_stage *g, double *u) {
 void dm_stage_memory_newton(dm_stage *g) {
     double *memory = g->sweeps->memory;
     if (memory[DM_SWEPT_STEP] != g->weights.h) return;
-    if (memory[DM_SWEPT_MARK] < EMPTY) {
+    if (g->newton.linear) { /* how sweeps contract is a matter of h alone */
+        memory[DM_SWEPT_MARK] = -PATIENCE;
+    } else if (memory[DM_SWEPT_MARK] < EMPTY) {
         memory[DM_SWEPT_MARK] += 1;
     } else if (memory[DM_SWEPT_MARK] == FULL) {
         memory[DM_SWEPT_MARK] = -PATIENCE;

@@ -6,6 +6,7 @@
 
 #include "integ/method/method.h"
 #include "integ/method/stage_table.h"
+#include "linalg/step_matrix.h"
 
 /* The table times powers of one step h: the only numbers here that h enters. All lie behind each
  * other from hA on, so that members with steps of their own have theirs as one block. */
@@ -48,6 +49,15 @@ typedef struct {
     double *slopes;         /* [r][2n] of `slope` at the last iterate; separable: [r][n] */
     double *root;           /* [s or r][n] the iterate */
     double *missed;         /* [s][n] what a warm start has missed, while it is kept */
+    /* of the separable form, set with `stage` */
+    dm_step_matrix matrix;
+    double *lists;    /* room for those of `matrix` */
+    uint32_t *solved; /* [points] that are solved for */
+    uint32_t points;  /* how many */
+    int linear;       /* V is quadratic and the matrix a band: its factors are kept */
+    double factored;  /* the h that they are of; NaN: there are none */
+    double *factors;  /* in the scratch */
+    uint32_t *pivot;  /* behind them */
 } dm_stage_newton;
 
 /* The start and the points of the separable form, and what the first guess of both asks. */

@@ -1,0 +1,101 @@
+/* stage_band.c - the matrix of Newton's method in the separable form where few coordinates meet, as
+ * in a chain: a band, and where V is quadratic one of h alone, whose factors serve every step. */
+#include "integ/stage/stage_inside.h"
+
+#include "linalg/solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LEAST = 65 }; /* unknowns: members of an ensemble solve for fewer in lanes, densely */
+
+/* Entries k of its rows of L_qq among the outputs of the kernel: [n][n]. */
+static size_t curve_of(const dm_stage *g) {
+    return 2 * (size_t)g->n;
+}
+
+static int is_zero(const dm_kernel *stage, size_t output) {
+    return stage->fixed && stage->fixed[output] && stage->constant[output] == 0.0;
+}
+
+/* numbers of the points that are solved for; how many */
+static uint32_t solved_points(const dm_stage *g, uint32_t *list) {
+    uint32_t count = 0;
+    for (uint32_t m = 0; m < g->table.r; m++)
+        if (g->points.kind[m] == DM_POINT_SOLVED) list[count++] = m;
+    return count;
+}
+
+/* J = 1 where an entry may differ from 0: coordinates of L_qq, at all pairs of points */
+static void mark(const dm_stage *g, double *J, uint32_t points) {
+    const size_t n = g->n, m = points * n;
+    memset(J, 0, m * m * sizeof *J);
+    for (size_t k = 0; k < n; k++)
+        for (size_t l = 0; l < n; l++) {
+            if (k != l && is_zero(g->newton.stage, curve_of(g) + l * n + k)) continue;
+            for (size_t i = 0; i < points; i++)
+                for (size_t j = 0; j < points; j++) J[(i * n + k) * m + j * n + l] = 1.0;
+        }
+}
+
+/* V is quadratic, but for what is linear in q */
+static int is_linear(const dm_stage *g) {
+    const dm_kernel *stage = g->newton.stage;
+    const size_t first = curve_of(g), n = g->n;
+    for (size_t k = 0; k < n * n; k++)
+        if (!stage->fixed || !stage->fixed[first + k]) return 0;
+    return 1;
+}
+
+/* factors and pivots behind what the Legendre transform and the iteration work on */
+static int has_room(dm_stage *g, size_t room) {
+    dm_stage_newton *w = &g->newton;
+    const size_t m = w->matrix.band.n, n = g->n;
+    const size_t before = dm_legendre_work(g->m) + n * n + n + 3 * m;
+    const size_t size = dm_band_size(&w->matrix.band);
+    w->factors = g->scratch + before;
+    w->pivot = (uint32_t *)(void *)(w->factors + size);
+    return before + size + dm_stage_doubles(m * sizeof(uint32_t)) <= room;
+}
+
+void dm_stage_band_open(dm_stage *g) {
+    dm_stage_newton *w = &g->newton;
+    const uint32_t points = solved_points(g, w->solved), m = points * g->n;
+    w->points = points;
+    w->linear = 0;
+    w->factored = NAN;
+    dm_step_matrix_open(&w->matrix, m, w->lists);
+    if (m < LEAST || !(g->m->structure & DM_DIAGONAL_MASS)) return;
+    mark(g, g->scratch, points);
+    dm_step_matrix_narrow(&w->matrix, g->scratch, (uint32_t *)(void *)(g->scratch + (size_t)m * m));
+    if (w->matrix.banded && is_linear(g)) w->linear = has_room(g, dm_newton_work(m));
+}
+
+/* entry (i, m) of the blocks: delta_im - h^2 A_im M^-1 L_qq(m) */
+void dm_stage_band_fill(const dm_stage *g, double *J) {
+    const dm_stage_newton *w = &g->newton;
+    const size_t n = g->n, width = 2 * n + 3 * n * n, r = g->table.r;
+    const size_t *row = w->matrix.row, *column = w->matrix.column;
+    dm_step_matrix_zero(J, &w->matrix);
+    for (size_t i = 0; i < w->points * n; i++) J[row[i] + column[i]] = 1.0;
+    for (size_t j = 0; j < w->points; j++) {
+        const double *qq = w->curve + w->solved[j] * width + curve_of(g);
+        for (size_t l = 0; l < n; l++)
+            for (size_t k = 0; k < n; k++) {
+                const double x = qq[l * n + k] * g->m->inverse_mass[k];
+                for (size_t i = 0; x != 0.0 && i < w->points; i++) {
+                    const dm_weight A = g->weights.hA[w->solved[i] * r + w->solved[j]];
+                    J[row[i * n + k] + column[j * n + l]] -= dm_weight_double(A) * x;
+                }
+            }
+    }
+}
+
+dm_status dm_stage_band_factor(dm_stage *g) {
+    dm_stage_newton *w = &g->newton;
+    if (w->factored == g->weights.h) return DM_OK;
+    dm_stage_band_fill(g, w->factors);
+    const dm_status status = dm_band_factor(w->factors, w->pivot, &w->matrix.band);
+    w->factored = status == DM_OK ? g->weights.h : NAN;
+    return status;
+}
