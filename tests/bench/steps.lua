@@ -25,6 +25,19 @@ local models = {
     end } },
 }
 
+-- springs in a line with fixed ends, h omega = 4.7: sweeps do not contract
+do
+  local BODIES = 30
+  local q, v = {}, {}
+  for i = 1, BODIES do q[i], v[i] = 0.1 * math.sin(i * i), 0 end
+  models[#models + 1] = { name = "chain of 30 beyond sweeps", q = q, v = v, h = 2.35, rules = { "gauss(8)" },
+    system = dm.system { Q = dm.R(BODIES), L = function(x, u)
+      local U = x[1] ^ 2 + x[BODIES] ^ 2
+      for i = 1, BODIES - 1 do U = U + (x[i + 1] - x[i]) ^ 2 end
+      return (u:dot(u) - U) / 2
+    end } }
+end
+
 -- rods of length 1 hanging in a plane, unit masses at their ends, pushed at the lowest
 do
   local RODS = 20

@@ -110,7 +110,10 @@ local function draw_style(series, colour, round)
   if round > 0 and series.style ~= "points" then paint = paint .. " dt 2" end
   local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4,
     size_of_points(#series.x) * (round > 0 and 1.4 or 1))
-  if series.style == "cells" then return "boxxyerror fs solid 1 " .. paint .. " lw 0.6" end
+  if series.style == "cells" then
+    local fill = series.pattern and "pattern " .. series.pattern or "solid 1"
+    return ("boxxyerror fs %s %s lw 0.6"):format(fill, paint)
+  end
   if series.style == "points" then return "points " .. dots .. paint end
   local width = #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
   return ("%s lw %g %s%s"):format(series.style, width, series.style == "lines" and "" or dots,

@@ -86,7 +86,7 @@ local function make_series(given, options, i)
   if given.style ~= "cells" then option.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
   local names = type(options.names) == "table" and options.names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
-    colour = given.colour,
+    colour = given.colour, pattern = given.pattern,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }
   for _, edge in ipairs(out.style == "cells" and { "xlow", "xhigh", "ylow", "yhigh" } or {}) do
     out[edge] = series_.numbers(given[edge] or {}, what .. ": " .. edge)

@@ -67,10 +67,10 @@ end
 -- does the flow itself separate its neighbours, or the step alone?
 local function cause_of(map, cell)
   local job = job_of(map, cell)
-  local T = map.options.t or cell.steps * cell.h
+  local T = map.options.t
   local pair = flows.rules_of(job, cell, T)
   if not pair then return nil end
-  local steps = flows.steps_of(job, cell) or 8 * cell.steps
+  local steps = flows.steps_of(job, cell)
   local twin = { values = cell.values, rule = cell.rule, h = T / steps, class = cell.class,
     code = "ok" }
   local its = { map = map, rule = pair[1][1], system = job.system }
@@ -86,7 +86,7 @@ function M.look(map, cell)
   local kept = cell.is_right
   if map.beside and not class.lost and class.name ~= "not run" then look(map, cell) end
   cell.is_right = kept
-  if class.name == "chaotic" then cell.cause = cause_of(map, cell) end
+  if map.beside and class.name == "chaotic" then cell.cause = cause_of(map, cell) end
   cell.looked = true
 end
 

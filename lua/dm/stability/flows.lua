@@ -241,10 +241,8 @@ function M.attach(job, part)
   end
 end
 
---- Steps of the first rule that show the flow of a cell as well as they could; nil where flows are
--- not looked for.
+--- Steps of the first rule that show the flow of a cell as well as they could.
 function M.steps_of(job, cell)
-  if not job.map.beside then return nil end
   M.attach(job, { cell })
   local flow = cell.flow
   cell.flow = nil

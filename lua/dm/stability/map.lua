@@ -182,14 +182,14 @@ map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, expone
 What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
 as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
 is watched); slope per unit of time with its standard error; growth: factor a step from the first to
-the last quarter; exponent, megno: of the exact tangent map; cause of chaos: "flow", or "step" where
-the resolved flow is not chaotic; steps finished; code: of dm.failure or "ok". Of maps over a
-duration t, at every step up to it: observable: the one that is furthest off in parts of its range,
-off: by how much, range: greatest less least value of it in the resolved flow, both in its units;
-phase: the time by which the run is ahead at the end (behind: negative), the shift of the flow that
-fits it best, followed from the start; nil where none does; hidden: largest |G v + g_t| of the
-constraints g(q, t), G = dg/dq as written, v from p; horizon: the time up to which the flow is
-known, where chaos ends it early.]])
+the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or
+"ok". Of maps over a duration t, at every step up to it: observable: the one that is furthest off in
+parts of its range, off: by how much, range: greatest less least value of it in the resolved flow,
+both in its units; phase: the time by which the run is ahead at the end (behind: negative), the
+shift of the flow that fits it best, followed from the start; nil where none does; hidden: largest
+|G v + g_t| of the constraints g(q, t), G = dg/dq as written, v from p; horizon: the time up to
+which the flow is known, where chaos ends it early; cause of chaos: "flow", or "step" where the
+resolved flow is not chaotic.]])
 
 -- what linear theory says of the cells of a row
 local function linear_of(map, i, what)
@@ -232,6 +232,6 @@ for _, name in ipairs(FIELDS) do RESERVED[name] = true end
 --- Has a map, or a cell of map:at, a field or method of that name? No parameter may be called so.
 local function is_taken(name) return Map.methods[name] ~= nil or RESERVED[name] ~= nil end
 
-Map.__tostring = require "dm.stability.show"
+Map.__tostring = require "dm.stability.show".text
 
 return { class = Map, is_taken = is_taken }

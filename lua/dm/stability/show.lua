@@ -5,10 +5,13 @@ local characters = require "dm.show.characters"
 local class = require "dm.base.class"
 local option = require "dm.base.options"
 
-local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee",
-  ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",
-  ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["no start"] = "#aaaaaa",
-  ["not run"] = "#dddddd" }
+-- What is right is blue, what is wrong or on its way there orange, what is lost grey; classes of
+-- one hue differ by lightness or by pattern, so that nobody needs to tell red from green.
+local COLOURS = { bounded = { "#2c7fb8" }, wrong = { "#f28e2b" }, chaotic = { "#7f2704" },
+  drifting = { "#fdae6b", 4 }, off = { "#bdbdbd" }, ["blow-up"] = { "#636363" },
+  ["no convergence"] = { "#111111" }, left = { "#737373", 5 },
+  ["constraint lost"] = { "#252525", 6 }, ["no value"] = { "#969696", 7 },
+  ["no start"] = { "#cccccc", 2 }, ["not run"] = { "#ffffff" } }
 
 -- how many cells there are of each class
 local function counts(map)
@@ -73,7 +76,8 @@ end
 
 ---- csv ----
 
-local EVIDENCE = { "steps", "error", "slope", "slope_error", "growth", "exponent", "megno" }
+local EVIDENCE = { "steps", "error", "slope", "slope_error", "growth", "exponent", "megno", "off",
+  "range", "hidden" }
 
 local function csv(map, file)
   local head = { "rule" }
@@ -144,9 +148,23 @@ local function line_of(map, panel, along, what)
   local x, y, lo, hi = {}, {}, (axes.edges(map.column, 1)),
     select(2, axes.edges(map.column, #map.column))
   for k, i in ipairs(panel.rows) do
-    local fine, value = pcall(map[what], map, i)
+    local fine, value = pcall(map[what == "right" and "limit" or what], map, i, what == "right"
+      and "right" or nil)
     if fine and value and value >= lo and value <= hi then
       x[#x + 1], y[#y + 1] = along and along[k] or 1, value
+    end
+  end
+  return x, y
+end
+
+local MOST_MARKED = 64  -- rows whose resonances are drawn
+
+-- steps that turn an oscillation by a part of a circle
+local function resonances_of(map, panel, along)
+  local x, y = {}, {}
+  for k, i in ipairs(map.column == map.h and #panel.rows <= MOST_MARKED and panel.rows or {}) do
+    for _, mark in ipairs((map:resonances(i))) do
+      x[#x + 1], y[#y + 1] = along and along[k] or 1, mark.h
     end
   end
   return x, y
@@ -185,17 +203,24 @@ local function panel_of(map, panel, along)
   for k, class in ipairs(cells.CLASSES) do
     local box = by_class[k]
     if box then
-      box.name, box.style, box.colour = class.name, "cells", COLOURS[class.name]
+      box.name, box.style = class.name, "cells"
+      box.colour, box.pattern = table.unpack(COLOURS[class.name])
       out[#out + 1] = box
     end
   end
   for _, line in ipairs { { "limit", "measured limit", "#000000", "points" },
+    { "right", "limit of what is right", "#e6e6e6", "points" },
     { "theory", "linear theory", "#4477aa", "lines" } } do
     local x, y = line_of(map, panel, along, line[1])
     if #x > 1 or #x == 1 and not along then
       out[#out + 1] = { x = x, y = y, name = line[2], colour = line[3], style = #x == 1 and "points"
         or line[4] }
     end
+  end
+  local marks, steps = resonances_of(map, panel, along)
+  if #marks > 0 then
+    out[#out + 1] = { x = marks, y = steps, name = "resonances", colour = "#ffffff",
+      style = "points" }
   end
   local x1, x2 = 0.5, 1.5
   if along then x1, x2 = (axes.edges(along, 1)), select(2, axes.edges(along, #along)) end
@@ -211,7 +236,7 @@ end
 
 ---- in a terminal: a character for each cell ----
 
-local LETTERS = { drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#",
+local LETTERS = { wrong = "w", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#",
   ["no value"] = "?", left = "/", ["no convergence"] = "n",
   ["constraint lost"] = "k", ["no start"] = "x", ["not run"] = " " }
 
@@ -296,18 +321,22 @@ linear theory where there is one, and what happens beyond.]])
 class.method("dm.stability_map", "csv", csv, [[
 map:csv(file) -> file name   or   map:csv() -> string
 A line for every cell: rule, parameters, h, class, steps, error, slope, slope_error, growth,
-exponent, megno.]])
+exponent, megno; off, range, hidden as far as the rows of the map told them (map:at looks at every
+step).]])
 
 class.method("dm.stability_map", "plot", plot, [[
 map:plot{file=, title=, ...} -> file name or nothing
-The classes as colours over the last row parameter (across) and the columns (up), one panel for
-every rule and every value of the first of two row parameters (at most 12), with the measured and
-the theoretical limit; without a file in the terminal. Other options as in dm.plot.]])
+The classes as colours and patterns (blue: right, orange: wrong, chaotic or drifting, grey: lost)
+over the last row parameter (across) and the columns (up), one panel for every rule and every value
+of the first of two row parameters (at most 12), with the measured and the theoretical limits and
+the resonances; without a file as letters in the terminal. Other options as in dm.plot.]])
 
 --- What tostring gives for a map.
-return function(map)
+local function text(map)
   local lines = { sentence(map) }
   for _, note in ipairs(map.notes or {}) do lines[#lines + 1] = "note: " .. note end
   lines[#lines + 1] = table_of(map, 12)
   return table.concat(lines, "\n")
 end
+
+return { text = text, colours = COLOURS }
