@@ -11,8 +11,8 @@ M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
   "contact_oscillator", "cart", "guiding_centre",
   "free_body", "heavy_top", "hante_top", "gravity_gradient", "two_bodies", "underwater",
   "link_chain", "turntable", "chaplygin_sphere", "suslov", "tilted_disk",
-  "henon_heiles", "escape", "stiff_spring", "resonance_tongues", "least_model", "game_loop",
-  "exact_oscillator",  "variational_runge_kutta",
+  "henon_heiles", "escape", "stiff_spring", "resonance_tongues", "bounded_but_wrong",
+  "least_model", "game_loop", "exact_oscillator", "variational_runge_kutta",
   "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential" }
 
 local function text_of(file)
