@@ -15,34 +15,53 @@ static double *at(const rest *r, uint32_t i, uint32_t j) {
 
 /* Row and column a change places with b. */
 static void exchange(const rest *r, uint32_t a, uint32_t b) {
-    for (uint32_t k = 0; k < r->n && a != b; k++) {
+    if (a == b) return;
+    for (uint32_t k = r->first; k < r->n; k++) {
         const double x = *at(r, a, k);
         *at(r, a, k) = *at(r, b, k);
         *at(r, b, k) = x;
     }
-    for (uint32_t k = 0; k < r->n && a != b; k++) {
+    for (uint32_t k = r->first; k < r->n; k++) {
         const double x = *at(r, k, a);
         *at(r, k, a) = *at(r, k, b);
         *at(r, k, b) = x;
     }
 }
 
-/* The largest entry of the diagonal, and the largest one beside it. */
-static void find_pivots(const rest *r, uint32_t *diagonal, uint32_t *row, uint32_t *column) {
-    double most = -1.0, beside = -1.0;
-    for (uint32_t i = r->first; i < r->n; i++) {
-        if (fabs(*at(r, i, i)) > most) most = fabs(*at(r, i, i)), *diagonal = i;
+/* The largest entry of the diagonal. */
+static uint32_t find_diagonal(const rest *r) {
+    uint32_t found = r->first;
+    for (uint32_t i = r->first + 1; i < r->n; i++)
+        if (fabs(*at(r, i, i)) > fabs(*at(r, found, found))) found = i;
+    return found;
+}
+
+/* Is it large enough for the entries of its own column? Always where all values are positive: then
+ * no other entry need be looked at. */
+static int is_large(const rest *r, uint32_t k, double single) {
+    const double one = fabs(*at(r, k, k));
+    for (uint32_t i = r->first; i < r->n; i++)
+        if (i != k && !(one >= single * fabs(*at(r, i, k)))) return 0;
+    return *at(r, k, k) > 0.0;
+}
+
+/* The largest entry beside the diagonal. */
+static void find_beside(const rest *r, uint32_t *row, uint32_t *column) {
+    double beside = -1.0;
+    for (uint32_t i = r->first; i < r->n; i++)
         for (uint32_t j = r->first; j < i; j++)
             if (fabs(*at(r, i, j)) > beside) beside = fabs(*at(r, i, j)), *row = i, *column = j;
-    }
 }
 
 /* A -= a a^T / pivot behind the first row */
 static void eliminate_one(const rest *r) {
     const uint32_t k = r->first;
-    const double pivot = *at(r, k, k);
-    for (uint32_t i = k + 1; i < r->n; i++)
-        for (uint32_t j = k + 1; j < r->n; j++) *at(r, i, j) -= *at(r, i, k) / pivot * *at(r, k, j);
+    const double pivot = *at(r, k, k), *from = at(r, k, 0);
+    for (uint32_t i = k + 1; i < r->n; i++) {
+        double *row = at(r, i, 0);
+        const double factor = row[k] / pivot;
+        for (uint32_t j = k + 1; j < r->n; j++) row[j] -= factor * from[j];
+    }
 }
 
 /* the same with the first two rows, whose block [a, b; b, c] has a negative determinant */
@@ -58,38 +77,15 @@ static void eliminate_two(const rest *r) {
     }
 }
 
-/* Is A positive with pivots d[n] that are far from round-off? A = L D L^T below the diagonal; what
- * is on and above it stays. Most masses are, and no pivot is searched for them. */
-static int is_positive(double *A, uint32_t n, double *d, double *least) {
-    static const double FAR = 1e-6;
-    *least = INFINITY;
-    for (uint32_t i = 0; i < n; i++) {
-        double *row = A + (size_t)i * n;
-        d[i] = row[i];
-        for (uint32_t j = 0; j < i; j++) {
-            const double *other = A + (size_t)j * n;
-            double y = row[j]; /* l d */
-            for (uint32_t k = 0; k < j; k++) y -= row[k] * d[k] * other[k];
-            row[j] = y / d[j];
-            d[i] -= row[j] * y;
-        }
-        if (!(d[i] > FAR * row[i] && d[i] < INFINITY)) return 0;
-        *least = fmin(*least, d[i]);
-    }
-    return 1;
-}
-
-uint32_t dm_negative_values(double *A, uint32_t n, double *room, double *least) {
+uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
     static const double SINGLE = 0.6403882032022076; /* (1 + sqrt 17)/8: growth is least */
     rest r = {.A = A, .n = n};
     uint32_t negative = 0;
-    if (is_positive(A, n, room, least)) return 0;
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < i; j++) *at(&r, i, j) = *at(&r, j, i);
     *least = INFINITY;
     while (r.first < n) {
-        uint32_t diagonal = r.first, row = r.first, column = r.first;
-        find_pivots(&r, &diagonal, &row, &column);
+        const uint32_t diagonal = find_diagonal(&r);
+        uint32_t row = r.first, column = r.first;
+        if (!is_large(&r, diagonal, SINGLE)) find_beside(&r, &row, &column);
         const double one = fabs(*at(&r, diagonal, diagonal)), two = fabs(*at(&r, row, column));
         if (row == column || one >= SINGLE * two) {
             *least = fmin(*least, one);

@@ -6,8 +6,7 @@
 
 /* How many values of A[n*n] are negative, by elimination with symmetric pivots (Bunch & Parlett
  * 1971: Sylvester's law of inertia keeps the signs), and the least size of a pivot, which goes to
- * zero with a value. A is overwritten, room[n] too; values that are zero to round-off may count as
- * either. */
-uint32_t dm_negative_values(double *A, uint32_t n, double *room, double *least);
+ * zero with a value. A is overwritten; values that are zero to round-off may count as either. */
+uint32_t dm_negative_values(double *A, uint32_t n, double *least);
 
 #endif

@@ -44,7 +44,7 @@ static size_t order(const dm_model *m) {
     return (size_t)m->n + holonomic(m) + rolling(m);
 }
 
-/* (q, v, t), outputs, the matrix, the Legendre transform or pivots */
+/* (q, v, t), outputs, the matrix, the Legendre transform */
 static size_t room(const dm_model *m) {
     return 2 * (size_t)m->n + 1 + outputs(m) + order(m) * order(m) + dm_legendre_work(m);
 }
@@ -124,7 +124,7 @@ static uint32_t count(const dm_inertia *x, double *least) {
         for (size_t j = 0; j < n; j++)
             A[i * N + j] = x->scale[i] * out[n + i * n + j] * x->scale[j];
     add_constraints(x, A, at, out);
-    return dm_negative_values(A, (uint32_t)N, A + N * N, least);
+    return dm_negative_values(A, (uint32_t)N, least);
 }
 
 void dm_inertia_begin(dm_inertia *x, const double *state, double t) {
