@@ -60,7 +60,8 @@ local ROUNDS = 15
 local function hold_out(scene)
   local times = pilot.times(scene.problem, 73, 0.7320508075688772)
   local given = scene.rungs[1]
-  return times, (pilot.reference(given, times, 20))
+  local path = pilot.reference(given, 20, {}):path(times)
+  return times, pilot.record(scene.problem, path)
 end
 
 -- every number of steps of a rule that delivers, at less than so many ns

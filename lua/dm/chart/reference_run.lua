@@ -37,8 +37,14 @@ local function apart(a, b)
 end
 
 local TRUSTED = 1e-7  -- two references further apart than this are none
-local SECONDS = 4     -- of CPU
+local SECONDS = 4     -- of CPU, where the chart has none; else a part of those
+local PART = 0.5
 local ROUND_OFF = 4e-15
+
+local function seconds_of(chart)
+  local all = chart.options.seconds
+  return all and PART * all or SECONDS
+end
 
 ---- on groups, where steps are not controlled ----
 
@@ -48,7 +54,7 @@ local ON_GROUPS, HALVINGS = { "gauss(5)", "lie(5)", "lie(4)" }, 10
 -- why not
 local function refined(chart, rule)
   local last, change, h = nil, math.huge, chart.options.t / 32
-  local ends = core.cpu() + SECONDS / 2
+  local ends = core.cpu() + seconds_of(chart) / 2
   for _ = 1, HALVINGS do
     local fine, path = pcall(given_run, chart, { rule = rule, h = h })
     if not fine then
@@ -82,7 +88,7 @@ local function found_by_control(chart)
   local o = chart.options
   return engine.find { system = chart.system, start = start_of(o), t0 = o.t0, T = o.t,
     watch = chart.watch, at = chart.times, distance = apart, goal = 0, best = true,
-    except = measured(chart), seconds = SECONDS }
+    except = measured(chart), seconds = seconds_of(chart) }
 end
 
 --- The reference of a chart: path, what the methods differ by in the measured error, a sentence.

@@ -2,6 +2,7 @@
 -- jump over anything hidden in the forces, to smaller and smaller tolerances until they agree.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local first_order = require "dm.reference.first_order"
 local forces = require "dm.reference.forces"
 
 local M = {}
@@ -9,12 +10,13 @@ M.__index = M
 
 local max, min, huge = math.max, math.min, math.huge
 
--- Methods in the order of preference: the first that can step the system; the reference itself is
--- that of the second list. Many coordinates that separate are stepped by compositions.
+-- Methods in the order of preference: the first that can step the system and is not measured; the
+-- reference itself is that of the second list. Many coordinates that separate are stepped by
+-- compositions.
 local FIRST = { "rk8", "rk8pd", "lobatto(6)", "degenerate(3)" }
-local FIRST_SEPARABLE = { "rk8", "kahan-li(8)" }
-local SECOND = { "gauss(7)", "degenerate(4)" }
-local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)" }
+local FIRST_SEPARABLE = { "rk8", "kahan-li(8)", "rk8pd", "lobatto(6)" }
+local SECOND = { "gauss(7)", "degenerate(4)", "gauss(6)" }
+local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 
 -- of the error of a step; the second method takes another one, so that no step is like the other's
 local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17, 1e-18 }, 0.3
@@ -78,7 +80,7 @@ end
 local function pick(self, place, list)
   local why
   for _, rule in ipairs(list) do
-    if not self.except[rule] then
+    if not self.except[rule] and rule ~= self.first then
       local path, words, failure = try(self, place, rule, TOLERANCES[1], { t = self.T })
       if path then
         self.unseen = self.unseen or solver_of(self, rule):report().unseen
@@ -136,7 +138,9 @@ function M.find(job)
   local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
     start = job.start, t0 = job.t0 or 0, T = job.T, watch = job.watch, ends = job.ends,
     negligible = job.negligible, deadline = core.cpu() + (job.seconds or 20) }, M)
-  self.hidden, self.blind = forces.of(job.system)
+  local form = first_order.of(self.system, self.start, self.t0, self.watch) or {}
+  for key, value in pairs(form) do self[key] = value end
+  self.hidden, self.blind = forces.of(self.system)
   local why, failure
   local first, second = lists(self)
   self.first, why, failure = pick(self, 1, first)

@@ -200,4 +200,28 @@ for class, method in pairs { ["dm.chart"] = "order", ["dm.stability_map"] = "lim
   local core = require "dm.core"
   tap.ok(methods and core.docs[methods[method]] and core.docs[class], "the methods of " .. class .. " are known by name")
 end
+-- references are never the rules that are measured: L linear in v as q' = f(q, t), here a rotation, driven, in closed form
+do
+  local L = function(q, v, t) return q[2] * v[1] - (q[1] ^ 2 + q[2] ^ 2) / 2 - q[1] * math.sin(2 * t) end
+  local first = dm.system { Q = dm.R(2), coordinates = { "x", "y" }, L = L }
+  local function chart(more)
+    local o = { first, q = { 1, 0 }, t = 5, rules = { "degenerate(2)", "degenerate(3)", "degenerate(4)" }, h = { 0.2, 0.1 }, repeats = 1, seconds = 20 }
+    for key, value in pairs(more) do o[key] = value end
+    return dm.chart(o)
+  end
+  local turned = chart {}
+  tap.ok(turned.reference_text:find "^references rk8 and gauss%(7%)", "two methods of another kind", turned.reference_text)
+  -- L_v = (y, 0): y' = -x - sin 2t, x' = y, so that x'' + x = -sin 2t
+  local x, y = turned.reference:column "x", turned.reference:column "y"
+  local worst = 0
+  for i, t in ipairs(turned.times) do
+    worst = math.max(worst, math.abs(x[i] - math.cos(t) + 2 / 3 * math.sin(t) - math.sin(2 * t) / 3),
+      math.abs(y[i] + math.sin(t) + 2 / 3 * math.cos(t) - 2 / 3 * math.cos(2 * t)))
+  end
+  tap.ok(worst < 2e-13, "the motion in closed form", worst)
+  local p = chart { rules = "degenerate(3)", error = function(_, _, _, p) return p[1] end }
+  tap.ok(p.points[2].error < 1e-5, "momenta of the reference are dL/dv", p.points[2].error)
+  local all = dm.chart { kepler, q = { 0.4, 0 }, v = { 0, 2 }, t = 3, rules = { "rk8", "kahan-li(8)", "gauss(7)", "gauss(4)" }, h = { 0.1 }, repeats = 1 }
+  tap.ok(#all.points == 4 and all.reference_text:find "rk8pd and gauss%(6%)", "where the usual ones are measured", all.reference_text)
+end
 tap.done()
