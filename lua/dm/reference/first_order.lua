@@ -77,8 +77,8 @@ local function form(system, start, t0, watch)
     start = { q = start.q, v = v }, watch = watch_of(watch, alpha) }
 end
 
---- { system =, start =, watch = } with the same motion, of a system whose L is linear in v and which
--- has nothing beside it; nil where there is no such form. p of it is v.
+--- { system =, start =, watch = } with the same motion, of a system whose L is linear in v and
+-- which has nothing beside it; nil where there is no such form. p of it is v.
 function M.of(system, start, t0, watch)
   local fine, s = pcall(system.structure, system)
   if not fine or not (s.linear_in_v and system.given.L and start.q) or s.forced
