@@ -24,6 +24,7 @@ return {
     torus_fields = "forms on a mesh, no rule of time",
     heat_sphere = "modes of a mesh, exact in time",
     escape = "one rule, many members, the potential of henon_heiles",
+    bounded_but_wrong = "one rule beside the truth; kepler has the chart",
     potential = "forms on a mesh, no rule of time",
     free_body = "closed forms by rules on groups, which docs/benchmarks/groups.md compares",
     heavy_top = "closed forms by rules on groups, which docs/benchmarks/groups.md compares",

@@ -76,12 +76,22 @@ end
 
 ---- two methods ----
 
+-- one run of a rule; where long steps fail, as over a place where L is not defined, shorter ones
+local function first_try(self, place, rule)
+  local path, words, failure
+  for _, tolerance in ipairs(TOLERANCES) do
+    path, words, failure = try(self, place, rule, tolerance, { t = self.T })
+    if path or M.is_refusal(words) or left(self) <= 0 then break end
+  end
+  return path, words, failure
+end
+
 -- the first rule of a list that can step the system; its times, or nil and why none can
 local function pick(self, place, list)
   local why
   for _, rule in ipairs(list) do
     if not self.except[rule] and rule ~= self.first then
-      local path, words, failure = try(self, place, rule, TOLERANCES[1], { t = self.T })
+      local path, words, failure = first_try(self, place, rule)
       if path then
         self.unseen = self.unseen or solver_of(self, rule):report().unseen
         return rule, path.t
@@ -159,17 +169,19 @@ function M:refine(job)
   self.distance = huge
   for k = 1, #TOLERANCES do
     local paths, why = pair(self, k, at)
-    if not paths then
-      if self.distance < huge then break end
+    if paths then
+      local distance, absolute = job.distance(paths[1], paths[2])
+      if distance ~= distance then return nil, "it has no value at some of the samples" end
+      if distance < self.distance then
+        self.distance, self.absolute, self.tolerance = distance, absolute, TOLERANCES[k]
+        self.paths, self.at = paths, at
+      end
+      if distance <= job.goal then break end
+    elseif self.distance < huge then
+      break
+    elseif k == #TOLERANCES or left(self) <= 0 then -- shorter steps do not get through either
       return nil, why
     end
-    local distance, absolute = job.distance(paths[1], paths[2])
-    if distance ~= distance then return nil, "it has no value at some of the samples" end
-    if distance < self.distance then
-      self.distance, self.absolute, self.tolerance = distance, absolute, TOLERANCES[k]
-      self.paths, self.at = paths, at
-    end
-    if distance <= job.goal then break end
   end
   self.text = ("%s and %s with controlled steps (%d of the first)"):format(self.first, self.rule,
     #self.times - 1)

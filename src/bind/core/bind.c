@@ -92,6 +92,7 @@ static int class_index(lua_State *L) {
 /* __newindex of objects whose fields say what they are; tables of a class take what they are
  * given */
 static int refuse_field(lua_State *L) {
+    lua_settop(L, 3); /* it may be called by hand, with less */
     if (lua_istable(L, 1)) return lua_rawset(L, 1), 0;
     const char *class = lua_tostring(L, lua_upvalueindex(1));
     return luaL_error(L, "the field '%s' of a %s cannot be set: make another %s with it",

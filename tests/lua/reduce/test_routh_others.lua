@@ -225,7 +225,7 @@ end
 local function routh(options) return function() return hoop:routh(options) end end
 local function move(t, q) return { q[1] + t, q[2] } end
 raises("option 'q' must be 2 numbers", routh { cyclic = 1, q = { 0 }, v = { 1, 2 }, mu = 3 })
-raises("option 'v' must be 2 numbers", routh { cyclic = 1, q = { 0, 1 }, v = "x", mu = 3 })
+raises("field 'v': a list of numbers is needed", routh { cyclic = 1, q = { 0, 1 }, v = "x", mu = 3 })
 raises("option 'q'[2] must be a finite number", routh { cyclic = 1, q = { 0, 0 / 0 }, v = { 1, 2 } })
 raises("not both", routh { cyclic = 1, action = move, mu = 1 })
 raises("option 'section' belongs to an action", routh { cyclic = 1, mu = 1, section = move })
