@@ -2,7 +2,7 @@
 -- Bruels, Cardona and Arnold 2012): as rotations about the pivot on SO(3), as a body on SO(3) x R^3 or on SE(3) whose pivot is held
 -- by a constraint. The discrete equations differ, their motion converges to one, at order 2 by lie(1) and 4 by lie(2).
 local dm = require "dm"
-local log, max = math.log, math.max
+local log = math.log
 local picture = (arg and arg[1] or "build/pictures") .. "/hante_top.png"
 
 local m, I, g, X = 15, { 0.234375, 0.46875, 0.234375 }, 9.81, dm.vector { 0, 1, 0 }

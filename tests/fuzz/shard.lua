@@ -7,7 +7,7 @@ with VERBOSE=n call n is printed, ALONE=n makes that one only. A file "costs" (n
 calls rarer; COSTS=file writes one. Prints counts, then one line for each kind of defect. ]]
 package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
 local report = io.stdout
-local dm = require "dm"
+require "dm"
 local values = require "values"
 
 local seed, most = math.tointeger(arg[1]) or 1, math.tointeger(arg[2]) or 1000

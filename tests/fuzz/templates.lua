@@ -15,7 +15,6 @@ local function whole(o)
   return system:solver(o.solver):run(o.run)
 end
 local line = dm.system { Q = dm.R(1), L = on_line }
-local plane = dm.system { Q = dm.R(2), L = twice }
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 local top = dm.system { Q = G, L = function(R, W) return spin(W) - R[3][3] end }
 local verlet = kepler:solver { rule = "verlet", h = 0.05 }

@@ -140,9 +140,6 @@ local function per_cell(self)
   local fine, n = pcall(function() return self:count(random(0, self.dimension)) end)
   return fine and n < 300 and random(3) > 1 and dm.vector(reals(n)) or numbers_of(self)
 end
-local function cell_list()
-  return { { random(-2, 2), { 1, 2 } }, random(2) == 1 and { 1, { random(5), random(5) } } or nil }
-end
 
 local FIT = {
   h = function() return pick { 0.01, 0.1, 0.1, 1e-300, 1e300, -0.1, { 0.1, 0.05 } } end,

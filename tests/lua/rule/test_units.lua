@@ -3,7 +3,8 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok = tap.ok
-local cos, sin, cosh, abs, max = math.cos, math.sin, math.cosh, math.abs, math.max
+local cos, sin, abs, max = math.cos, math.sin, math.abs, math.max
+local function cosh(x) return (math.exp(x) + math.exp(-x)) / 2 end
 local UNITS = { 1e11, 0x1p37, 1e-11, 1e-4 }
 local level = os.getenv "DMLUA_UNITS" -- the same tests in a process of their own
 
