@@ -37,13 +37,16 @@ static void set_timer(double left) {
     timer_settime(deadline.timer, 0, &when, NULL);
 }
 
+/* What is tried under a pcall may keep a stop to itself: it is told again until the call ends. */
+static void tell(double left) {
+    static const double AGAIN = 0.2;
+    if (left <= 0.0) late = dml_stop = 1;
+    set_timer(left > 0.0 ? left : AGAIN);
+}
+
 static void look(int signal) {
-    const double left = deadline.until - cpu();
     (void)signal;
-    if (left > 0.0)
-        set_timer(left);
-    else
-        late = dml_stop = 1;
+    tell(deadline.until - cpu());
 }
 
 /* false where the system has no such timer: then nothing is ended */
@@ -60,11 +63,7 @@ static int make_timer(void) {
 static void set_deadline(double until) {
     const double left = until - cpu();
     deadline.until = until;
-    if (!make_timer()) return;
-    if (left > 0.0)
-        set_timer(left);
-    else
-        late = dml_stop = 1;
+    if (make_timer()) tell(left);
 }
 
 /* is the error on top what a stop raises? */
@@ -86,6 +85,7 @@ static int within(lua_State *L) {
     luaL_checkany(L, 2);
     set_deadline(fmin(before, cpu() + fmax(seconds, 0.0)));
     const int status = lua_pcall(L, lua_gettop(L) - 2, LUA_MULTRET, 0);
+    set_deadline(INFINITY); /* it does not ring any more */
     const int rung = late;
     if (rung) late = dml_stop = 0;
     set_deadline(before);

@@ -64,11 +64,10 @@ static void take_root(const dm_stage *g, double *u) {
 void dm_stage_memory_newton(dm_stage *g) {
     double *memory = g->sweeps->memory;
     if (memory[DM_SWEPT_STEP] != g->weights.h) return;
-    if (g->newton.linear) { /* how sweeps contract is a matter of h alone */
-        memory[DM_SWEPT_MARK] = -PATIENCE;
-    } else if (memory[DM_SWEPT_MARK] < EMPTY) {
+    const int linear = g->newton.linear != 0; /* how sweeps contract is a matter of h alone */
+    if (!linear && memory[DM_SWEPT_MARK] < EMPTY) {
         memory[DM_SWEPT_MARK] += 1;
-    } else if (memory[DM_SWEPT_MARK] == FULL) {
+    } else if (linear || memory[DM_SWEPT_MARK] == FULL) {
         memory[DM_SWEPT_MARK] = -PATIENCE;
     } else {
         take_root(g, g->sweeps->u);
