@@ -76,6 +76,7 @@ local rows = {
   ["solver:reversal"] = "dm.measure.tangent",
   ["solver:section"] = "dm.measure.poincare",
   ["solver:singularities"] = "dm.measure.singularities",
+  ["solver:solvability"] = "dm.sem.solvability",
   ["solver:symplecticity"] = "dm.measure.tangent",
   ["solver:tangent"] = "dm.measure.tangent",
   ["path:animate"] = "dm.show.animate",

@@ -13,12 +13,11 @@ floors.src = {
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
-  "integ/lie", "integ",
-  -- kept free: integ/sem (below integ)
+  "integ/sem", "integ/lie", "integ",
   "run", "run/ensemble",
   "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run",
-  "bind/ensemble", "bind/sweep", "bind",
+  "bind/ensemble", "bind/sem", "bind/sweep", "bind",
   "cli",
 }
 
@@ -26,7 +25,7 @@ floors.src = {
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "show", "show/animate", "data",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "mpi", "sweep", "reference",
-  "chart", "measure", "stability",
+  "chart", "measure", "sem", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
   "session",
 }

@@ -95,6 +95,36 @@ static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int k
     luaL_addstring(b, text);
 }
 
+/* ": discrete energy off by 2e-16, h from 0.04 to 0.15, 2 of 60 steps without a root" */
+static void add_sem(luaL_Buffer *b, const dm_energy_report *r) {
+    char text[160];
+    if (!r->steps) return;
+    snprintf(text, sizeof text, "; discrete energy off by %.2g, h from %.4g to %.4g known to %.1g",
+             r->defect, r->least, r->largest, r->conditioning);
+    luaL_addstring(b, text);
+    snprintf(text, sizeof text, ", %ld of %ld steps without a root", r->fallbacks, r->steps);
+    if (r->fallbacks) luaL_addstring(b, text);
+}
+
+/* path.sem: what became of the energy that chose the steps */
+static int push_sem(lua_State *L, const dm_energy_report *r) {
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"energy", r->energy},
+                   {"defect", r->defect},
+                   {"least", r->least},
+                   {"largest", r->largest},
+                   {"conditioning", r->conditioning}};
+    if (!r->steps) return 0;
+    lua_createtable(L, 0, 6);
+    dml_setresult(L);
+    lua_pushinteger(L, r->fallbacks), lua_setfield(L, -2, "fallbacks");
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        lua_pushnumber(L, numbers[i].value), lua_setfield(L, -2, numbers[i].key);
+    return 1;
+}
+
 /* energies of the path as a vector on the stack, NULL when it has none */
 static const double *try_energy(lua_State *L, const dml_path *p) {
     lua_pushcfunction(L, dml_path_energy);
@@ -178,6 +208,7 @@ static int path_tostring(lua_State *L) {
     snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
     if (E) add_energy(&b, E, p, keeps);
+    add_sem(&b, &p->sem);
     add_columns(L, &b, p);
     add_every(&b, p);
     luaL_pushresult(&b);
@@ -251,6 +282,8 @@ static int path_field(lua_State *L) {
         lua_pushboolean(L, p->watched);
     else if (strcmp(key, "file") == 0)
         lua_getiuservalue(L, 1, DML_PATH_FILE);
+    else if (strcmp(key, "sem") == 0)
+        return push_sem(L, &p->sem);
     else if (strcmp(key, "units") == 0)
         lua_getiuservalue(L, 1, DML_PATH_SYSTEM), dml_systemfield(L, -1, "units");
     else
@@ -268,7 +301,8 @@ const dml_class dml_class_path = {
            "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that "
            "recorded them), columns (names), steps, h, rule, system, solver, title, units, "
            "ns_per_step, events (of a run that looked for some), file (of a run that wrote its "
-           "rows); #path rows",
+           "rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); "
+           "#path rows",
     .meta = meta,
     .methods = dml_path_quantities,
     .field = path_field,

@@ -208,7 +208,7 @@ static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NUL
 static const dml_row methods[] =
     {{"run", dml_solver_run,
       "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, "
-      "record=, events=, file=, checkpoint=} -> dm.path\n"
+      "record=, events=, file=, checkpoint=, energy=} -> dm.path\n"
       "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the "
       "momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or "
       "by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` "
@@ -233,7 +233,8 @@ static const dml_row methods[] =
       "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; "
       "a zero that is touched but not crossed, or two of one function within a step, are not seen. "
       "checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and "
-      "at its end, for dm.resume. Raises dm.failure with the path so far when a step cannot be "
+      "at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, "
+      "instead of that of the first. Raises dm.failure with the path so far when a step cannot be "
       "solved, the state stops being finite, or on Ctrl-C."},
      {"step", solver_step,
       "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, q1) -> q2\n"

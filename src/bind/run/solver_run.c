@@ -85,6 +85,7 @@ typedef struct {
     const char *rule, *saving;  /* file of checkpoints; NULL: none */
     int names, path;            /* stack indices */
     int unwritten;              /* errno of the checkpoint that could not be written, or 0 */
+    double energy;              /* that steps are to have, of rules that choose them by it */
 } run;
 
 /* About ten times a second; the time that is left is that of the rate so far. */
@@ -181,6 +182,20 @@ static dm_status save(void *ud, long done) {
     return DM_NOT_WRITTEN;
 }
 
+/* energy = E of the steps */
+static void check_energy(lua_State *L, const run *u) {
+    if (!has(L, "energy")) return;
+    if (!(u->r.solver->method->traits & DM_BY_ENERGY))
+        luaL_error(L,
+                   "field 'energy' goes with rules that choose their steps by it, sem(s, "
+                   "quadrature(r)); rule '%s' does not",
+                   u->r.solver->nodes[0].name);
+    if (u->from)
+        luaL_error(L, "field 'energy': this solver goes on from a checkpoint, whose steps have "
+                      "their energy");
+    dml_number(L, 2, "energy", 0.0);
+}
+
 /* What is asked of the run, before anything is traced. */
 static void read_plan(lua_State *L, run *u) {
     const double from = find_start(L, u);
@@ -189,6 +204,7 @@ static void read_plan(lua_State *L, run *u) {
     u->plan.progress = show_progress;
     u->plan.ud = u;
     read_length(L, u->r.solver, &u->plan, from);
+    check_energy(L, u);
     u->plan.seconds = has(L, "seconds") ? dml_positive(L, 2, "seconds", 0) : 0.0;
     if (!has(L, "checkpoint")) return;
     read_saving(L, u);
@@ -295,6 +311,7 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
     path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
     path->constraint = u->r.stepper.report.constraint;
     path->rolling = u->r.stepper.report.rolling;
+    path->sem = u->r.stepper.report.sem;
 }
 
 /* where the run is, before its stepper is closed */
@@ -334,7 +351,7 @@ int dml_solver_run(lua_State *L) {
                                         "p0",         "steps",   "t0",     "every",   "t",
                                         "at",         "watch",   "record", "events",  "file",
                                         "checkpoint", "project", "a",      "control", "seconds",
-                                        NULL};
+                                        "energy",     NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);
@@ -346,6 +363,8 @@ int dml_solver_run(lua_State *L) {
     read_plan(L, &u);
     if (u.r.solver->method == &dm_method_step && !u.from) dml_step_order(L);
     dml_stepping_prepare(L, &u.r, u.r.t0);
+    u.energy = dml_number(L, 2, "energy", 0.0);
+    if (has(L, "energy")) u.r.stepper.energy = &u.energy;
     dml_path *path = make_path(L, &u);
     if (has(L, "file")) open_file(L, &u);
     if (has(L, "control")) u.plan.control = dml_control_read(L, &u.control, &u.r, u.plan.until);

@@ -62,11 +62,26 @@ static void add_lambda(lua_State *L, dml_observables *o, const dml_stepping *r) 
     dml_observables_add(L, o, r, "lambda", 1);
 }
 
-/* ---- parts of a step that a script wrote ---- */
+/* ---- parts: numbers of its own that a rule has at a state ---- */
 
-/* push the list of the parts, { name, count } each; how many numbers: 0, and nothing is pushed,
- * where there are none */
+/* push { { "h", 1 }, { "E_d", 1 } } of "h E_d" */
+static void push_names(lua_State *L, const char *names) {
+    lua_newtable(L);
+    for (lua_Integer i = 1; *names; i++) {
+        const size_t length = strcspn(names, " ");
+        lua_createtable(L, 2, 0);
+        lua_pushlstring(L, names, length), lua_rawseti(L, -2, 1);
+        lua_pushinteger(L, 1), lua_rawseti(L, -2, 2);
+        lua_rawseti(L, -2, i);
+        names += length + (names[length] == ' ');
+    }
+}
+
+/* push the list of the parts, { name, count } each, of a row of the list or of a step that a script
+ * wrote; 0, and nothing is pushed, where there are none */
 static int push_parts(lua_State *L, const dml_stepping *r) {
+    const char *names = r->solver->method->parts;
+    if (names) return push_names(L, names), 1;
     if (!(r->solver->method->traits & DM_OF_FUNCTIONS)) return 0;
     lua_getiuservalue(L, 1, DML_SOLVER_OBJECT);
     dml_step_parts(L, -1);

@@ -22,6 +22,7 @@ enum {
     DM_DEGENERATE = 1024,    /* steps L = alpha(q) . v - H(q), linear in v, and nothing else */
     DM_ON_GROUPS = 2048,     /* steps systems on groups (mech/group.h) */
     DM_OF_FUNCTIONS = 4096,  /* made of functions that are traced for its system (`brought`) */
+    DM_BY_ENERGY = 8192,     /* chooses h by the energy of a step: a run may say which */
     DM_CONSTRAINTS = DM_HOLONOMIC | DM_ROLLING | DM_FORCED
 };
 
@@ -37,6 +38,7 @@ typedef struct dm_method {
      * L = T(v) - V(q) and the rule is then explicit, 0: implicit); empty: measured elsewhere */
     const char *instances;
     unsigned traits;
+    const char *parts; /* "h E_d": columns of every run, engine->parts; NULL: none, or a script's */
     const dm_engine *engine;
     const void *table; /* coefficients, as the engine reads them; NULL: it needs none */
     /* NULL when the arguments of the rule fit, else a static sentence; may be NULL itself: it takes

@@ -7,6 +7,15 @@
 #include "integ/method/rule.h"
 #include "mech/model.h"
 
+/* Of the steps so far whose length their energy chose. */
+typedef struct {
+    long steps, fallbacks; /* all, and those that no length gave the energy */
+    double energy;         /* that they are to have */
+    double defect;         /* largest |E_d - energy| */
+    double least, largest; /* h */
+    double conditioning;   /* largest round-off of h */
+} dm_energy_report;
+
 /* What is known of the steps made so far. */
 typedef struct {
     int iterations;             /* Newton iterations of the last step */
@@ -18,7 +27,8 @@ typedef struct {
     int plain;                  /* sums are made without compensation, as was asked for */
     long operations;            /* of a step, where the engine makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
-    int outside;   /* Newton's method met the edge of the domain of L in the last step */
+    int outside; /* Newton's method met the edge of the domain of L in the last step */
+    dm_energy_report sem;
     int dependent; /* a step failed as constraints lose rank: one that depends on those before it */
 } dm_report;
 
@@ -118,6 +128,7 @@ struct dm_stepper {
     double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
     const double *params; /* [params of the model] */
+    const double *energy; /* that steps are to have (DM_BY_ENERGY); NULL: that of the first one */
     const void *brought;  /* what a run brings for a rule that is DM_OF_FUNCTIONS, else NULL */
     double *work;         /* as many doubles as engine->work says */
     void *outside;        /* what close gives back */

@@ -30,17 +30,21 @@ static const char *check_quadrature(const dm_rule *q) {
     return NULL;
 }
 
-static const char *check(const dm_rule *rule) {
-    if (rule->data) return NULL; /* checked where it was made */
+const char *dm_galerkin_check(const dm_rule *rule, const char *usage) {
     if (rule->count != 2 || rule->arg[0].rule || !is_count(rule->arg[0].number, 1) ||
         !rule->arg[1].rule)
-        return "galerkin takes the degree of its polynomials, from 1 to 32, and a quadrature, as "
-               "in galerkin(2, gauss(2))";
+        return usage;
     const char *wrong = check_quadrature(rule->arg[1].rule);
     if (!wrong && nodes(rule) < degree(rule))
         return "curves of degree s need a quadrature of s nodes at least: with fewer some velocity "
                "moves no node, and the step is not determined";
     return wrong;
+}
+
+static const char *check(const dm_rule *rule) {
+    const char *usage = "galerkin takes the degree of its polynomials, from 1 to 32, and a "
+                        "quadrature, as in galerkin(2, gauss(2))";
+    return rule->data ? NULL : dm_galerkin_check(rule, usage); /* data: checked where it was made */
 }
 
 /* the velocities stand at the points where there are as many, else at Gauss nodes: the step does
@@ -74,7 +78,7 @@ int dm_galerkin_is_regular(const dm_galerkin *g) {
 }
 
 /* As it was made by dm.galerkin, or by name. */
-static void basis(dm_galerkin *g, const dm_rule *rule) {
+void dm_galerkin_basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     if (rule->data) {
         *g = *(const dm_galerkin *)rule->data;
@@ -100,7 +104,7 @@ int dm_galerkin_order(const dm_galerkin *g) {
 
 static int order(const dm_rule *rule) {
     dm_galerkin g;
-    basis(&g, rule);
+    dm_galerkin_basis(&g, rule);
     return dm_galerkin_order(&g);
 }
 
@@ -126,5 +130,5 @@ const dm_method dm_method_galerkin = {
     .check = check,
     .order = order,
     .engine = &dm_engine_stage,
-    .basis = basis,
+    .basis = dm_galerkin_basis,
 };
