@@ -71,7 +71,10 @@ end
 -- neighbours agree with, as far as round-off of E_d lets them
 local function limit(solver, start, p)
   local hs, T, best, error_of = {}, {}, nil, huge
-  for k = 1, LEVELS do hs[k], hs[LEVELS + k] = solver.h * 0.5 ^ (k - 1), -solver.h * 0.5 ^ (k - 1) end
+  for k = 1, LEVELS do
+    hs[k] = solver.h * 0.5 ^ (k - 1)
+    hs[LEVELS + k] = -hs[k]
+  end
   local E, H = core.sem_energies(solver, start, hs)
   for k = 1, LEVELS do
     local ahead, behind = (E[k] - H) / hs[k] ^ p, (E[LEVELS + k] - H) / (-hs[k]) ^ p
