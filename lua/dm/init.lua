@@ -12,6 +12,7 @@ local rows = {
   apropos = "dm.session.help",
   chart = "dm.chart",
   commute = "dm.reduce.commute",
+  connection = "dm.connection",
   compare = "dm.data.compare",
   demo = "dm.session.demo",
   embeddable = "dm.dec.parts",

@@ -21,9 +21,8 @@ floors.src = {
   "cli",
 }
 
--- kept free: connection (above group)
 floors.lua = {
-  "base", "group", "group/own", "action", "frame", "show", "show/animate", "data",
+  "base", "group", "group/own", "action", "frame", "connection", "show", "show/animate", "data",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",

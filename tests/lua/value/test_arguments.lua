@@ -47,6 +47,9 @@ local upright = dm.SO(3):identity()
 local rotor = dm.discrete_lagrangian { Q = dm.SO(3), h = 0.1,
   Ld = function(q0, q1) return -(q0:transpose() * q1)[1][1] - 2 * (q0:transpose() * q1)[2][2] end }
 
+local turning = dm.connection { group = dm.SO(2), base = dm.R(2), local_form = function(x0, x1) return (x0[1] + x1[1]) * (x1[2] - x0[2]) end }
+local at_a, at_b = { a, 0.3 }, { b, 0.4 }
+
 -- class -> method -> a list of calls that are right: { object, arguments }
 local calls = {
   ["dm.vector"] = { { dm.vector { 1, 2, 3 }, cross = { xi }, dot = { xi }, map = { math.sin }, outer = { xi }, slice = { 1, 2 } } },
@@ -62,6 +65,11 @@ local calls = {
       slice = { "connection", { from = x, to = { 2 }, points = 5 } }, discrete = { { rule = "midpoint", h = 0.1 } }, start = { { 1, 0 }, { 0, 1 }, 0 }, symplectic_form = { x, 0 }, holonomy = { function(s) return { 1 + 0.1 * math.cos(2 * math.pi * s) } end } } },
   ["dm.discrete_shape"] = { { discrete, connection = { a, b }, legendre_minus = { x, y }, legendre_plus = { x, y }, one_form = { x, y }, psi = { x, y, { 0 } },
     residual = { x, y, x }, routhian = { x, y }, step = { x, y }, two_form = { x, y }, value = { x, y } } },
+  ["dm.connection"] = { { turning, compose = { { at_a, at_b }, { at_b, at_a } }, continuous = { a }, curvature = { a, 1, 2 }, formation = { { at_a, at_b } },
+    holonomy = { { a, b, a }, at_a }, hor = { at_a, at_b }, horizontal_splitting = { a, b }, join = { turning:split { at_a, at_b } }, lift = { a, b, at_a },
+    local_form = { a, b }, multi_lift = { { a, b }, at_a }, one_form = { at_a, at_b }, relative = { at_a, at_b }, representative = { { at_a, at_b }, { a, 1 } },
+    split = { { at_a, at_b } }, splitting = { at_a, at_b }, variation = { at_a, at_b, { a, { 1 } } }, ver = { at_a, at_b } } },
+  ["dm.bundle_class"] = { { turning:splitting(at_a, at_b), at = { { a, 1 } } } },
   ["dm.discrete_lagrangian"] = { { Ld, legendre_minus = { a, b }, legendre_plus = { a, b }, momentum = { dm.SO(2), a, b },
     two_form = { a, b }, value = { a, b, 0 } }, { staged, hamilton_pontryagin = { a, b, 0 } }, { staged, momentum = { turn, a, b } } },
   ["dm.form"] = { { triangle:form(1, { 1, 2, 3 }), at = { { 1, 2 } }, pair = { triangle:chain(1, {}) } } },
