@@ -11,8 +11,8 @@ local M = {}
 local abs, pi = math.abs, math.pi
 
 local COARSE = "A:holonomy: the loop is too coarse: coordinate %d, an angle, goes by %.6g from "
-  .. "point %d to point %d; steps must stay below half a turn: take more points (an angle goes on past "
-  .. "2 pi, it does not jump back)"
+  .. "point %d to point %d; steps must stay below half a turn: take more points (an angle goes on "
+  .. "past 2 pi, it does not jump back)"
 
 -- steps of half a turn have no shortest way
 local function check_steps(B, x)
