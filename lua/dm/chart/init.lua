@@ -5,9 +5,11 @@ local budget = require "dm.chart.budget"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local given_steps = require "dm.chart.steps"
+local journal = require "dm.chart.journal"
 local measures = require "dm.chart.measures"
 local option = require "dm.base.options"
 local orders = require "dm.chart.orders"
+local ranks = require "dm.sweep.ranks"
 local reference = require "dm.chart.reference_run"
 local show = require "dm.chart.show"
 local starts = require "dm.base.start"
@@ -29,7 +31,7 @@ local fail = option.failing(WHERE)
 ---- options ----
 
 local KNOWN = { 1, "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error",
-  "samples", "repeats", "reference", "tolerances", "rivals", "seconds" }
+  "samples", "repeats", "reference", "tolerances", "rivals", "seconds", "journal" }
 
 local function system_of(options)
   local system = options.system or options[1]
@@ -54,6 +56,9 @@ local function check_options(options)
   option.need(options, "t", WHERE, "a duration > 0")
   option.positive(options, "t", WHERE, "a duration")
   option.positive(options, "seconds", WHERE, "seconds of CPU time")
+  if option.text(options, "journal", WHERE) and options.seconds then
+    fail("give 'seconds' or 'journal': a chart with a journal goes on where it was stopped")
+  end
   for _, key in ipairs { "samples", "repeats" } do option.whole(options, key, WHERE, 1) end
   if options.against ~= nil and options.against ~= "reference" then
     fail("option 'against' must be \"reference\", which is what errors are measured against (got "
@@ -145,15 +150,21 @@ local function note_failure(chart, rule, h, why)
   chart.failures[#chart.failures + 1] = { rule = rule, h = h, why = why, count = 1 }
 end
 
--- a failure belongs into the chart: it says where a rule stops working
-local function try_point(chart, entry, h, points)
+-- a point, or { why }: a failure belongs into the chart, it says where a rule stops working
+local function try_point(chart, entry, h)
   local fine, point = pcall(measure, chart, entry, h)
   if not fine and blame.is_stop(point) then error(point, 0) end
-  if fine and point.error == point.error and point.error < math.huge then
-    points[#points + 1] = core.result(point)
-  elseif points == chart.points then
-    local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
-    note_failure(chart, entry.name, h, fine and "the error is not finite" or why)
+  if fine and point.error == point.error and point.error < math.huge then return point end
+  local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
+  return { rule = entry.name, h = h, why = fine and "the error is not finite" or why }
+end
+
+-- what was found for a rule at a step, into the chart
+local function enter(chart, task, found)
+  if not found.why then
+    task.points[#task.points + 1] = core.result(found)
+  elseif task.points == chart.points then
+    note_failure(chart, found.rule, found.h, found.why)
   end
 end
 
@@ -186,7 +197,7 @@ end
 ---- making one ----
 
 local doc_chart = "dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, "
-  .. "rivals=, samples=, repeats=, reference=, seconds=, t0=} -> dm.chart\n" .. [[
+  .. "rivals=, samples=, repeats=, reference=, seconds=, journal=, t0=} -> dm.chart\n" .. [[
 Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out:
 seven, from the coarsest that shows the motion, by halves) over the duration t (h is made to fit a
 whole number of steps) and measure error against CPU time (median of batches, set-up included,
@@ -205,6 +216,9 @@ on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method 
 Where no rule is of the kind that preserves nothing, rk8 is measured beside them (chart.rival;
 rivals = false: not), and the table says when it wins. seconds: CPU time for all of it, in which
 pilot runs, references and points end; chart.cut says what was left out, false where nothing was.
+journal = "file": measured points are kept there, and the same call goes on where it stopped. A
+chart is never split, since times of two machines do not compare: of parts and ranks the first one
+measures (docs/sweeps.md). chart.journal is { file, found, run }.
 On a terminal's stderr a line tells how far it is from 2 s on. chart:table(), :order(rule),
 :cheapest(error), :pareto(), :plot{}, :csv().
 On Ctrl-C the error's `chart` field has what was measured so far, which a session keeps as _.]]
@@ -212,12 +226,12 @@ On Ctrl-C the error's `chart` field has what was measured so far, which a sessio
 local SHARE_OF_STEPS, SHARE_OF_REFERENCE = 0.25, 0.9  -- of the seconds that are left
 
 -- the options with steps in h: those given, as h or steps, or found
-local function with_steps(system, options, clock)
+local function with_steps(system, options, clock, known)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   out.rules = given_steps.list(options, "rules", "rules")
-  if options.h or options.steps then
-    out.h = given_steps.sizes(options)
+  if options.h or options.steps or known then
+    out.h = known and known.h or given_steps.sizes(options)
     return out
   end
   local fine, found = clock:call(SHARE_OF_STEPS, function()
@@ -248,20 +262,21 @@ local function raise(chart, failure)
   error(failure, 0)
 end
 
--- all steps of a rule, pinned to one core
-local function measure_all(chart, entry, points)
-  for k, h in ipairs(chart.options.h) do
-    local pinned = core.pin()
-    chart.clock:tell(("chart: %s, step %d of %d (Ctrl-C stops)"):format(entry.name, k,
-      #chart.options.h))
-    local fine, failure = chart.clock:call(1, core.until_stop, try_point, chart, entry, h, points)
-    core.unpin(pinned)
-    chart.clock:tell()
-    if fine == nil then
-      chart.clock:leave_out(entry.name)
-    elseif not fine then
-      raise(chart, failure)
-    end
+-- what is found for a rule at a step, pinned to one core; nothing where time is over
+local function measure_task(chart, task)
+  local pinned = core.pin()
+  chart.clock:tell(("chart: %s, step %d of %d (Ctrl-C stops)"):format(task.entry.name, task.number,
+    #chart.options.h))
+  local fine, found = chart.clock:call(1, core.until_stop, try_point, chart, task.entry,
+    chart.options.h[task.number])
+  core.unpin(pinned)
+  chart.clock:tell()
+  if fine == nil then
+    chart.clock:leave_out(task.entry.name)
+  elseif not fine then
+    raise(chart, found)
+  else
+    return found
   end
 end
 
@@ -276,10 +291,11 @@ local function find_reference(chart)
   chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
 end
 
-M.chart = blame.caller(function(options)
-  local system = check_options(options)
+-- The chart without its points. known: { h, floor, text, load } of one that was begun before, whose
+-- reference is found again where a point is still missing.
+local function new_chart(system, options, known)
   local clock = budget.clock(options.seconds)
-  options = with_steps(system, starts.lists(options, system), clock)
+  options = with_steps(system, options, clock, known)
   local what_measure, what, needs_reference, watched, dense = measures.make(system, options.error,
     options)
   local entries = measures.entries(options.rules, options.tolerances, M.name)
@@ -287,17 +303,60 @@ M.chart = blame.caller(function(options)
     rules = names_of(entries), measure = what_measure, what = what,
     times = sample_times(options, dense), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed",
-    clock = clock, dense = dense, batches = options.repeats or BATCHES }, Chart)
-  if needs_reference then
-    find_reference(chart)
+    clock = clock, dense = dense, batches = options.repeats or BATCHES, entries = entries }, Chart)
+  if needs_reference and not known then find_reference(chart) end
+  if known then
+    chart.floor, chart.reference_text, chart.load = known.floor, known.text, known.load
+    chart.lacks_reference = needs_reference
   end
-  for _, entry in ipairs(entries) do measure_all(chart, entry, chart.points) end
-  local rival = options.rivals ~= false and measures.rival(system, options.rules, M.name)
+  return chart
+end
+
+-- { entry, number of the step, points } of all rules at all steps, the rival last
+local function tasks_of(chart)
+  local out, options = {}, chart.options
+  local function add(entry, points)
+    for k = 1, #options.h do out[#out + 1] = { entry = entry, number = k, points = points } end
+  end
+  for _, entry in ipairs(chart.entries) do add(entry, chart.points) end
+  local rival = options.rivals ~= false and measures.rival(chart.system, options.rules, M.name)
   if rival then
     rival.points, chart.rival = {}, rival
-    measure_all(chart, rival, rival.points)
+    add(rival, rival.points)
   end
-  chart.cut = clock:told()
+  return out
+end
+
+-- a point that the journal lacks, with the floor of those that it has
+local function measure_later(chart, task)
+  if chart.lacks_reference then
+    local floor, text = chart.floor, chart.reference_text
+    find_reference(chart)
+    chart.floor, chart.reference_text, chart.lacks_reference = floor, text, false
+  end
+  return measure_task(chart, task)
+end
+
+-- the chart whose points are kept in a journal, or measured by the first rank alone
+local function kept_chart(system, options)
+  return journal.chart(system, options, { default_steps = given_steps.COUNT,
+    new = function(known)
+      local chart = new_chart(system, options, known)
+      return chart, tasks_of(chart)
+    end,
+    measure = measure_later, enter = enter })
+end
+
+M.chart = blame.caller(function(options)
+  local system = check_options(options)
+  options = starts.lists(options, system)
+  if options.journal or ranks.here() then return kept_chart(system, options) end
+  local chart = new_chart(system, options)
+  for _, task in ipairs(tasks_of(chart)) do
+    local found = measure_task(chart, task)
+    if found then enter(chart, task, found) end
+  end
+  chart.cut = chart.clock:told()
   return chart
 end)
 

@@ -47,8 +47,9 @@ end
 
 ---- found ----
 
--- relative change of the end when a step is halved; how many steps
-local SHOWN, COUNT = 0.03, 7
+-- relative change of the end when a step is halved; how many steps are found (M.COUNT)
+local SHOWN = 0.03
+M.COUNT = 7
 -- steps of a pilot run; how often in a row the change must be small
 local FEWEST, MOST, PATIENCE = 8, 2 ^ 22, 3
 
@@ -89,7 +90,7 @@ function M.find(system, options)
     refused = refused or rule == PILOTS[1] and wrong
     if h then
       local out = {}
-      for i = 1, COUNT do out[i] = h / 2 ^ (i - 1) end
+      for i = 1, M.COUNT do out[i] = h / 2 ^ (i - 1) end
       return out
     end
   end

@@ -110,6 +110,39 @@ local function read_records(file, at)
   return records, damaged
 end
 
+--- Records of several files by their first member, long ones first: { r = record, j = its file }.
+function M.ordered(files)
+  local all = {}
+  for _, j in ipairs(files) do
+    for _, r in ipairs(j.records) do all[#all + 1] = { r = r, j = j } end
+  end
+  table.sort(all, function(a, b)
+    if a.r.first ~= b.r.first then return a.r.first < b.r.first end
+    return a.r.count > b.r.count
+  end)
+  return all
+end
+
+--- Ranges { first, last } of the members `first` to `last` that no ordered record has.
+function M.gaps(ordered, first, last)
+  local out, at = {}, first
+  for _, x in ipairs(ordered) do
+    local from, to = x.r.first, x.r.first + x.r.count - 1
+    if from > last then break end
+    if from > at then out[#out + 1] = { at, from - 1 } end
+    at = math.max(at, to + 1)
+  end
+  if at <= last then out[#out + 1] = { at, last } end
+  return out
+end
+
+--- How many members ranges have.
+function M.count_in(ranges)
+  local sum = 0
+  for _, range in ipairs(ranges) do sum = sum + range[2] - range[1] + 1 end
+  return sum
+end
+
 ---- reading ----
 
 --- What is in a file: { head, records, damaged (bytes), file }; nil, why: it is none.

@@ -1,4 +1,5 @@
 --- Columns of the journal of a sweep, for dm.load.
+local fields = require "dm.data.fields"
 local journal = require "dm.data.journal"
 local option = require "dm.base.options"
 
@@ -23,10 +24,52 @@ local function sweep_row(bytes)
   return row, names
 end
 
+-- Of kinds whose members are named values: numbers, and truths as 1 and 0; parameters by their
+-- names, texts left out.
+local function named_row(bytes)
+  local row = {}
+  for name, x in pairs(fields.unpack(bytes)) do
+    name = name:gsub("^value ", "")
+    if type(x) == "boolean" then x = x and 1 or 0 end
+    row[name] = type(x) == "number" and x or nil
+  end
+  return row
+end
+
+-- columns of all names that any member has, NaN where one has not
+local function named_columns(j)
+  local rows, known, names, columns = {}, {}, { "member" }, { {} }
+  for _, r in ipairs(j.records) do
+    for i, bytes in journal.members(r, journal.bytes(j, r)) do
+      rows[i] = named_row(bytes)
+      for name in pairs(rows[i]) do
+        if not known[name] then known[name], names[#names + 1] = true, name end
+      end
+    end
+  end
+  table.sort(names, function(a, b) return a == "member" and b ~= a or b ~= "member" and a < b end)
+  local members = {}
+  for i in pairs(rows) do members[#members + 1] = i end
+  table.sort(members)
+  for c = 1, #names do
+    columns[c] = {}
+    for k, i in ipairs(members) do
+      local x = rows[i][names[c]]
+      columns[c][k] = names[c] == "member" and i or x == nil and 0 / 0 or x
+    end
+  end
+  return names, columns
+end
+
 --- Names and columns of the members that ended well, "member" first.
 function M.columns(file)
   local j, why = journal.read(file)
   if not j then option.fail("dm.load", "%s: %s", file, why) end
+  if j.head.kind == "stability" or j.head.kind == "chart" then
+    local names, columns = named_columns(j)
+    j.file:close()
+    return names, columns
+  end
   local names, columns, seen = { "member" }, { {} }, {}
   local n, momenta, offset = tonumber(j.head.n), tonumber(j.head.momenta), nil
   if j.head.kind == "ensemble" then

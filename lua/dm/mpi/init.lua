@@ -1,6 +1,7 @@
 --- dm.mpi: what mpirun has started several times works together: mpirun dmlua -l dm.mpi script.lua.
 -- Every rank runs the whole script; sweeps are shared out (dm.sweep.ranks), and what they return is
 -- the same on every rank. One rank alone prints and writes files.
+local apart = require "dm.mpi.apart"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local option = require "dm.base.options"
@@ -58,7 +59,7 @@ M.map = blame.caller(function(f, n)
     option.fail("dm.mpi.map", "how many must be a whole number >= 0 (got %s)", option.got(n))
   end
   local own = {}
-  for i = rank + 1, n, size do own[i] = f(i) end
+  for i = rank + 1, n, size do own[i] = apart.run(f, i) end
   local all, out = gather(own, MAP), {}
   if all then
     for i = 1, n do out[i] = all[(i - 1) % size + 1][i] end

@@ -336,14 +336,22 @@ local function right_pass(job, part)
   return stopped
 end
 
---- Run cells { number =, rule = (its number), h =, values = { name = } } and fill in their class
--- and its evidence; what a stop on request was, or nothing.
-function M.run(map, cells, chaos)
-  return jobs.run(map, cells, { passes = all_passes, chaos = chaos,
+--- How these cells are run, and every part of them: a cell does not depend on those beside it.
+function M.plan(map, cells, chaos)
+  return jobs.plan(map, cells, { passes = all_passes, chaos = chaos,
     lifted = chaos and lifted_starts or nil })
 end
 
+--- Run cells { number =, rule = (its number), h =, values = { name = } } of a plan and fill in
+-- their class and its evidence; what a stop on request was, or nothing.
+M.run_planned = jobs.run
+
+--- The same of cells that are a plan of their own.
+function M.run(map, cells, chaos) return jobs.run(map, cells, M.plan(map, cells, chaos)) end
+
 --- Whether cells are right, and no more.
-function M.run_right(map, cells) return jobs.run(map, cells, { passes = right_pass }) end
+function M.run_right(map, cells)
+  return jobs.run(map, cells, jobs.plan(map, cells, { passes = right_pass }))
+end
 
 return M

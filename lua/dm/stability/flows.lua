@@ -38,10 +38,8 @@ local function can_step(job, rule, cell, T)
   return fine, why
 end
 
---- Two rules that step the system up to the time T, none of them among those of the map, each with
--- its steps in parts of those of a level; or nil, and why.
-function M.rules_of(job, cell, T)
-  if job.pair then return job.pair end
+-- two rules that step this cell, or nil, and why
+local function find_pair(job, cell, T)
   local measured, out, why = {}, {}, nil
   for _, rule in ipairs(job.map.rules) do measured[rule] = true end
   local s = job.system:structure()
@@ -53,11 +51,26 @@ function M.rules_of(job, cell, T)
       if fine then out[#out + 1] = one else why = why or refused end
     end
   end
-  if #out == 2 then
-    job.pair = out
-    return out
+  if #out == 2 then return out end
+  return nil, "there are no two rules for it: " .. blame.bare(why):match "^[^\n]*"
+end
+
+local TRIALS = 8 -- cells of a group that may have no start before there are no rules for it
+
+--- Two rules that step the system up to the time T, none of them among those of the map, each with
+-- its steps in parts of those of a level; or nil, and why. They are those of the whole group of the
+-- job, where it has one.
+function M.rules_of(job, cell, T)
+  local kept, cells = job.group or job, job.group and job.group.cells or { cell }
+  local stride, why = max(1, #cells // TRIALS), kept.no_pair
+  for k = 1, not (kept.pair or why) and #cells or 0, stride do
+    local refused
+    kept.pair, refused = find_pair(job, cells[k], T)
+    if kept.pair then break end
+    why = why or refused
   end
-  return nil, "there are no two rules for it: " .. tostring(why):match "^[^\n]*"
+  kept.no_pair = why
+  return kept.pair, why
 end
 
 ---- one level: all flows with so many steps ----
@@ -188,11 +201,16 @@ local function give_up(job, flows, pair, level, why)
   end
 end
 
--- steps that a flow may take
-local function most_of(map, flows, part)
-  local finest = huge
-  for _, cell in ipairs(part) do finest = min(finest, cell.h) end
-  return max(FINEST * map.options.t / finest, min(MOST, ALL / #flows), 16 * FIRST)
+-- steps that a flow may take, by the group that the cells are of
+local function most_of(job, flows, part)
+  local group, finest = job.group, huge
+  if group then
+    finest = group.finest
+  else
+    for _, cell in ipairs(part) do finest = min(finest, cell.h) end
+  end
+  local count = group and #group.cells or #flows
+  return max(FINEST * job.map.options.t / finest, min(MOST, ALL / count), 16 * FIRST)
 end
 
 local function resolve(job, flows, part)
@@ -201,7 +219,7 @@ local function resolve(job, flows, part)
     for _, flow in ipairs(flows) do flow.why = why end
     return
   end
-  local level, left, most = FIRST, flows, most_of(job.map, flows, part)
+  local level, left, most = FIRST, flows, most_of(job, flows, part)
   while #left > 0 and level <= most do
     left = take_level(job, left, pair, level)
     level = 2 * level
@@ -209,6 +227,21 @@ local function resolve(job, flows, part)
   if #left == 0 then return end
   give_up(job, left, pair, level / 2, ("%s and %s do not agree on it with up to %d steps")
     :format(pair[1][1], pair[2][1], level // 2))
+end
+
+-- what is raised for one flow (L has no value at its start) is not told of the others
+local function resolve_each(job, flows, part)
+  local fine, why = pcall(resolve, job, flows, part)
+  if fine then return end
+  if blame.is_stop(why) or type(why) ~= "string" then error(why, 0) end
+  for _, flow in ipairs(flows) do flow.e, flow.horizon = nil, nil end
+  if #flows == 1 then
+    flows[1].why = blame.bare(why):match "^[^\n]*"
+    return
+  end
+  local half = #flows // 2
+  resolve_each(job, table.move(flows, 1, half, 1, {}), part)
+  resolve_each(job, table.move(flows, half + 1, #flows, 1, {}), part)
 end
 
 -- those of cells before are forgotten where they take much room
@@ -234,11 +267,7 @@ function M.attach(job, part)
     cell.flow = map.beside.flows[key]
   end
   if #todo == 0 then return end
-  local fine, why = pcall(resolve, job, todo, part)
-  if not fine and (blame.is_stop(why) or type(why) ~= "string") then error(why, 0) end
-  for _, flow in ipairs(fine and {} or todo) do
-    flow.e, flow.why = nil, blame.bare(why):match "^[^\n]*"
-  end
+  resolve_each(job, todo, part)
 end
 
 --- Steps of the first rule that show the flow of a cell as well as they could.

@@ -6,12 +6,14 @@ local borders = require "dm.stability.borders"
 local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local journal = require "dm.stability.journal"
 local prolong = require "dm.measure.prolong"
 local flows = require "dm.stability.flows"
 local given_ = require "dm.stability.given"
 local maps = require "dm.stability.map"
 local observables = require "dm.stability.observables"
 local option = require "dm.base.options"
+local ranks = require "dm.sweep.ranks"
 
 local M = {}
 
@@ -22,7 +24,7 @@ local fail = option.failing(WHERE)
 
 local KNOWN = { "system", "q", "v", "p", "rule", "rules", "h", "steps", "t", "t0", "watch",
   "inside", "drift", "chaos", "refine", "resolution", "threads", "project",
-  "newton", "backend", "sums", "observe", "accuracy", "seconds" }
+  "newton", "backend", "sums", "observe", "accuracy", "seconds", "journal" }
 local known = {}
 for _, name in ipairs(KNOWN) do known[name] = true end
 
@@ -65,6 +67,9 @@ local function check_options(options)
   end
   for _, key in ipairs { "drift", "resolution" } do option.fraction(options, key, WHERE) end
   option.positive(options, "seconds", WHERE, "seconds of CPU time")
+  if option.text(options, "journal", WHERE) and options.seconds then
+    fail("give 'seconds' or 'journal': a map with a journal goes on where it was stopped")
+  end
   observables.accuracy(options)
 end
 
@@ -116,7 +121,7 @@ end
 
 local doc_stability =
   "dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ..., watch=, "
-  .. "observe=, accuracy=, inside=, drift=, chaos=, refine=, seconds=, ...} -> "
+  .. "observe=, accuracy=, inside=, drift=, chaos=, refine=, seconds=, journal=, ...} -> "
   .. "dm.stability_map\n" .. [[
 Where does a method fail? A map over the step h and up to two parameters of any name. An axis is
 {least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
@@ -143,6 +148,9 @@ cells are left out; map.cut says which. map:limit(row), :limit(row, "right"), :t
 axes, map.rows the rows, map.notes
 what to know of the start and the axes (an equilibrium does not move, whatever the step; a parameter
 that changes no cell).
+journal = "file": finished cells are kept there, and the same call goes on where it stopped, by
+parts and ranks as ensembles do (docs/sweeps.md); borders are refined again by the whole call.
+map.journal is { file, found, run }.
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends
 it with dm.failure, whose field `map` is what is there.]]
 
@@ -206,6 +214,14 @@ local function until_stop(f, ...)
   return blame.stopped(stopped)
 end
 
+-- all by themselves, or as members of a sweep
+local function run_cells(map, all)
+  if map.options.journal or not map.options.seconds and ranks.shares(#all) then
+    return journal.run(map, all)
+  end
+  return cells.run(map, all, map.chaos)
+end
+
 -- runs the cells; returns what stopped it, if anything
 local function fill(map)
   local all = all_cells(map)
@@ -215,7 +231,7 @@ local function fill(map)
   map.notes = given_.notes(map, first)
   map.beside = flows.prepare(map, map.system_of(first))
   map.chaos = wants_chaos(map, first)
-  local stopped = cells.run(map, all, map.chaos)
+  local stopped = run_cells(map, all)
   if not map.started and not stopped then error(map.refusal, 0) end
   borders.find(map)
   if stopped then return stopped end

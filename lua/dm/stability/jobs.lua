@@ -1,5 +1,6 @@
 --- Ensembles of cells: those of one rule and different parameters together where one kernel serves
 -- them.
+local apart = require "dm.mpi.apart"
 local blame = require "dm.base.blame"
 local classes = require "dm.stability.classes"
 local prolong = require "dm.measure.prolong"
@@ -44,8 +45,9 @@ local function ensemble(job, system, o)
   o.members, o.t0, o.project = #o.h, given.t0, given.project
   if not o.steps and not o.t then o.steps, o.t = given.steps, given.t end
   o.threads = given.threads or is_small(o) and 1 or nil
-  return system:solver({ rule = job.rule, h = 1, newton = given.newton, backend = given.backend,
-    sums = given.sums }):ensemble(o)
+  local solver = system:solver { rule = job.rule, h = 1, newton = given.newton,
+    backend = given.backend, sums = given.sums }
+  return apart.run(solver.ensemble, solver, o)
 end
 
 -- runs and keeps what a stop on request leaves; was there a system for every cell where one was
@@ -163,31 +165,66 @@ local function are_shared(map, rule, cells, plan)
   return false
 end
 
+---- plans ----
+
+-- What flows of a group of cells may take (dm.stability.flows) is told by all of it, whatever part
+-- of the group is run: its least step, and a cell of each flow, by which rules are chosen.
+local function note_group(group, map, cell)
+  local values = map.beside and map.beside.flow_key(cell) or ""
+  group.finest = min(group.finest, cell.h)
+  if not group.seen[values] then
+    group.seen[values], group.cells[#group.cells + 1] = true, cell
+  end
+end
+
+local function group_at(plan, rule, key)
+  local name = rule .. "/" .. key
+  plan.groups[name] = plan.groups[name] or { finest = math.huge, cells = {}, seen = {} }
+  return plan.groups[name]
+end
+
+--- How cells are run: which of them share a kernel, and what their groups are. what: { passes(job,
+-- part, chaos), chaos, lifted: starts of tangent vectors where these are followed }.
+function M.plan(map, cells, what)
+  local plan = { passes = what.passes, chaos = what.chaos, lifted = what.lifted, shared = {},
+    groups = {} }
+  for _, of_rule in ipairs(M.grouped(cells, function(cell) return cell.rule end)) do
+    local rule, shared = of_rule[1].rule, {}
+    plan.shared[rule] = shared
+    for _, family in ipairs(M.grouped(of_rule, function(cell) return family_of(map, cell) end)) do
+      local key = family_of(map, family[1])
+      shared[key] = are_shared(map, map.rule_list[rule], family, plan)
+      for _, cell in ipairs(family) do
+        note_group(group_at(plan, rule, map.key_of(cell)), map, cell)
+        if shared[key] then note_group(group_at(plan, rule, "all of " .. key), map, cell) end
+      end
+    end
+  end
+  return plan
+end
+
 -- cells of one system, or (shared) of one family; after all in systems of their own what is left
 -- where one kernel does not do
 local function run_group(map, cells, plan, shared)
-  local rule, fine, system = map.rule_list[cells[1].rule], pcall(map.system_of, cells[1])
+  local first = cells[1]
+  local rule, fine, system = map.rule_list[first.rule], pcall(map.system_of, first)
   if not fine and blame.is_stop(system) then error(system, 0) end
   if not fine then return refuse(map, cells, system) end
+  local key = shared and "all of " .. family_of(map, first) or map.key_of(first)
   local stopped, left = run_job({ map = map, rule = rule, system = system, vary = shared
-    and map.used or nil }, cells, plan)
+    and map.used or nil, group = group_at(plan, first.rule, key) }, cells, plan)
   for _, group in ipairs(not stopped and left and M.grouped(left, map.key_of) or {}) do
     stopped = stopped or run_group(map, group, plan)
   end
   return stopped
 end
 
---- Run cells { number =, rule = (its number), h =, values = { name = } } and fill in their class
--- and its evidence; what a stop on request was, or nothing. plan: passes(job, part, chaos), chaos,
--- lifted: starts of tangent vectors where these are followed.
+--- Run cells { number =, rule = (its number), h =, values = { name = } }, some or all of those of a
+-- plan, and fill in their class and its evidence; what a stop on request was, or nothing.
 function M.run(map, cells, plan)
-  local shared = {}
   for _, cell in ipairs(cells) do cell.class = NUMBER["not run"] end
   for _, of_rule in ipairs(M.grouped(cells, function(cell) return cell.rule end)) do
-    local rule = of_rule[1].rule
-    for _, family in ipairs(M.grouped(of_rule, function(cell) return family_of(map, cell) end)) do
-      shared[family_of(map, family[1])] = are_shared(map, map.rule_list[rule], family, plan)
-    end
+    local shared = plan.shared[of_rule[1].rule]
     local function group_of(cell)
       local family = family_of(map, cell)
       return shared[family] and family or map.key_of(cell)

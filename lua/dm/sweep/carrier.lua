@@ -1,5 +1,6 @@
 --- What a sweep of any kind does with its journal: find what is finished, run what is missing in
 -- ranges, keep each. The kind brings a head and a function that runs a range.
+local apart = require "dm.mpi.apart"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local journal = require "dm.data.journal"
@@ -51,38 +52,6 @@ local function open_others(where, file, own, head)
   return out
 end
 
--- records of all files by their first member, those whose members are known already left out
-local function order(files)
-  local all = {}
-  for _, j in ipairs(files) do
-    for _, r in ipairs(j.records) do all[#all + 1] = { r = r, j = j } end
-  end
-  table.sort(all, function(a, b)
-    if a.r.first ~= b.r.first then return a.r.first < b.r.first end
-    return a.r.count > b.r.count
-  end)
-  return all
-end
-
--- ranges { first, last } from `first` to `last` that no record has
-local function gaps(records, first, last)
-  local out, at = {}, first
-  for _, x in ipairs(records) do
-    local from, to = x.r.first, x.r.first + x.r.count - 1
-    if from > last then break end
-    if from > at then out[#out + 1] = { at, from - 1 } end
-    at = math.max(at, to + 1)
-  end
-  if at <= last then out[#out + 1] = { at, last } end
-  return out
-end
-
-local function count_in(ranges)
-  local sum = 0
-  for _, range in ipairs(ranges) do sum = sum + range[2] - range[1] + 1 end
-  return sum
-end
-
 -- as the rank that has the files sees them
 local function open_files(carrier)
   local where, file, members, p = carrier.where, carrier.file, carrier.members, carrier.part
@@ -90,16 +59,20 @@ local function open_files(carrier)
   carrier.own = open_own(where, own, carrier.head)
   carrier.files = open_others(where, file, own, carrier.head)
   table.insert(carrier.files, 1, carrier.own)
-  carrier.records = order(carrier.files)
+  carrier.records = journal.ordered(carrier.files)
   for _, x in ipairs(carrier.records) do
     if x.r.first + x.r.count - 1 > members then
       option.fail(where, "%s has members that the sweep has not: remove the file", x.j.name)
     end
   end
   local first, last = 1, members
-  if p then first, last = parts.share(members, p.k, p.n) end
-  carrier.missing = gaps(carrier.records, first, last)
-  carrier.left = count_in(gaps(carrier.records, 1, members))
+  if p and carrier.undivided then
+    last = p.k == 1 and members or 0
+  elseif p then
+    first, last = parts.share(members, p.k, p.n)
+  end
+  carrier.missing = journal.gaps(carrier.records, first, last)
+  carrier.left = journal.count_in(journal.gaps(carrier.records, 1, members))
   journal.begin(carrier.own, carrier.head)
 end
 
@@ -116,11 +89,11 @@ local function share(mpi, carrier)
 end
 
 --- Open what there is for `members` members, in `file` or (nil) in memory: { own, files, records,
--- missing (of this process), found, left (of all) }.
-function M.open(where, file, head, members)
+-- missing (of this process), found, left (of all) }. undivided: the first part or rank runs all.
+function M.open(where, file, head, members, undivided)
   local carrier = { where = where, file = file, members = members, head = head, files = {},
     records = {}, part = file and parts.of_process(), missing = { { 1, members } },
-    left = members }
+    left = members, undivided = undivided }
   local mpi = ranks.here()
   if file and not (mpi and mpi.rank > 0) then open_files(carrier) end
   if mpi then share(mpi, carrier) end
@@ -170,7 +143,11 @@ function M.run(carrier, unit, run, put, engine)
   for _, x in ipairs(carrier.records) do note(x.r.first, x.r.count, journal.bytes(x.j, x.r)) end
   local keep = keeper(carrier, note)
   if mpi then
-    ranks.run(mpi, carrier.missing, run, keep)
+    if not carrier.undivided then
+      ranks.run(mpi, carrier.missing, run, keep)
+    elseif mpi.rank == 0 then
+      apart.run(run_here, carrier, unit, run, keep)
+    end
     local all = values.unpack(core.ranks_broadcast(0, mpi.rank == 0 and values.pack(pieces) or nil))
     for _, x in ipairs(mpi.rank > 0 and all or {}) do put(x[1], x[2], x[3]) end
   else
@@ -191,15 +168,16 @@ end
 
 --- A part whose sweep is not complete ends the script.
 function M.leave_if_part(carrier)
-  local run = count_in(carrier.missing)
+  local run = journal.count_in(carrier.missing)
   if carrier.part and carrier.left > run then
     parts.leave(carrier.file, carrier.members, carrier.found + run)
   end
 end
 
---- What result.journal is.
+--- What result.journal is; nothing where there is no file.
 function M.result(carrier)
-  return { file = carrier.file, found = carrier.found, run = count_in(carrier.missing) }
+  if not carrier.file then return nil end
+  return { file = carrier.file, found = carrier.found, run = journal.count_in(carrier.missing) }
 end
 
 M.bare = blame.bare

@@ -2,6 +2,7 @@
 -- goes on where it stopped.
 local carrier = require "dm.sweep.carrier"
 local core = require "dm.core"
+local heads = require "dm.sweep.head"
 local journal = require "dm.data.journal"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
@@ -80,19 +81,8 @@ local function number(x)
   return type(x) == "number" and ("%.17g"):format(x) or x == nil and "-" or "by member"
 end
 
-local function version()
-  local known, manual = pcall(require, "dm.manual")
-  return known and manual.version or "-"
-end
-
---- What every kind of sweep says of itself first.
-function M.head(kind, members)
-  return { { "kind", kind }, { "members", members }, { "version", version() },
-    { "processor", core.processor() } }
-end
-
 local function head_of(solver, options)
-  local head, varied = M.head("ensemble", options.members), {}
+  local head, varied = heads.of("ensemble", options.members), {}
   for name in pairs(type(options.vary) == "table" and options.vary or {}) do
     varied[#varied + 1] = name
   end

@@ -2,7 +2,7 @@
 local blame = require "dm.base.blame"
 local carrier = require "dm.sweep.carrier"
 local core = require "dm.core"
-local ensemble = require "dm.sweep.ensemble"
+local heads = require "dm.sweep.head"
 local join = require "dm.sweep.join"
 local journal = require "dm.data.journal"
 local option = require "dm.base.options"
@@ -264,7 +264,7 @@ M.sweep = blame.caller(function(options)
   if not file and parts.of_process() then
     fail("--part needs journal = \"file\", where parts are put together")
   end
-  local c = carrier.open(WHERE, file, ensemble.head("sweep", members), members)
+  local c = carrier.open(WHERE, file, heads.of("sweep", members), members)
   return carrier.guarded(c, function()
     check_member(c, run)
     local s = run_all(c, run, math.min(count, members))

@@ -24,19 +24,6 @@ local function open_all(names)
   return files
 end
 
--- records by their first member
-local function order(files)
-  local out = {}
-  for _, j in ipairs(files) do
-    for _, r in ipairs(j.records) do out[#out + 1] = { r = r, j = j } end
-  end
-  table.sort(out, function(a, b)
-    if a.r.first ~= b.r.first then return a.r.first < b.r.first end
-    return a.r.count > b.r.count
-  end)
-  return out
-end
-
 -- numbers and bytes of all members, ascending; raises where some are missing
 local function all_members(records, members)
   return coroutine.wrap(function()
@@ -53,15 +40,9 @@ local function all_members(records, members)
       end
     end
     if next_one <= members then
-      local last = members
-      for _, x in ipairs(records) do
-        if x.r.first > next_one then
-          last = x.r.first - 1
-          break
-        end
-      end
+      local gap = journal.gaps(records, next_one, members)[1]
       fail("members %d to %d are missing: run the script without --part, it runs only these",
-        next_one, last)
+        gap[1], gap[2])
     end
   end)
 end
@@ -82,7 +63,7 @@ function M.join(out, ...)
   if not to then fail("%s: %s", out, reason) end
   to.where = WHERE
   local fine, wrong = pcall(journal.write, to, head, EACH,
-    all_members(order(files), math.tointeger(tonumber(head.members))))
+    all_members(journal.ordered(files), math.tointeger(tonumber(head.members))))
   to.file:close()
   for _, j in ipairs(files) do j.file:close() end
   if not fine then
@@ -92,6 +73,5 @@ function M.join(out, ...)
 end
 
 M.command = M.join
-
 
 return M

@@ -1,4 +1,5 @@
---- What sweeps add to methods of the core: solver:ensemble{journal =}.
+--- What sweeps add to methods of the core: solver:ensemble{journal =}, and ensembles that ranks
+-- share out.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -7,8 +8,14 @@ local plain, doc = core.method("dm.solver", "ensemble")
 -- ensemble -> { file, found, run }
 local journals = setmetatable({}, { __mode = "k" })
 
+-- several ranks, and work for them?
+local function is_shared(options)
+  local mpi, members = package.loaded["dm.mpi"], math.tointeger(options.members)
+  return mpi and members and require "dm.sweep.ranks".shares(members)
+end
+
 local function ensemble(solver, options)
-  if type(options) == "table" and options.journal ~= nil then
+  if type(options) == "table" and (options.journal ~= nil or is_shared(options)) then
     return require "dm.sweep.ensemble".ensemble(plain, solver, options, journals)
   end
   return plain(solver, options)

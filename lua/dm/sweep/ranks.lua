@@ -1,20 +1,24 @@
 --- A sweep by the ranks of dm.mpi. Rank 0 knows what is missing, hands ranges out and alone writes
 -- the journal; it runs ranges too, short ones, so that nobody waits for it long.
+local apart = require "dm.mpi.apart"
 local core = require "dm.core"
 local pace = require "dm.sweep.pace"
 
 local M = {}
 
 local ASK, ORDER, RESULT = 11, 12, 13 -- tags
-local LEAST = 64                      -- members of a range
+M.LEAST = 64                          -- members of a range
 local ANSWER = 0.01                   -- s after which rank 0 looks for requests
 local NAP = 1e-4                      -- s, where it has nothing else to do
 
---- { rank, size } where there are several ranks, or nothing.
+--- { rank, size } where there are several ranks that share work out here, or nothing.
 function M.here()
   local mpi = package.loaded["dm.mpi"]
-  return mpi and mpi.size > 1 and mpi or nil
+  return mpi and mpi.size > 1 and not apart.is_here() and mpi or nil
 end
+
+--- Are so many members without a journal shared out? Fewer are run by every rank for itself.
+function M.shares(members) return M.here() ~= nil and members > M.LEAST end
 
 -- ranges of what is missing, of the length that is asked for
 local function taker(missing)
@@ -34,7 +38,7 @@ local function taker(missing)
 end
 
 -- guided: (members left)/(4 ranks)
-local function guided(left, ranks) return math.max(LEAST, left // (4 * ranks)) end
+local function guided(left, ranks) return math.max(M.LEAST, left // (4 * ranks)) end
 
 -- the first range of every rank is known to all without a word
 local function first_range(take, left, rank, ranks)
@@ -61,7 +65,7 @@ end
 -- rank 0: every range that is given brings one request and one result
 local function lead(mpi, missing, make, keep)
   local take, left = taker(missing)
-  local requests, results, size = 0, 0, pace(LEAST, ANSWER)
+  local requests, results, size = 0, 0, pace(M.LEAST, ANSWER)
   local function give(count)
     local first, many = take(count)
     if first then requests, results = requests + 1, results + 1 end
@@ -98,7 +102,8 @@ local function lead(mpi, missing, make, keep)
 end
 
 --- Run what is missing on all ranks; keep(first, count, bytes) is called on rank 0.
-function M.run(mpi, missing, make, keep)
+function M.run(mpi, missing, run, keep)
+  local function make(first, count) return apart.run(run, first, count) end
   if mpi.rank == 0 then lead(mpi, missing, make, keep) else serve(mpi, missing, make) end
 end
 

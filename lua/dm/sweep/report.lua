@@ -35,34 +35,19 @@ function Journal.__tostring(x)
   return table.concat(lines, "\n")
 end
 
--- ranges that no record has, and how many members are there
-local function missing_of(records, members)
-  table.sort(records, function(a, b) return a.first < b.first end)
-  local out, at, left = {}, 1, 0
-  local function gap(to)
-    if to >= at then out[#out + 1], left = { at, to }, left + to - at + 1 end
-  end
-  for _, r in ipairs(records) do
-    gap(r.first - 1)
-    at = math.max(at, r.first + r.count)
-  end
-  gap(members)
-  return out, members - left
-end
-
 M.journal = blame.caller(function(file)
   if type(file) ~= "string" then
     option.fail("dm.journal", "a file name is needed (got %s)", option.got(file))
   end
-  local names, records, damaged, head, first_why = { file }, {}, 0, nil, nil
+  local names, damaged, head, first_why = { file }, 0, nil, nil
   for _, p in ipairs(parts.files(file)) do names[#names + 1] = p.name end
-  local read = {}
+  local read, files = {}, {}
   for _, name in ipairs(names) do
     local j, why = journal.read(name)
     if j then
       head, read[#read + 1] = head or j.head, name
       damaged = damaged + j.damaged
-      for _, r in ipairs(j.records) do records[#records + 1] = r end
+      files[#files + 1] = j
       j.file:close()
     else
       first_why = first_why or why
@@ -70,9 +55,10 @@ M.journal = blame.caller(function(file)
   end
   if not head then option.fail("dm.journal", "%s: %s", file, first_why) end
   local members = math.tointeger(tonumber(head.members))
-  local missing, finished = missing_of(records, members)
-  return setmetatable({ file = file, kind = head.kind, members = members, finished = finished,
-    missing = missing, damaged = damaged, files = read, head = head }, Journal)
+  local missing = journal.gaps(journal.ordered(files), 1, members)
+  return setmetatable({ file = file, kind = head.kind, members = members,
+    finished = members - journal.count_in(missing), missing = missing, damaged = damaged,
+    files = read, head = head }, Journal)
 end)
 
 core.docs[M.journal] = [[
