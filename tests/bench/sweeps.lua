@@ -44,7 +44,7 @@ if not (module and there) then
   return
 end
 local script = os.tmpname()
-local f <close> = assert(io.open(script, "w"))
+local f = assert(io.open(script, "w"))
 f:write(MODEL .. [[
 local t = dm.clock()
 local e = solver:ensemble { members = 400000, q = function(i) return { i/4e5 } end, v = function() return { 0 } end, steps = 4000,
@@ -64,6 +64,27 @@ for _ = 1, TURNS do
   threads = math.min(threads, timed("", "2"))
   ranks = math.min(ranks, timed("mpirun -n 2 --oversubscribe --allow-run-as-root", "1"))
 end
+-- what rank 0 does for a range of 64 rows of 64 bytes, its journal included, and nothing else to do
+f = assert(io.open(script, "w"))
+f:write [[
+local mpi, core, ranks, journal = require "dm.mpi", require "dm.core", require "dm.sweep.ranks", require "dm.data.journal"
+local RANGES, missing, bytes = 20000, {}, ("x"):rep(64 * 64)
+for k = 1, RANGES do missing[k] = { 65 * k, 65 * k + 63 } end
+local j = mpi.rank == 0 and assert(journal.read(arg[1], true))
+if j then journal.begin(j, { { "kind", "bench" } }) end
+local function make() return bytes end
+mpi.barrier()
+local t = core.clock()
+ranks.run(mpi, missing, make, function(first, count, rows) journal.add(j, first, count, rows) end)
+if mpi.rank == 0 then print((core.clock() - t) / RANGES * 1e6) end
+]]
+f:close()
+local handing = math.huge
+for _ = 1, TURNS do handing = math.min(handing, timed("mpirun -n 2 --oversubscribe --allow-run-as-root", file)) end
+print(("rank 0: %.1f us a range of 64 rows of 64 bytes, journal included"):format(handing))
+local pipe = io.popen(("ldd '%s' 2>/dev/null | grep -ci mpi"):format(dmlua))
+print("libraries of MPI that dmlua is linked with: " .. pipe:read "n")
+pipe:close()
 print(("two threads %.2f s, two ranks %.2f s: %.2f of the speed"):format(threads, ranks, threads / ranks))
 os.remove(script)
 os.remove(file)

@@ -61,15 +61,13 @@ end
 ---- member 1 ----
 
 local function shared_of(chart)
-  local h = {}
-  for i, x in ipairs(chart.options.h) do h[i] = ("<d"):pack(x) end
-  return { h = table.concat(h), floor = chart.floor, text = chart.reference_text,
+  return { h = heads.text(chart.options.h), floor = chart.floor, text = chart.reference_text,
     load = chart.load }
 end
 
 local function read_shared(found)
-  local h, bytes = {}, found.h
-  for k = 1, #bytes, 8 do h[#h + 1] = ("<d"):unpack(bytes, k) end
+  local h = {}
+  for number in found.h:gmatch "%S+" do h[#h + 1] = tonumber(number) end
   found.h = h
   return found
 end
