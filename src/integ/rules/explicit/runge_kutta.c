@@ -90,18 +90,40 @@ static dm_status open(dm_stepper *s) {
     return DM_OK;
 }
 
+/* Two neighbouring numbers of a row: 2n is even. */
+typedef double two __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* sum[k] += h sum_j weight[j] slope[j][k], k < columns: the sums of eight columns stay in
+ * registers. Row "P3 rk8" of make bench. */
+static void add_slopes(double *sum, const double *weight, double h, const double *slope,
+                       uint32_t rows, size_t columns) {
+    size_t k = 0;
+    for (; k + 8 <= columns; k += 8) {
+        two *to = (two *)(void *)(sum + k), s0 = to[0], s1 = to[1], s2 = to[2], s3 = to[3];
+        for (uint32_t j = 0; j < rows; j++) {
+            const double a = h * weight[j];
+            const two *row = (const two *)(const void *)(slope + j * columns + k);
+            if (a == 0.0) continue;
+            s0 += a * row[0], s1 += a * row[1], s2 += a * row[2], s3 += a * row[3];
+        }
+        to[0] = s0, to[1] = s1, to[2] = s2, to[3] = s3;
+    }
+    for (; k < columns; k += 2) {
+        two *to = (two *)(void *)(sum + k), s = *to;
+        for (uint32_t j = 0; j < rows; j++) {
+            const double a = h * weight[j];
+            if (a != 0.0) s += a * *(const two *)(const void *)(slope + j * columns + k);
+        }
+        *to = s;
+    }
+}
+
 /* x = (q0, p0, t) + h sum_j a_ij slope_j */
 static void place(layout *e, const double *state, uint32_t i, double h) {
     const size_t n = e->m->n;
-    const double *row = e->table->a + i * e->table->stages;
     double *x = e->x;
-    const double *slope = e->slope;
-    for (size_t k = 0; k < 2 * n; k++) x[k] = state[2 * n + k];
-    for (uint32_t j = 0; j < i; j++, slope += 2 * n) {
-        const double a = h * row[j];
-        if (a == 0.0) continue;
-        for (size_t k = 0; k < 2 * n; k++) x[k] += a * slope[k];
-    }
+    memcpy(x, state + 2 * n, 2 * n * sizeof *x);
+    add_slopes(x, e->table->a + i * e->table->stages, h, e->slope, i, 2 * n);
     for (size_t k = 0; k < 2 * n; k++) x[k] += state[k];
 }
 
