@@ -3,6 +3,7 @@
 #include "cli/call.h"
 #include "cli/coroutine.h"
 #include "cli/home.h"
+#include "cli/machine.h"
 #include "cli/options.h"
 #include "cli/repl.h"
 
@@ -163,6 +164,14 @@ static int do_part(lua_State *L, const char *part) {
     return dml_report(L, status);
 }
 
+/* --jupyter=PREFIX */
+static int do_jupyter(lua_State *L, const char *prefix) {
+    int status = dml_push_function(L, "dm.notebook.install", "command");
+    lua_pushstring(L, prefix);
+    if (status == LUA_OK) status = dml_call(L, 1, 0);
+    return dml_report(L, status);
+}
+
 /* ---- the whole ---- */
 
 /* options that only print something; 1 when there was one */
@@ -194,7 +203,8 @@ static void open_libraries(lua_State *L, const dml_command *c) {
 
 static int session_follows(const dml_command *c, int argc) {
     if (c->flags & DML_INTERACTIVE) return 1;
-    const int nothing_given = !(c->flags & (DML_EXECUTE | DML_VERSION_LINE));
+    const int nothing_given =
+        !(c->flags & (DML_EXECUTE | DML_VERSION_LINE | DML_JUPYTER)) && !c->machine;
     return c->script == argc && nothing_given && isatty(STDIN_FILENO);
 }
 
@@ -202,12 +212,14 @@ static int session_follows(const dml_command *c, int argc) {
 static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
     const int session = session_follows(c, argc), environment = !(c->flags & DML_NO_ENVIRONMENT);
     if (environment && do_init(L) != LUA_OK) return 0;
-    if (session && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
+    if ((session || c->machine) && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
     if (c->flags & DML_EXECUTE && !session && c->script == argc) open_words(L);
     if (c->part && do_part(L, c->part) != LUA_OK) return 0;
     if (!do_options(L, argv, c->script)) return 0;
     if (c->flags & DML_JOIN) return do_join(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->flags & DML_DEMO) return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
+    if (c->flags & DML_JUPYTER) return do_jupyter(L, c->prefix) == LUA_OK;
+    if (c->machine) return dml_machine(L, c->machine);
     if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;
     if (session) {
         if (!(c->flags & (DML_VERSION_LINE | DML_QUIET))) dml_banner();

@@ -52,6 +52,20 @@ static int part_option(dml_command *c, char **argv, int *i) {
     return c->part != NULL;
 }
 
+/* --machine=in,out and --jupyter or --jupyter=PREFIX */
+static int notebook_option(dml_command *c, const char *option) {
+    static const char machine[] = "--machine=", jupyter[] = "--jupyter";
+    if (strncmp(option, machine, sizeof machine - 1) == 0) {
+        c->machine = option + sizeof machine - 1;
+        return 1;
+    }
+    if (strncmp(option, jupyter, sizeof jupyter - 1) != 0) return 0;
+    option += sizeof jupyter - 1;
+    if (*option == '=') c->prefix = option + 1;
+    if (*option != '=' && *option != '\0') return 0;
+    return c->flags |= DML_JUPYTER;
+}
+
 /* one option at argv[*i], which moves on past a separate argument; 0: wrong */
 static int short_option(dml_command *c, char **argv, int *i) {
     const char *option = argv[*i];
@@ -96,7 +110,8 @@ dml_command dml_command_read(char **argv) {
             return c;
         }
         const int is_long = argv[i][1] == '-';
-        const int fine = is_long ? long_option(&c, argv[i]) || part_option(&c, argv, &i)
+        const int fine = is_long ? long_option(&c, argv[i]) || part_option(&c, argv, &i) ||
+                                       notebook_option(&c, argv[i])
                                  : short_option(&c, argv, &i);
         if (!fine) {
             c.flags |= DML_BAD_OPTION;

@@ -14,8 +14,9 @@ enum {
     DML_HELP = 64,
     DML_ONLY_VERSION = 128,
     DML_BAD_OPTION = 256,
-    DML_DEMO = 512, /* what follows are words for the demonstration */
-    DML_JOIN = 1024 /* what follows are names of journals */
+    DML_DEMO = 512,    /* what follows are words for the demonstration */
+    DML_JOIN = 1024,   /* what follows are names of journals */
+    DML_JUPYTER = 2048 /* install the kernel of notebooks */
 };
 
 /* before the name of a demonstration, where it is in the same word */
@@ -23,9 +24,11 @@ enum {
 
 typedef struct {
     int flags;
-    int script;       /* index of the script, argc when none; of the wrong option when bad */
-    int colour;       /* DML_COLOUR_... */
-    const char *part; /* behind --part, or NULL */
+    int script;          /* index of the script, argc when none; of the wrong option when bad */
+    int colour;          /* DML_COLOUR_... */
+    const char *part;    /* behind --part, or NULL */
+    const char *machine; /* behind --machine=, or NULL */
+    const char *prefix;  /* behind --jupyter=, or NULL */
 } dml_command;
 
 /* Read argv; runs nothing. */

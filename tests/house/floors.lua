@@ -26,7 +26,7 @@ floors.lua = {
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
-  "session",
+  "session", "notebook",
 }
 
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed

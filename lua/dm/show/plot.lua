@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local axis, series_ = require "dm.show.axis", require "dm.show.series"
+local inline = require "dm.show.inline"
 local option = require "dm.base.options"
 
 local M = {}
@@ -240,8 +241,24 @@ local function to_terminal(panels, options)
   end
 end
 
+-- a picture of many points is smaller as pixels
+local MOST_SVG = 5000
+
+-- into the page of a notebook
+local function to_page(panels, options)
+  local points = 0
+  for _, panel in ipairs(panels) do
+    for _, series in ipairs(panel.series) do points = points + #series.x end
+  end
+  inline.file(points > MOST_SVG and "png" or "svg", function(name)
+    local here = setmetatable({ file = name }, { __index = options })
+    to_file(panels, here)
+  end)
+end
+
 local function show(panels, options)
   if options.file then return to_file(panels, options) end
+  if inline.show then return to_page(panels, options) end
   return to_terminal(panels, options)
 end
 

@@ -3,6 +3,7 @@
 -- dm.animate.script runs in it.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local inline = require "dm.show.inline"
 local option = require "dm.base.options"
 local points_, plots_ = require "dm.show.animate.points", require "dm.show.animate.plots"
 
@@ -225,7 +226,11 @@ local function pack(scene, names)
   return page.text(scene)
 end
 
-local function make(paths, file, options)
+local make
+function make(paths, file, options)
+  if file == nil and inline.show then
+    return inline.file("html", function(name) make(paths, name, options) end)
+  end
   check_file(file)
   check_options(options)
   return require "dm.base.text_file".write(file, pack(scene_of(paths, options)), "animate")
@@ -250,7 +255,7 @@ local doc_path = [[
 path:animate(file, {points=, dim=, draw=, rods=, bodies=, trail=, plots=, title=, frames=, t=})
   -> file name
 Write a page (.html, of its own: no network) with the moving system, its trail, energy and momentum
-over time, a slider and a speed.
+over time, a slider and a speed. In a notebook it stands there without a file.
 Points are coordinates by name (x, y, z; x1, y1, x2, ...), else pairs or triples of q (dim = 2 or
 3); or points = { {"x1", "y1"}, ... }, columns; or draw = function(q, t) return { points = { {x, y},
 ... }, rods = { {1, 2}, ... } } end, called for every frame. rods: pairs of points, 0 is the origin;

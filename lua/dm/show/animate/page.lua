@@ -2,7 +2,10 @@
 -- in it. scene = { title, note, dim, axes, trail, paths = { { name, points, rods, t, xyz } },
 -- plots = { { name, lines = { { name, t, y } } } } }; t is packed as doubles, xyz (frame by frame,
 -- point by point) and y as floats, all little-endian.
-local M = {}
+local base64 = require "dm.base.base64"
+local json = require "dm.base.json"
+
+local M = { json = json.encode }
 
 local STYLE = [[
 body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
@@ -52,32 +55,7 @@ local PAGE = [[
 </html>
 ]]
 
----- base64 ----
-
-local DIGITS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
-local pair = {}  -- 12 bits -> two digits
-for i = 0, 4095 do
-  local a, b = i >> 6, i & 63
-  pair[i] = DIGITS:sub(a + 1, a + 1) .. DIGITS:sub(b + 1, b + 1)
-end
-
-local function base64(text)
-  local out, whole = {}, #text - #text % 3
-  for i = 1, whole, 3 do
-    local a, b, c = text:byte(i, i + 2)
-    local bits = a << 16 | b << 8 | c
-    out[#out + 1] = pair[bits >> 12]
-    out[#out + 1] = pair[bits & 4095]
-  end
-  local rest = #text - whole
-  if rest > 0 then
-    local a, b = text:byte(whole + 1, #text)
-    local bits = a << 16 | (b or 0) << 8
-    out[#out + 1] = pair[bits >> 12]
-    out[#out + 1] = rest == 2 and pair[bits & 4095]:sub(1, 1) .. "=" or "=="
-  end
-  return table.concat(out)
-end
+---- numbers ----
 
 local function packed(numbers, format)
   local pieces, n, most = {}, #numbers, 200
@@ -85,7 +63,7 @@ local function packed(numbers, format)
     local last = math.min(n, i + most - 1)
     pieces[#pieces + 1] = ("<" .. format:rep(last - i + 1)):pack(table.unpack(numbers, i, last))
   end
-  return base64(table.concat(pieces))
+  return base64.encode(table.concat(pieces))
 end
 
 --- Numbers as base64 of doubles or of floats.
@@ -94,33 +72,6 @@ function M.floats(numbers) return packed(numbers, "f") end
 --- Whole numbers from 0 as base64 of 32 bits each.
 function M.wholes(numbers) return packed(numbers, "I4") end
 
----- JSON ----
-
-local ESCAPES = { ['"'] = '\\"', ["\\"] = "\\\\" }
-
--- what could end the script element, too, is written by its number
-local function quoted(text)
-  return '"' .. text:gsub('[%c"\\<>&]', function(c)
-    return ESCAPES[c] or ("\\u%04x"):format(c:byte())
-  end) .. '"'
-end
-
-local function json(value)
-  if type(value) == "string" then return quoted(value) end
-  if math.type(value) == "integer" then return ("%d"):format(value) end
-  if type(value) == "number" then return ("%.17g"):format(value) end
-  local out = {}
-  if value[1] ~= nil or next(value) == nil then
-    for i, item in ipairs(value) do out[i] = json(item) end
-    return "[" .. table.concat(out, ",") .. "]"
-  end
-  for key, item in pairs(value) do out[#out + 1] = quoted(key) .. ":" .. json(item) end
-  table.sort(out)
-  return "{" .. table.concat(out, ",") .. "}"
-end
-
-M.json = json
-
 local ENTITIES = { ["<"] = "&lt;", [">"] = "&gt;", ["&"] = "&amp;", ['"'] = "&quot;" }
 local function escaped(text) return (text:gsub('[<>&"]', ENTITIES)) end
 M.escaped = escaped
@@ -128,7 +79,7 @@ M.escaped = escaped
 --- The whole page of a scene, as text.
 function M.text(scene)
   local parts = { TITLE = escaped(scene.title), NOTE = escaped(scene.note), STYLE = STYLE,
-    DATA = json(scene),
+    DATA = json.encode(scene),
     SCRIPT = require "dm.show.animate.script" }
   return (PAGE:gsub("@(%u+)@", parts))
 end
