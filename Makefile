@@ -148,6 +148,7 @@ install: all
 	install -m 755 $(B)/dmlua $(DESTDIR)$(PREFIX)/bin/dmlua
 	install -m 755 $(wildcard $(B)/dm/*.so) $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	@for file in $(LUA_FILES); do install -D -m 644 $$file $(SHARE)/dmlua/$$file || exit 1; done
+	install -D -m 644 -t $(SHARE)/dmlua/lua/python $(wildcard lua/python/*.py)
 	install -m 644 $(EXAMPLES) $(SHARE)/dmlua/examples
 	@ln -sfn ../../dmlua/lua/dm $(SHARE)/lua/5.4/dm
 	install -m 644 docs/dmlua.1 $(SHARE)/man/man1/dmlua.1

@@ -49,7 +49,8 @@ function M.command(prefix)
   local folder = prefix .. "/share/jupyter/kernels/dmlua"
   make_folder(folder)
   local own = answer_of "readlink /proc/$PPID/exe"
-  local spec = { argv = { interpreter, "{resource_dir}/dmlua_kernel.py", "-f", "{connection_file}" },
+  local spec = {
+    argv = { interpreter, "{resource_dir}/dmlua_kernel.py", "-f", "{connection_file}" },
     display_name = "dmlua", language = "lua", interrupt_mode = "signal",
     env = { DMLUA = own ~= "" and own or "dmlua" } }
   text_file.write(folder .. "/dmlua_kernel.py", text, "--jupyter")

@@ -140,7 +140,7 @@ end
 function M.open(from, to)
   frames.open(from, to)
   require "dm.show.inline".show = show
-  io.read = read
+  rawset(io, "read", read)
   _G.out = out
   require "dm.session.help".open()
 end

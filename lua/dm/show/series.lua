@@ -7,13 +7,23 @@ local NAN = 0 / 0
 -- beyond it the width of a range would overflow, below its inverse decades end
 local LARGEST = 1e300
 
---- The numbers of a dm.vector or a table, as a table of floats; anything else raises and names
--- `what`.
+local function is_list(values) return #values, values[1] end
+
+-- a userdata as a table; the columns of a path, as path.t, have no totable but rows of numbers
+local function as_table(values)
+  local known, method = pcall(function() return values.totable end)
+  if known and method then return method(values) end
+  local fine, n, first = pcall(is_list, values)
+  if not fine or type(first) ~= "number" then return values end
+  local out = {}
+  for i = 1, n do out[i] = values[i] end
+  return out
+end
+
+--- The numbers of a dm.vector, a column of a path or a table, as a table of floats; anything else
+-- raises and names `what`.
 function M.numbers(values, what)
-  if type(values) == "userdata" then
-    local method = values.totable
-    if method then values = method(values) end
-  end
+  if type(values) == "userdata" then values = as_table(values) end
   if type(values) ~= "table" then
     error(("%s must be a vector or a table of numbers (got %s)"):format(what, type(values)), 0)
   end
