@@ -114,6 +114,7 @@ local rows = {
   ["mesh:harmonic"] = "dm.dec.equations",
   ["mesh:poisson"] = "dm.dec.equations",
   ["mesh:darcy"] = "dm.dec.equations",
+  ["mesh:sum"] = "dm.dec.fields.sum",
   ["ensemble:plot"] = "dm.show.fan",
 }
 

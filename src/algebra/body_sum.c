@@ -20,6 +20,12 @@ uint32_t dm_sum_first(const dm_graph *g) {
     return g->inputs - count;
 }
 
+const dm_sum *dm_sum_over_cells(const dm_graph *g) {
+    const dm_sum *s = g->sums;
+    while (s && !s->cells) s = s->next;
+    return s;
+}
+
 /* as a double: pairs of 10^5 bodies overflow 32 bits */
 double dm_sum_all_rounds(const dm_sum *s) {
     double rounds = 0;
@@ -61,19 +67,31 @@ double dm_sum_term(const dm_sum *s, const double *in, double *work) {
     return work[s->value];
 }
 
+/* the bodies that a column reads are the same */
+static int same_index(const dm_sum *s, const dm_column *a, const dm_column *b) {
+    if (a->index == b->index) return 1;
+    return a->index && b->index && memcmp(a->index, b->index, s->bodies * sizeof *a->index) == 0;
+}
+
 /* reads the same entries, or equal numbers */
 static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) {
     if (a->first != b->first || a->step != b->step || a->partner != b->partner ||
-        !a->data != !b->data)
+        !a->data != !b->data || !same_index(s, a, b))
         return 0;
+    if (!a->data || a->data == b->data) return 1;
+    for (uint32_t i = 0; a->index && i < s->bodies; i++)
+        if (memcmp(a->data + dm_sum_entry(s, a, i, 0), b->data + dm_sum_entry(s, b, i, 0),
+                   sizeof *a->data) != 0)
+            return 0;
     const size_t last = a->step * (size_t)(s->bodies - 1);
-    return !a->data ||
+    return a->index ||
            memcmp(a->data + a->first, b->data + b->first, (last + 1) * sizeof *a->data) == 0;
 }
 
 int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
     if (a->columns != b->columns || a->bodies != b->bodies || a->from != b->from ||
-        a->to != b->to || a->periodic != b->periodic || a->call != b->call)
+        a->to != b->to || a->periodic != b->periodic || a->call != b->call ||
+        a->cells != b->cells || a->held != b->held)
         return 0;
     for (uint32_t c = 0; c < b->columns; c++)
         if (!same_column(b, a->column + c, b->column + c)) return 0;

@@ -9,12 +9,16 @@
 #include "graph/graph.h"
 
 /* Input c of the term: entry first + step * body, of the graph's inputs or of `data`. The body is
- * i in round i, or its partner i + shift when `partner` is set; step 0: the same in all rounds. */
+ * i in round i, or its partner i + shift when `partner` is set; step 0: the same in all rounds.
+ * In sums over cells of a mesh a round is a cell, and the body is index[i]: one of its faces. */
 typedef struct {
     uint32_t first, step;
     int partner;
-    const double *data; /* numbers instead of inputs, kept by the caller; NULL: inputs */
+    const double *data;    /* numbers instead of inputs, kept by the caller; NULL: inputs */
+    const uint32_t *index; /* [bodies], kept by the caller; NULL: as above */
 } dm_column;
+
+enum { DM_SUM_COLUMNS = 96 }; /* at most */
 
 /* sum over shifts from .. to, over rounds i: single bodies have the shift 0, neighbours one
  * other, pairs all of 1 .. bodies - 1 */
@@ -24,6 +28,10 @@ typedef struct dm_sum {
     const dm_column *column;
     uint32_t columns, bodies, from, to;
     int periodic;        /* the partner of the last body is the first */
+    int cells;           /* over cells of a mesh: it always stays a loop */
+    /* of sums over cells: entries of q that no step moves, kept by the caller; NULL: none */
+    const uint8_t *held; /* [coordinates] */
+    uint32_t coordinates;
     uint32_t input;      /* of the graph that stands for the sum */
     uint32_t call;       /* which of all sums that were asked for while it was traced */
     struct dm_sum *next; /* of the graph, newest first */
@@ -36,6 +44,9 @@ dm_node dm_sum_leaf(dm_graph *g, const dm_sum *s);
 const dm_sum *dm_sums(const dm_graph *g);
 uint32_t dm_sum_first(const dm_graph *g);
 
+/* A sum of g that is over cells of a mesh, or NULL. */
+const dm_sum *dm_sum_over_cells(const dm_graph *g);
+
 /* Rounds at one shift, and in all. */
 static inline uint32_t dm_sum_rounds(const dm_sum *s, uint32_t shift) {
     return s->periodic ? s->bodies : s->bodies - shift;
@@ -44,6 +55,7 @@ double dm_sum_all_rounds(const dm_sum *s);
 
 /* Entry that column c reads in round i. */
 static inline size_t dm_sum_entry(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t shift) {
+    if (c->index) return c->first + (size_t)c->step * c->index[i];
     uint32_t body = c->partner ? i + shift : i;
     if (body >= s->bodies) body -= s->bodies;
     return c->first + (size_t)c->step * body;

@@ -5,6 +5,7 @@
 #include "chain/loops.h"
 
 #include "algebra/derive.h"
+#include "chain/cells.h"
 #include "code/native/jit.h"
 #include "graph/analyse.h"
 #include "numbers/compensated.h"
@@ -79,9 +80,10 @@ static void eval_one_by_one(const loop *l, double *out, const double *x, uint32_
     }
 }
 
-/* where the columns of a block are: entry of round r at from[r * step] */
+/* where the columns of a block are: entry of round r at from[r * step], or from[index[r] * step] */
 typedef struct {
     const double *from;
+    const uint32_t *index;
     uint32_t step;
 } view;
 
@@ -92,8 +94,13 @@ static int find_views(const loop *l, view *views, const double *x, uint32_t i, u
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
         const uint32_t body = i + (column->partner ? shift : 0);
+        if (column->index) {
+            const double *from = (column->data ? column->data : x) + column->first;
+            views[c] = (view){from, column->index + i, column->step};
+            continue;
+        }
         if (column->step && body < s->bodies && body + count > s->bodies) return 0;
-        views[c] = (view){entry_of(s, column, x, i, shift), column->step};
+        views[c] = (view){entry_of(s, column, x, i, shift), NULL, column->step};
     }
     return 1;
 }
@@ -107,6 +114,11 @@ __attribute__((always_inline)) static inline void gather(const loop *l, double *
         const view at = views[c];
         double *to = in;
         for (uint32_t r = 0; r < count; r += lanes, to += columns * lanes) {
+            if (at.index) {
+                for (uint32_t lane = 0; lane < lanes; lane++)
+                    to[lane] = at.from[(size_t)at.index[r + lane] * at.step];
+                continue;
+            }
             if (at.step == 1) {
                 memcpy(to, at.from + r, lanes * sizeof *in);
                 continue;
@@ -175,7 +187,7 @@ static double sum_value(const loop *l, const double *x) {
 /* are the entries of column c neighbours in rounds [i, i + count)? */
 static int is_run(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t count, uint32_t shift) {
     const uint32_t body = i + (c->partner ? shift : 0);
-    return c->step == 1 && (body + count <= s->bodies || body >= s->bodies);
+    return !c->index && c->step == 1 && (body + count <= s->bodies || body >= s->bodies);
 }
 
 /* a whole block of neighbours: without look-ups of entries */
@@ -219,9 +231,11 @@ typedef struct {
     double *x; /* [inputs of the graph]: x and the values of the sums */
     double *y; /* [outputs of `outer`]: what does not vanish, then the factors */
     uint32_t inputs, values, slopes, m, direct;
-    loop *value;  /* [values] sums that the outer kernel reads */
-    loop *slope;  /* [slopes] */
-    uint32_t *at; /* [direct] number of the output */
+    loop *value;       /* [values] sums that the outer kernel reads */
+    loop *slope;       /* [slopes] */
+    uint32_t *at;      /* [direct] number of the output */
+    dm_cells *cells;   /* slopes of sums over cells, behind the others, or NULL */
+    double *cell_work; /* their scratch, then the slopes */
 } whole;
 
 /* values of sums first, then the straight-line kernel */
@@ -237,6 +251,13 @@ static void eval_value(const void *pool, const double *x, double *out) {
     eval_outer(pool, x, out);
 }
 
+/* sums over cells, entry by entry */
+static void add_cells(const whole *w, double *out, const double *x) {
+    double *slope = w->cell_work + w->cells->work;
+    dm_cells_slopes(w->cells, slope, w->y + w->direct + w->slopes, x, w->cell_work, 0, 1);
+    for (uint32_t i = 0; i < w->m; i++) out[i] += dm_cells_entry(w->cells, slope, i);
+}
+
 /* direct derivatives, then those by way of the sums */
 static void eval_gradient(const void *pool, const double *x, double *out) {
     const whole *w = pool;
@@ -244,6 +265,7 @@ static void eval_gradient(const void *pool, const double *x, double *out) {
     memset(out, 0, w->m * sizeof *out);
     for (uint32_t k = 0; k < w->direct; k++) out[w->at[k]] = w->y[k];
     for (uint32_t k = 0; k < w->slopes; k++) add_slopes(w->slope + k, out, w->y[w->direct + k], x);
+    if (w->cells) add_cells(w, out, x);
 }
 
 /* of the graph */
@@ -318,16 +340,28 @@ static dm_status make_slopes(whole *w, dm_graph *g, dm_node root, dm_node *roots
     for (const dm_sum *s = dm_sums(g); s && status == DM_OK; s = s->next) {
         dm_node factor;
         dm_gradient(g, root, s->input, 1, &factor);
-        if (!factor) continue;
+        if (!factor || s->cells) continue;
         status = make_slope_loop(w->slope + w->slopes, s, w->m, compile, arena);
         if (w->slope[w->slopes].outputs) roots[w->direct + w->slopes++] = factor;
     }
     return status;
 }
 
+/* the same for sums over cells, all together; their factors come last */
+static dm_status make_cells(whole *w, dm_graph *g, dm_node root, dm_node *roots, uint32_t *factors,
+                            dm_compile *compile, dm_arena *arena) {
+    const dm_sum **sums = dm_cells_sums(g, root, roots + w->direct + w->slopes, factors, arena);
+    if (sums && !*factors) return DM_OK;
+    w->cells = sums ? dm_arena_take(arena, sizeof *w->cells) : NULL;
+    if (!w->cells) return DM_NO_MEMORY;
+    const dm_status status = dm_cells_open(w->cells, sums, *factors, w->m, compile, arena);
+    const size_t room = w->cells->work + w->cells->slots + 1;
+    w->cell_work = status == DM_OK ? dm_arena_take(arena, room * sizeof *w->cell_work) : NULL;
+    return status == DM_OK && !w->cell_work ? DM_NO_MEMORY : status;
+}
+
 /* constants need no kernel at run time */
-static void drop_constant_outer(whole *w) {
-    const uint32_t m = w->direct + w->slopes;
+static void drop_constant_outer(whole *w, uint32_t m) {
     uint32_t fixed = 0;
     dm_kernel_prepare(&w->outer, w->y);
     for (uint32_t i = 0; i < m; i++) fixed += w->outer.fixed && w->outer.fixed[i];
@@ -345,11 +379,13 @@ dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_
         w->at[w->direct] = i;
         roots[w->direct++] = nodes[i];
     }
+    uint32_t factors = 0;
     dm_status status = make_slopes(w, g, root, roots, compile, arena);
-    const uint32_t roots_count = w->direct + w->slopes;
+    if (status == DM_OK) status = make_cells(w, g, root, roots, &factors, compile, arena);
+    const uint32_t roots_count = w->direct + w->slopes + factors;
     if (status == DM_OK) status = make_outer(w, g, roots, roots_count, compile, arena);
     if (status != DM_OK) return status;
-    drop_constant_outer(w);
+    drop_constant_outer(w, roots_count);
     *out = (dm_kernel){.eval = eval_gradient,
                        .pool = w,
                        .inputs = w->inputs,

@@ -11,7 +11,7 @@
 #include "algebra/body_sum.h"
 #include "code/kernel.h"
 
-enum { DM_LOOP_BLOCK = 64, DM_LOOP_COLUMNS = 24 };
+enum { DM_LOOP_BLOCK = 64, DM_LOOP_COLUMNS = DM_SUM_COLUMNS };
 
 /* *out takes x[inputs of g without sums] and gives root. */
 dm_status dm_loops_value(dm_kernel *out, dm_graph *g, dm_node root, dm_compile *compile,

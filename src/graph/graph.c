@@ -89,6 +89,10 @@ dm_graph *dm_graph_new(dm_arena *arena, uint32_t inputs) {
     return dm_graph_sized(arena, inputs, inputs + FIRST_NODES);
 }
 
+dm_graph *dm_graph_lazy(dm_arena *arena, uint32_t inputs) {
+    return dm_graph_sized(arena, inputs, FIRST_NODES);
+}
+
 dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes) {
     size_t room = FIRST_NODES;
     dm_graph *g = dm_arena_take(arena, sizeof *g);

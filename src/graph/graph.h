@@ -38,6 +38,9 @@ enum { DM_GRAPH_LIMIT = 1 << 21 }; /* nodes */
 /* A graph with inputs 0 .. inputs-1; node 0 is the constant zero. NULL: no memory. */
 dm_graph *dm_graph_new(dm_arena *arena, uint32_t inputs);
 
+/* The same with room for few nodes: most of very many inputs are never asked for. */
+dm_graph *dm_graph_lazy(dm_arena *arena, uint32_t inputs);
+
 dm_status dm_graph_status(const dm_graph *g);
 uint32_t dm_graph_size(const dm_graph *g); /* nodes so far */
 uint32_t dm_graph_inputs(const dm_graph *g);

@@ -172,6 +172,12 @@ static dm_status read_cyclic(const builder *b) {
     return DM_OK;
 }
 
+/* the entries of q that a field holds */
+static const uint8_t *held_by(const dm_graph *g) {
+    const dm_sum *s = dm_sum_over_cells(g);
+    return s ? s->held : NULL;
+}
+
 /* as a diagonal model has it: 1/m, m, no shift */
 static dm_status keep_mass(const builder *b) {
     const uint32_t n = b->m->n;
@@ -179,7 +185,11 @@ static dm_status keep_mass(const builder *b) {
     if (!inverse) return DM_NO_MEMORY;
     double *shift = inverse + n;
     memset(shift, 0, n * sizeof *shift);
+    b->m->held = held_by(b->g);
     for (uint32_t i = 0; i < n; i++) {
+        const int held = b->m->held && b->m->held[i];
+        if (held) b->mass[i] = inverse[i] = 0.0; /* whatever its momentum, it stays */
+        if (held) continue;
         if (!isfinite(1.0 / b->mass[i])) return DM_SINGULAR;
         inverse[i] = 1.0 / b->mass[i];
     }
@@ -230,7 +240,7 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
     *fits = read_mass(&b, &status);
     if (!*fits || status != DM_OK) return status;
     m->structure = DM_SEPARABLE | DM_CONSTANT_MASS | DM_DIAGONAL_MASS | DM_AUTONOMOUS |
-                   DM_QUADRATIC_IN_V | DM_LOOPS;
+                   DM_QUADRATIC_IN_V | DM_LOOPS | (dm_sum_over_cells(g) ? DM_CELLS : 0u);
     status = read_cyclic(&b);
     if (status != DM_OK) return status;
     const dm_status mass = keep_mass(&b);

@@ -25,7 +25,8 @@ enum {                         /* structure, read off the graph */
        /* H(q, p, t) is given and there is no L (hamiltonian.c): kernels are value and energy, both
         * H at (q, p, t), field and field_curve. DM_SEPARABLE: H = T(p) + V(q, t) */
        DM_HAMILTONIAN = 512,
-       DM_LOOPS = 64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       DM_LOOPS = 64, /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       DM_CELLS = 1024 /* some of them are over cells of a mesh, and are never written out */
 };
 
 enum {                      /* kernels; each takes x = (q[n], v[n], t) */
@@ -77,6 +78,7 @@ typedef struct {
     const double *mass_matrix;    /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
     const uint8_t *cyclic;        /* [n]: 1 where L does not depend on q_i */
+    const uint8_t *held;          /* [n]: 1 where no step moves q_i (DM_CELLS); NULL: nowhere */
     uint32_t operations;          /* of L itself */
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;

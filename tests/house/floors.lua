@@ -16,14 +16,15 @@ floors.src = {
   "integ/sem", "integ/lie", "integ",
   "run", "run/ensemble",
   "mpi",
-  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run",
-  "bind/ensemble", "bind/sem", "bind/sweep", "bind",
+  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/rule",
+  "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
   "cli",
 }
 
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "connection", "show", "show/animate", "data",
-  "dec/files", "dec", "dec/homology", "dec/equations", "dec/pictures", "mpi", "sweep", "reference",
+  "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures",
+  "mpi", "sweep", "reference",
   "chart", "measure", "sem", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
   "session", "notebook",

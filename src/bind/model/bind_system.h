@@ -18,6 +18,7 @@ typedef struct {
     int hyperdual;    /* 1: derivatives = "hyperdual" */
     int solved;       /* 1: its map solves equations of its own, and is not compared with Ld */
     int hamiltonian;  /* 1: H(q, p, t) is stepped, there is no L (mech/hamiltonian.c) */
+    int field;        /* 1: of cells of a mesh; L gets no symbols for q and v, its sums read them */
     double h;         /* step of a discrete Lagrangian, else 0 */
 } dml_system;
 

@@ -47,7 +47,7 @@ dml_signature dml_withsignature(uint32_t n, uint32_t params) {
 static int is_bare(lua_State *L, int system, const dml_system *s) {
     static const char *const constraints[] = {"constraint", "rolling",  "control",
                                               "force",      "reaction", NULL};
-    int bare = !s->pair && !s->ruled && !s->hyperdual && !s->hamiltonian;
+    int bare = !s->pair && !s->ruled && !s->hyperdual && !s->hamiltonian && !s->field;
     for (int k = 0; constraints[k]; k++) {
         bare = dml_systemfield(L, system, constraints[k]) == LUA_TNIL && bare;
         lua_pop(L, 1);

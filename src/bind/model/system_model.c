@@ -37,6 +37,7 @@ static dml_signature signature(const dml_system *s) {
                            .length = {n, n, DML_SCALAR_ARGUMENT},
                            .outputs = DML_SCALAR_ARGUMENT,
                            .keeps_sums = !s->hamiltonian,
+                           .lazy = s->field,
                            .may_grow = 1};
 }
 
@@ -68,9 +69,8 @@ static void refuse_dense(lua_State *L, const dml_model *m, const char *why) {
                why, (int)m->n, (int)m->n, DM_MODEL_DENSE);
 }
 
-enum {
-    LARGEST_WRITTEN_OUT = 2000
-}; /* coordinates; tables of second derivatives are their square */
+/* coordinates; tables of second derivatives are their square */
+enum { LARGEST_WRITTEN_OUT = 2000 };
 
 static void refuse_many(lua_State *L, const dml_model *m) {
     if (m->n <= LARGEST_WRITTEN_OUT || (m->graph && dm_sums(m->graph))) return;

@@ -162,6 +162,8 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     check_params(L);
     dml_check_functions(L, wants_hyperdual(L), pair);
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
+    const int field = lua_getfield(L, 1, "field") != LUA_TNIL;
+    lua_pop(L, 1);
     lua_pushvalue(L, place);
     const uint32_t momenta = dml_place_dimension(L, n);
     lua_pop(L, 1);
@@ -172,6 +174,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                       .pair = pair,
                       .hamiltonian = hamiltonian,
                       .hyperdual = wants_hyperdual(L),
+                      .field = field,
                       .h = h};
     keep_fields(L, known);
     if (placed) keep_place(L, place);

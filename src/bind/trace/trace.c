@@ -134,7 +134,11 @@ static dml_frame *begin_trace(lua_State *L, dm_arena *arena, const dml_signature
                               const dml_traced *last) {
     dml_state *state = dml_getstate(L);
     dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 2);
-    *frame = (dml_frame){.arena = arena, .what = s->what, .keeps_sums = s->keeps_sums};
+    *frame = (dml_frame){.arena = arena,
+                         .what = s->what,
+                         .keeps_sums = s->keeps_sums,
+                         .capture = s->capture,
+                         .request = s->request};
     dml_pushkeeper(L, arena);
     lua_setiuservalue(L, -2, 1);
     if (last) dml_pushkeeper(L, dm_graph_arena(last->graph));
@@ -171,6 +175,11 @@ static void push_symbols(lua_State *L, int fn, const dml_signature *s, const dml
             continue;
         }
         const uint32_t n = (uint32_t)s->length[k];
+        if (s->lazy) {
+            lua_pushnil(L);
+            input += n;
+            continue;
+        }
         const dml_array *v = dml_newarray(L, 1, n, 1, &x);
         make_inputs(frame, v->entries, input, n);
         input += n;
@@ -276,7 +285,9 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena, dm
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, s->arguments + 12, NULL);
     dml_frame *frame = begin_trace(L, arena, s, NULL);
-    frame->graph = frame->own = dm_graph_new(arena, dml_signature_inputs(s));
+    const uint32_t inputs = dml_signature_inputs(s);
+    frame->graph = frame->own =
+        s->lazy ? dm_graph_lazy(arena, inputs) : dm_graph_new(arena, inputs);
     need(L, frame->own != NULL);
     trace(L, fn, s, frame, out);
 }
@@ -284,6 +295,10 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena, dm
 /* Where symbols of the last time cannot be used, it is traced again without them. */
 void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
                  const dml_traced *last, dml_traced *out) {
+    if (s->lazy) {
+        dml_trace(L, fn, s, arena, out);
+        return;
+    }
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, s->arguments + 12, NULL);
     dml_frame *frame = begin_trace(L, arena, s, last);

@@ -19,6 +19,11 @@ typedef struct {
     int outputs;    /* DML_SCALAR_ARGUMENT: a number; n: that many; 0: any number of them */
     int keeps_sums; /* dm.sum_over may stay a loop in the graph (algebra/body_sum.h) */
     int may_grow;   /* a graph that grows too large is no error: dml_traced.graph is then NULL */
+    /* vectors of very many entries: symbols are not made, nil stands in their place, and the graph
+     * has nodes for scalars alone. Such a trace has no log */
+    int lazy;
+    dm_node (*capture)(lua_State *L, dml_frame *f, uint32_t serial, dm_node node);
+    void *request; /* both as in dml_frame */
     /* where it is checked it may not be a number, when called and when traced */
     int may_be_outside;
 } dml_signature;

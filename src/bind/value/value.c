@@ -86,8 +86,11 @@ dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
         luaL_error(L, "a symbol and a hyper-dual number cannot be combined: one function is being "
                       "traced while another is differentiated by hyper-dual numbers");
     if (a->kind == DML_SYMBOL && a->serial != b->serial) {
+        const dml_frame *frame = dml_getstate(L)->frames;
         live_frame(L, a->serial);
         live_frame(L, b->serial);
+        if (frame->capture && a->serial == frame->serial) return *a;
+        if (frame->capture && b->serial == frame->serial) return *b;
         luaL_error(L, "symbols of two traces meet: a function that is traced inside another must "
                       "not use the outer one's arguments; pass them as arguments");
     }
@@ -96,6 +99,12 @@ dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
 
 /* x as a scalar of the kind of `like`: a number becomes a constant node, or has slopes zero. */
 dml_scalar dml_lift(lua_State *L, const dml_scalar *x, const dml_scalar *like) {
+    if (x->kind == DML_SYMBOL && like->kind == DML_SYMBOL && x->serial != like->serial) {
+        dml_frame *frame = live_frame(L, like->serial);
+        dml_scalar inside = *like;
+        if (frame->capture)
+            return inside.as.node = frame->capture(L, frame, x->serial, x->as.node), inside;
+    }
     if (x->kind == like->kind) return *x;
     if (x->kind != DML_NUMBER || like->kind == DML_NUMBER)
         luaL_error(L, "a symbol or hyper-dual number cannot become a plain number");

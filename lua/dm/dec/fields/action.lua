@@ -1,0 +1,27 @@
+--- A sum over the cells of a mesh as a function of the values of forms: what K:stationary makes
+-- stationary, with gradient and sparse Hessian.
+local cochain = require "dm.dec.fields.cochain"
+local core = require "dm.core"
+
+local M = {}
+
+--- The action of term(A) for a form A of degree `degree` with `values` numbers a cell. held: a
+-- vector with an entry for every number, not 0 where it is held (gradient and Hessian are 0
+-- there), or nil; data: forms by name, for the cells of K:sum. Has value(x), gradient(x) and
+-- hessian(x) (a dm.sparse) of a dm.vector x, cell after cell.
+function M.new(K, degree, values, term, held, data)
+  local n = values * K:count(degree)
+  local marks = held and core.marks(held)
+  local around = { n = n, held = marks, data = data }
+  local traced = core.cell_action(n, function()
+    return term(cochain.leaf(K, degree, values, 1, around))
+  end)
+  -- the columns of its sums point into what the mesh and the marks keep
+  return setmetatable({ n = n, mesh = K, marks = marks, traced = traced }, { __index = M })
+end
+
+function M.value(a, x) return a.traced:value(x) end
+function M.gradient(a, x) return a.traced:gradient(x) end
+function M.hessian(a, x) return a.traced:hessian(x) end
+
+return M
