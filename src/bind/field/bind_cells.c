@@ -150,8 +150,8 @@ static const double *copy_of(lua_State *L, request *r, const dml_array *a) {
 }
 
 /* column(source, first, step, table, stays): what a cell has at entry first + step * face of q
- * (source 1), v (2) or a vector; without a table the face is the cell; stays: the vector is kept and
- * never changes. A symbol in a trace, a number while it is compared. */
+ * (source 1), v (2) or a vector; without a table the face is the cell; stays: the vector is kept
+ * and never changes. A symbol in a trace, a number while it is compared. */
 static int column(lua_State *L) {
     request *r = lua_touserdata(L, lua_upvalueindex(1));
     const dml_array *a = lua_isinteger(L, 1) ? NULL : dml_toarray(L, 1, 1);

@@ -57,8 +57,8 @@ local Cell = {}
 
 ---- columns ----
 
--- entries c = 1 .. width of source (1: q, 2: v, or a vector) on the face `set`; stays: the vector is
--- kept, and never changed
+-- entries c = 1 .. width of source (1: q, 2: v, or a vector) on the face `set`; stays: the vector
+-- is kept, and never changed
 local function column(cell, source, width, offset, set, stays)
   local made = rawget(cell, "made")
   local own = made[source] or {}

@@ -139,7 +139,7 @@ end
 
 function Cochain.delta()
   fail("form:delta", "delta of a form adds up over all cells around a face, and a sum over cells "
-    .. "sees one cell: put the sum on the larger cell, a:d():dot(b) in the place of a:dot(b:delta())")
+    .. "sees one cell: put the sum on the larger cell, a:d():dot(b) for a:dot(b:delta())")
 end
 
 function Cochain.map(a, f)
