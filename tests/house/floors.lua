@@ -8,8 +8,8 @@ floors.src = {
   "base", "numbers", "linalg", "linalg/solve", "linalg/sparse", "sparse", "graph", "algebra",
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec", "dec/homology",
-  "dec/named", "delaunay",
-  -- kept free: field
+  "dec/named", "dec/transfer", "delaunay",
+  "field/flow",
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
@@ -23,8 +23,8 @@ floors.src = {
 
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "connection", "show", "show/animate", "data",
-  "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures",
-  "mpi", "sweep", "reference",
+  "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures", "dec/flow",
+  "dec/dynamics", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
   "session", "notebook",

@@ -1,6 +1,7 @@
 --- Paths to files and back: csv (17 significant digits) and npy (the bits themselves).
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local npy = require "dm.data.npy"
 local text_file = require "dm.base.text_file"
 
 local open, write_all = text_file.open, text_file.write_all
@@ -75,20 +76,10 @@ end)
 
 ---- npy: records of little-endian doubles with named fields ----
 
--- magic, version, length of the text, text; all a multiple of 64 bytes that ends in a newline.
--- Version 1.0, or 3.0 (UTF-8 text) when a name is not ASCII.
 local function npy_header(names, rows)
   local fields = {}
-  for i, name in ipairs(names) do
-    fields[i] = ("('%s', '<f8')"):format(name:gsub("[\\']", "\\%0"))
-  end
-  local text = ("{'descr': [%s], 'fortran_order': False, 'shape': (%d,), }")
-    :format(table.concat(fields, ", "), rows)
-  local wide = #text > 65000 or text:find("[\128-\255]")
-  local fixed = wide and 12 or 10
-  local size = (fixed + #text + 1 + 63) // 64 * 64 - fixed
-  text = text .. (" "):rep(size - 1 - #text) .. "\n"
-  return "\147NUMPY" .. (wide and "\3\0" or "\1\0") .. (wide and "<I4" or "<I2"):pack(size) .. text
+  for i, name in ipairs(names) do fields[i] = { name, 0 } end
+  return npy.header(fields, rows)
 end
 
 local function npy_row(count)

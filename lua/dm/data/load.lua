@@ -25,36 +25,57 @@ local function npy_text(file, handle)
   return text
 end
 
--- names of the columns and the number of rows, from named fields or a plain array
+-- names of the columns, how many numbers each has in a row (0: one, and no array) and the number of
+-- rows, from named fields or a plain array
 local function npy_shape(file, text)
   local rows, width = text:match("'shape': *%((%d+),? *(%d*)%)")
   local fields = text:match("'descr': *%[(.-)%], *'fortran")
-  local names = {}
+  local names, counts = {}, {}
   if fields then
-    for _, name, kind in fields:gmatch("%((['\"])(.-[^\\])%1, *'(.-)'%)") do
+    for _, name, kind, shape in fields:gmatch("%((['\"])(.-[^\\])%1, *'(.-)',? *%(?([%d, ]*)%)") do
       if kind ~= "<f8" then fail(file, "field %s has type %s; only <f8 is read", name, kind) end
+      if shape:find "%d+%s*,%s*%d" then fail(file, "field %s is an array of arrays", name) end
       names[#names + 1] = name:gsub("\\(.)", "%1")
+      counts[#names] = tonumber(shape:match "%d+") or 0
     end
   elseif text:find("'descr': *'<f8'") and rows then
-    for c = 1, tonumber(width) or 1 do names[c] = "c" .. c end
+    for c = 1, tonumber(width) or 1 do names[c], counts[c] = "c" .. c, 0 end
   else
     fail(file, "holds neither <f8 numbers nor records of them")
   end
   if not rows or #names == 0 then fail(file, "has an unknown shape") end
-  return names, tonumber(rows)
+  return names, tonumber(rows), counts
+end
+
+local BLOCK = 100 -- numbers that one call of unpack gives
+
+-- the next `count` numbers of a file as a list; fewer where it ends
+local function numbers(handle, count)
+  local out = {}
+  while #out < count do
+    local now = math.min(BLOCK, count - #out)
+    local bytes = handle:read(8 * now)
+    if not bytes or #bytes < 8 * now then break end
+    local part = { ("<" .. ("d"):rep(now)):unpack(bytes) }
+    table.move(part, 1, now, #out + 1, out)
+  end
+  return out
 end
 
 local function load_npy(file, handle)
-  local names, rows = npy_shape(file, npy_text(file, handle))
-  local pattern, columns = "<" .. ("d"):rep(#names), {}
-  for c in ipairs(names) do columns[c] = {} end
+  local names, rows, counts = npy_shape(file, npy_text(file, handle))
+  local width, columns = 0, {}
+  for c in ipairs(names) do columns[c], width = {}, width + math.max(1, counts[c]) end
   for i = 1, rows do
-    local record = handle:read(8 * #names)
-    if not record or #record < 8 * #names then fail(file, "ends at row %d of %d", i, rows) end
-    local row = { pattern:unpack(record) }
-    for c in ipairs(names) do columns[c][i] = row[c] end
+    local row, at = numbers(handle, width), 0
+    if #row < width then fail(file, "ends at row %d of %d", i, rows) end
+    for c in ipairs(names) do
+      local count = counts[c]
+      columns[c][i] = count == 0 and row[at + 1] or table.move(row, at + 1, at + count, 1, {})
+      at = at + math.max(1, count)
+    end
   end
-  return names, columns
+  return names, columns, counts
 end
 
 ---- both ----
@@ -62,7 +83,7 @@ end
 local doc_load = [[
 dm.load(file) -> table
 Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
-names, data.q1 is a dm.vector. In a text commas, semicolons, tabs or blanks stand between the
+names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas, semicolons, tabs or blanks stand between the
 fields; blank lines and those that begin with # are skipped. Names are in the first line, or in the
 last comment above the numbers; without names the columns are c1, c2, ... Raises with the line and
 the column of what is not a number. Of the journal of a sweep (dm.sweep, solver:ensemble) these are
@@ -75,20 +96,23 @@ M.load = blame.caller(function(file)
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
   if not handle then option.fail("dm.load", "cannot open %s", why) end
-  local fine, names, columns
+  local fine, names, columns, counts
   local is_journal = handle:read(8) == journal.HEAD
   handle:seek("set")
   if is_journal then
     fine, names, columns = pcall(require "dm.data.journal_columns".columns, file)
   elseif is_npy then
-    fine, names, columns = pcall(load_npy, file, handle)
+    fine, names, columns, counts = pcall(load_npy, file, handle)
   else
     fine, names, columns = pcall(text_table.read, handle, "dm.load: " .. file)
   end
   handle:close()
   if not fine then error(names, 0) end
   local data = {}
-  for c, name in ipairs(names) do data[name] = core.vector(columns[c]) end
+  for c, name in ipairs(names) do
+    local is_array = counts and counts[c] > 0 and #columns[c] > 0
+    data[name] = is_array and core.matrix(columns[c]) or core.vector(columns[c])
+  end
   data.columns = names
   return data
 end)

@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-#define DML_FACTOR "dm.factor"
-
 /* The first two are of dm/sparse.so, the others always there. */
 typedef enum { BY_CHOLESKY, BY_LU, BY_GRADIENTS, BY_DENSE_LU } way;
 static const char *const ways[] = {"cholesky", "lu", "gradients", "dense", NULL};
@@ -98,6 +96,26 @@ static int sparse_factor(lua_State *L) {
 }
 
 /* ---- using it ---- */
+
+/* For loops in C: raises nothing. x and b do not overlap. */
+dm_status dml_factorsolve(void *factor, double *x, const double *b) {
+    solver *s = factor;
+    const int32_t n = s->A->columns;
+    if (s->way == BY_GRADIENTS) {
+        dm_cg how = {.tolerance = 1e-14, .most = 20 * n + 1000, .stop = &dml_stop};
+        memset(x, 0, (size_t)n * sizeof *x);
+        const dm_status status = dm_conjugate_gradient(x, s->A, b, s->dense, &how);
+        return status == DM_NO_CONVERGENCE && how.residual <= 1e-8 ? DM_OK : status;
+    }
+    if (s->way != BY_DENSE_LU) return s->solvers->solve(s->factor, x, b);
+    memcpy(x, b, (size_t)n * sizeof *x);
+    dm_lu_solve(x, s->dense, s->pivot, (uint32_t)n);
+    return DM_OK;
+}
+
+uint32_t dml_factorunknowns(const void *factor) {
+    return (uint32_t)((const solver *)factor)->A->columns;
+}
 
 /* iterations; -1: the matrix is not positive semidefinite */
 static int by_gradients(lua_State *L, const solver *s, double *x) {

@@ -299,7 +299,7 @@ static int mesh_field(lua_State *L) {
     else if (strcmp(key, "ambient") == 0 && m->points)
         lua_pushinteger(L, m->ambient);
     else if (strcmp(key, "euler") == 0)
-        lua_pushinteger(L, dm_complex_euler(&m->K));
+        return dml_mesh_pusheuler(L, m);
     else if (strcmp(key, "orientable") == 0)
         lua_pushboolean(L, m->K.orientation != NULL);
     else if (strcmp(key, "manifold") == 0)

@@ -38,6 +38,9 @@ int dml_mesh_new(lua_State *L);
 /* K:integrals(k, f, dual, order, chart): the de Rham map. */
 int dml_mesh_integrals(lua_State *L);
 
+/* Push Euler's number, which can be called as the method mesh:euler (mesh_euler.c). */
+int dml_mesh_pusheuler(lua_State *L, const dml_mesh *m);
+
 /* Push "{2, 5, 9}": vertices of a cell, from 1. */
 const char *dml_pushcell(lua_State *L, const uint32_t *vertex, uint32_t count);
 

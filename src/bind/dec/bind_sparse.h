@@ -6,6 +6,7 @@
 #include "linalg/sparse/solvers.h"
 
 #define DML_SPARSE "dm.sparse"
+#define DML_FACTOR "dm.factor"
 
 /* The matrix at arg; raises when it is none. Its arrays lie in an arena that user value 1 keeps. */
 const dm_sparse *dml_checksparse(lua_State *L, int arg);
@@ -18,6 +19,11 @@ void dml_sparsedone(lua_State *L, dm_status status);
 /* n numbers of the vector or table at arg, where they stand or in a copy that is pushed; messages
  * call it `name`. */
 const double *dml_numbersat(lua_State *L, int arg, const char *name, int32_t n);
+
+/* x = A^-1 b by a dm.factor, which was checked: for loops in C that ask it again and again. Conjugate
+ * gradients begin at 0, so that x depends on b alone. */
+dm_status dml_factorsolve(void *factor, double *x, const double *b);
+uint32_t dml_factorunknowns(const void *factor);
 
 /* The loaded library of solvers (dm/sparse.so, looked for beside the program at the first call), or
  * NULL, *why says why. */

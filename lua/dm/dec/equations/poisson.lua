@@ -101,13 +101,16 @@ local function load_of(K, options)
   return b + flux_load(K, flux), weights
 end
 
+--- d^T M_1 d of functions: -div grad of K without its masses.
+function M.stiffness(K)
+  return solver.once(K, "poisson", function() return K:incidence(0):gram(mass.of(K, 1).values) end)
+end
+
 -- the matrix, what of it is free, its solver and the components without a fixed vertex: made once
 -- for what is fixed
 local function system_of(K, keep, key, wish)
   return solver.once(K, ("poisson %s %s"):format(wish or "", key), function()
-    local A = solver.once(K, "poisson", function()
-      return K:incidence(0):gram(mass.of(K, 1).values)
-    end)
+    local A = M.stiffness(K)
     local floats = floating(K, keep)
     keep = keep:copy()
     for _, vertices in ipairs(floats) do keep[vertices and vertices[1] or 1] = 0 end

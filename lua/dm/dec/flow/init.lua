@@ -1,0 +1,104 @@
+--- K:euler: the flow of an ideal fluid on a surface, by its vorticity. The step is C's
+-- (src/field/flow/euler.h); here is what it needs of the mesh, and what a script sees.
+local class = require "dm.base.class"
+local core = require "dm.core"
+local held = require "dm.dec.equations.held"
+local mass = require "dm.dec.equations.mass"
+local operator = require "dm.dec.equations.operator"
+local option = require "dm.base.options"
+local outward = require "dm.dec.flow.outward"
+local poisson = require "dm.dec.equations.poisson"
+local run = require "dm.dec.flow.run"
+local sample = require "dm.dec.equations.sample"
+local solver = require "dm.dec.equations.solver"
+
+local M = {}
+
+local WHERE = "mesh:euler"
+local fail = option.failing(WHERE)
+
+local Euler = core.class({ __name = "dm.euler" }, [[
+dm.euler: flow on a surface by its vorticity, made by K:euler
+fields: mesh, vorticity (a 0-form, at the start), report (of the solver of the stream function)]])
+
+local Solver = core.class({ __name = "dm.euler_solver" }, [[
+dm.euler_solver: steps of a flow, made by euler:solver
+fields: euler, rule, h]])
+
+function Euler.__tostring(e)
+  return ("flow on a surface of %d vertices and %d triangles"):format(e.mesh:count(0),
+    e.mesh:count(2))
+end
+
+function Solver.__tostring(s) return ("%s, h = %.6g of a %s"):format(s.rule, s.h, s.euler) end
+
+---- what the steps need ----
+
+local function check_surface(K)
+  if K.dimension ~= 2 then
+    fail("a surface is needed, a mesh of dimension 2 (got dimension %d)", K.dimension)
+  end
+  local masses = mass.of(K, 0)
+  local bad = masses.zeros > 0 and masses.zero or masses.negatives > 0 and masses.negative
+  if bad then
+    fail("the dual area of vertex %d is %s (one of %d such vertices), which leaves its vorticity "
+      .. "no weight: K:make_delaunay() gives other triangles, dual = \"barycentric\" other duals",
+      bad, masses.zeros > 0 and "zero" or "negative", masses.zeros > 0 and masses.zeros
+      or masses.negatives)
+  end
+end
+
+-- made once for a mesh
+local function system_of(K)
+  return solver.once(K, "euler", function()
+    local solved, component = held.of(K)
+    local S = poisson.stiffness(K):pick(solved, solved)
+    return { solved = solved, component = component, sign = outward.signs(K),
+      solver = S.rows > 0 and solver.new(S, nil, WHERE) or nil }
+  end)
+end
+
+---- classes ----
+
+class.method("dm.mesh", "euler", function(K, options)
+  option.check(options, { "vorticity" }, WHERE)
+  option.need(options, "vorticity", WHERE, "a 0-form, a function of the point, a list or a number")
+  check_surface(K)
+  local w = sample.values(options.vorticity, K, operator.primal(0), K:count(0),
+    function() return K:points() end, WHERE, "vorticity")
+  local system = system_of(K)
+  local report = system.solver and system.solver:report() or core.result { unknowns = 0 }
+  local negatives = mass.of(K, 1).negatives
+  if negatives > 0 then report.negative_stars = negatives end
+  return setmetatable({ mesh = K, vorticity = K:form(0, w), system = system, report = report },
+    Euler)
+end, [[
+K:euler{vorticity=} -> dm.euler
+The flow of an ideal fluid on a surface: w' = -*(d psi ^ d w), div grad psi = w (as in
+K:laplace_beltrami()), with the product of each triangle in thirds to its corners. vorticity: a
+0-form, a function of the point, a list or a number. Closed surfaces face outwards; others as
+K:orientation() says, and psi = 0 on boundaries, so that no fluid crosses them. On a closed
+component the mean of w has no psi and stays where it is. Raises where the mesh is not orientable,
+and where a vertex has no positive dual area. euler:solver{h=}:run{t=} goes on; the energy |d
+psi|^2/2, the enstrophy |w|^2/2 and the circulation, the sum of *v w, are kept to round-off
+(Arakawa 1966).]])
+
+class.method("dm.euler", "solver", function(e, options)
+  local where = "euler:solver"
+  option.check(options, { "rule", "h" }, where)
+  option.need(options, "h", where, "the step")
+  local rule = option.one_of(options, "rule", where, { "midpoint" }, "midpoint")
+  return setmetatable({ euler = e, rule = rule, h = option.positive(options, "h", where, "a step") },
+    Solver)
+end, [[
+euler:solver{h=, rule = "midpoint"} -> dm.euler_solver
+Steps of the implicit midpoint rule, solved to round-off; h > 0.]])
+
+class.method("dm.euler_solver", "run", function(s, options) return run.run(s, options) end, [[
+solver:run{t= | steps=, every=, t0=, vorticity=, file=} -> dm.flow
+From the vorticity of the flow, or another one at time t0 (0), to the time t or for so many steps.
+every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
+with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
+the last. Raises dm.failure with the run so far where a step finds no solution: h is too long.]])
+
+return M

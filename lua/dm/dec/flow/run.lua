@@ -1,0 +1,176 @@
+--- dm.flow: what a run of a flow recorded, and how it is recorded.
+local class = require "dm.base.class"
+local core = require "dm.core"
+local form = require "dm.dec.form"
+local npy = require "dm.data.npy"
+local operator = require "dm.dec.equations.operator"
+local option = require "dm.base.options"
+local sample = require "dm.dec.equations.sample"
+
+local M = {}
+
+local WHERE = "solver:run of a flow"
+local fail = option.failing(WHERE)
+
+local Flow = core.class({ __name = "dm.flow" }, [[
+dm.flow: what a run of K:euler recorded
+fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
+rule, solver, sweeps (rates that a step needed, in the mean), file; #run rows]])
+
+local COLUMNS = { "energy", "enstrophy", "circulation" }
+
+function Flow.__len(run) return #run.w end
+
+function Flow.__tostring(run)
+  return ("flow of %d steps of %s to t = %.6g; %d rows%s"):format(run.steps, run.rule,
+    run.t[#run.t] or run.t0, #run.w, run.file and ", all of them in " .. run.file or "")
+end
+
+---- how long ----
+
+local function steps_of(options, h, t0)
+  local t, steps = option.number(options, "t", WHERE, "a time"),
+    option.whole(options, "steps", WHERE, 0)
+  if (t == nil) == (steps == nil) then fail("give either 't' or 'steps'") end
+  if steps then return steps end
+  if t < t0 then fail("option 't' must be at least %.6g, where the run begins (got %.6g)", t0, t) end
+  local count = math.ceil((t - t0) / h * (1 - 1e-12) - 1e-9)
+  if count > 1e15 then fail("%.3g steps are too many", count) end
+  return math.max(0, math.tointeger(count))
+end
+
+---- rows ----
+
+-- the row of the engine's state now
+local function row_of(engine, t)
+  local psi, energy, enstrophy, circulation = engine:measure()
+  return { t = t, w = engine:vorticity(), psi = psi, energy = energy, enstrophy = enstrophy,
+    circulation = circulation }
+end
+
+local function add(run, row)
+  local at = #run.w + 1
+  if run.file and at == 3 then at = 2 end -- in a file: the first and the last
+  run.times[at], run.w[at], run.psi[at] = row.t, row.w, row.psi
+  for _, name in ipairs(COLUMNS) do run.values[name][at] = row[name] end
+end
+
+-- times and columns as vectors
+local function finish(run)
+  run.t = core.vector(run.times)
+  for _, name in ipairs(COLUMNS) do run.values[name] = core.vector(run.values[name]) end
+  run.times = nil
+  return run
+end
+
+local function begin(s, options)
+  local K = s.euler.mesh
+  local run = setmetatable({ mesh = K, w = {}, psi = {}, times = {}, values = {}, solver = s,
+    h = s.h, rule = s.rule, t0 = option.number(options, "t0", WHERE, nil, 0), steps = 0,
+    columns = { "t", table.unpack(COLUMNS) }, file = option.text(options, "file", WHERE) }, Flow)
+  for _, name in ipairs(COLUMNS) do run.values[name] = {} end
+  return run
+end
+
+local function start_of(s, options)
+  if options.vorticity == nil then return s.euler.vorticity.values end
+  local K = s.euler.mesh
+  return sample.values(options.vorticity, K, operator.primal(0), K:count(0),
+    function() return K:points() end, WHERE, "vorticity")
+end
+
+local function fields_of(K)
+  local fields = { { "t", 0 }, { "w", K:count(0) } }
+  for _, name in ipairs(COLUMNS) do fields[#fields + 1] = { name, 0 } end
+  return fields
+end
+
+-- steps and rows until all are done; the engine's own word where one fails
+local function go(run, engine, steps, every, write)
+  local sweeps = 0
+  while true do
+    local row = row_of(engine, run.t0 + run.steps * run.h)
+    add(run, row)
+    if write then write(row) end
+    if run.steps == steps then break end
+    local wanted = math.min(every, steps - run.steps)
+    local done, rates = engine:advance(run.h, wanted)
+    run.steps, sweeps = run.steps + done, sweeps + rates
+    run.sweeps = run.steps > 0 and sweeps / run.steps or nil
+    if done < wanted then
+      finish(run)
+      engine:fail(run, run.steps, run.t0 + run.steps * run.h, run.h, run.rule)
+    end
+  end
+end
+
+function M.run(s, options)
+  option.check(options, { "t", "steps", "every", "t0", "vorticity", "file" }, WHERE)
+  local run, system = begin(s, options), s.euler.system
+  local steps = steps_of(options, s.h, run.t0)
+  local every = option.whole(options, "every", WHERE, 1, nil, 1)
+  local engine = core.euler(run.mesh, system.solver and system.solver.factor, system.solved,
+    system.component, system.sign, start_of(s, options))
+  if not run.file then
+    go(run, engine, steps, every)
+    return finish(run)
+  end
+  local rows = 1 + (steps + every - 1) // every
+  npy.stream(run.file, fields_of(run.mesh), rows, WHERE, function(write)
+    go(run, engine, steps, every, write)
+  end)
+  return finish(run)
+end
+
+---- what is read off ----
+
+local function row_number(run, i, where)
+  if math.type(i) ~= "integer" or i < 1 or i > #run.w then
+    option.fail(where, "rows are numbered from 1 to %d (got %s)", #run.w, option.got(i))
+  end
+  return i
+end
+
+class.method("dm.flow", "form", function(run, i)
+  return form.new(run.mesh, 0, "primal", run.w[row_number(run, i, "flow:form")])
+end, "run:form(i) -> dm.form\nThe vorticity of row i, a 0-form.")
+
+class.method("dm.flow", "stream", function(run, i)
+  return form.new(run.mesh, 0, "primal", run.psi[row_number(run, i, "flow:stream")])
+end, [[
+run:stream(i) -> dm.form
+The stream function of row i, div grad psi = w: 0 on boundaries, or at one vertex. d psi turned by
+90 degrees is the velocity.]])
+
+class.method("dm.flow", "column", function(run, name)
+  if name == "t" or name == "time" then return run.t end
+  local values = run.values[name]
+  if not values then
+    option.fail("flow:column", "there is no column %s; columns are %s", option.got(name),
+      table.concat(run.columns, ", "))
+  end
+  return values
+end, "run:column(name) -> dm.vector\n\"t\", \"energy\", \"enstrophy\" or \"circulation\" of every row.")
+
+class.method("dm.flow", "drift", function(run, what)
+  return core.drift(run.t, type(what) == "string" and run:column(what) or what)
+end, [[
+run:drift(name | vector) -> {per_time, error, mean, largest}
+As path:drift: the slope of a column, or of a vector of one number a row, against time, and its
+largest distance from the first row. At least 3 rows.]])
+
+class.method("dm.flow", "npy", function(run, file)
+  npy.stream(file, fields_of(run.mesh), #run, "flow:npy", function(write)
+    for i = 1, #run do
+      local row = { t = run.t[i], w = run.w[i] }
+      for _, name in ipairs(COLUMNS) do row[name] = run.values[name][i] end
+      write(row)
+    end
+  end)
+  return file
+end, [[
+run:npy(file) -> file name
+The rows as a NumPy array with fields t, w (of one number a vertex), energy, enstrophy, circulation;
+dm.load reads it.]])
+
+return M

@@ -1,0 +1,168 @@
+/* bind_euler.c - `dm.euler_engine`: vorticity on a surface, stepped in C. lua/dm/dec/flow makes it
+ * and is what a script sees. */
+#include "bind/core/bind_failure.h"
+#include "bind/dec/bind_mesh.h"
+#include "bind/dec/bind_sparse.h"
+#include "bind/value/array.h"
+#include "field/flow/euler.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ENGINE "dm.euler_engine"
+
+enum { KEPT_MESH = 1, KEPT_FACTOR, KEPT_ARENA, KEPT = KEPT_ARENA };
+
+/* the flow, and how its last step ended */
+typedef struct {
+    dm_euler flow;
+    dm_status status;
+    uint32_t sweeps;
+} engine;
+
+static engine *check(lua_State *L) {
+    return luaL_checkudata(L, 1, ENGINE);
+}
+
+static void *take(lua_State *L, dm_arena *arena, size_t count, size_t size) {
+    void *block = dm_arena_take(arena, (count + 1) * size);
+    if (!block) luaL_error(L, "a flow: not enough memory");
+    return block;
+}
+
+/* arguments of core.euler by their places */
+enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY };
+
+static void read_triangles(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
+    const double *sign = dml_numbersat(L, SIGN, "the signs", (int32_t)m->K.count[2]);
+    int8_t *signs = take(L, arena, m->K.count[2], sizeof *signs);
+    for (uint32_t i = 0; i < m->K.count[2]; i++) signs[i] = sign[i] < 0.0 ? -1 : 1;
+    e->triangles = m->K.count[2];
+    e->corner = m->K.vertex[2];
+    e->sign = signs;
+}
+
+static void read_vertices(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
+    const uint32_t n = m->K.count[0];
+    const double *solved = dml_numbersat(L, SOLVED, "the marks of unknowns", (int32_t)n);
+    const double *number = dml_numbersat(L, COMPONENT, "the components", (int32_t)n);
+    uint32_t *freed = take(L, arena, n, sizeof *freed);
+    uint32_t *component = take(L, arena, n, sizeof *component);
+    for (uint32_t i = 0; i < n; i++) {
+        if (!(number[i] >= 0.0 && number[i] <= n)) luaL_argerror(L, COMPONENT, "not a component");
+        component[i] = (uint32_t)number[i];
+        if (component[i] > e->components) e->components = component[i];
+        if (solved[i] != 0.0) freed[e->unknowns++] = i;
+    }
+    e->vertices = n;
+    e->component = component;
+    e->free = freed;
+    e->mass = m->metric.dual[0];
+}
+
+/* core.euler(mesh, factor, solved, component, sign, w) */
+static int core_euler(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, MESH);
+    luaL_argcheck(L, m->K.n == 2, MESH, "a surface is needed");
+    dml_needmetric(L, m);
+    lua_settop(L, VORTICITY);
+    void *factor = lua_isnil(L, FACTOR) ? NULL : luaL_checkudata(L, FACTOR, DML_FACTOR);
+    engine *own = lua_newuserdatauv(L, sizeof *own, KEPT);
+    *own = (engine){.flow.poisson = {dml_factorsolve, factor}};
+    dm_euler *e = &own->flow;
+    const int at = lua_gettop(L);
+    dm_arena *arena = dml_pusharena(L);
+    lua_setiuservalue(L, at, KEPT_ARENA);
+    lua_pushvalue(L, MESH);
+    lua_setiuservalue(L, at, KEPT_MESH);
+    lua_pushvalue(L, FACTOR);
+    lua_setiuservalue(L, at, KEPT_FACTOR);
+    read_triangles(L, e, m, arena);
+    read_vertices(L, e, m, arena);
+    luaL_argcheck(L, factor ? dml_factorunknowns(factor) == e->unknowns : !e->unknowns, FACTOR,
+                  "as many unknowns as marks are needed");
+    if (dm_euler_open(e, arena) != DM_OK) luaL_error(L, "a flow: not enough memory");
+    const double *w = dml_numbersat(L, VORTICITY, "the vorticity", (int32_t)e->vertices);
+    memcpy(e->w, w, e->vertices * sizeof *w);
+    lua_settop(L, at);
+    luaL_setmetatable(L, ENGINE);
+    return 1;
+}
+
+/* (h, steps) -> steps that were taken, rates that they needed; fewer steps: see engine_fail */
+static int engine_advance(lua_State *L) {
+    engine *e = check(L);
+    const double h = luaL_checknumber(L, 2);
+    const lua_Integer steps = luaL_checkinteger(L, 3);
+    lua_Integer done = 0, sweeps = 0;
+    e->status = DM_OK;
+    while (done < steps && e->status == DM_OK) {
+        e->status = dml_stop ? DM_STOPPED : dm_euler_step(&e->flow, h, &e->sweeps);
+        sweeps += e->sweeps;
+        done += e->status == DM_OK;
+    }
+    lua_pushinteger(L, done);
+    lua_pushinteger(L, sweeps);
+    return 2;
+}
+
+/* (run so far, steps taken, t, h, rule): raises what ended the last advance */
+static int engine_fail(lua_State *L) {
+    const engine *e = check(L);
+    const dml_failure f = {.status = e->status,
+                           .step = (long)luaL_checkinteger(L, 3) + (e->status != DM_STOPPED),
+                           .time = luaL_checknumber(L, 4),
+                           .h = luaL_checknumber(L, 5),
+                           .iterations = (int)e->sweeps,
+                           .rule = luaL_checkstring(L, 6)};
+    if (e->status == DM_STOPPED) dml_stop = 0;
+    if (e->status != DM_OK) dml_fail(L, &f, 2);
+    return 0;
+}
+
+static int engine_vorticity(lua_State *L) {
+    const dm_euler *e = &check(L)->flow;
+    memcpy(dml_pushvector(L, e->vertices), e->w, e->vertices * sizeof *e->w);
+    return 1;
+}
+
+/* psi, energy, enstrophy, circulation */
+static int engine_measure(lua_State *L) {
+    dm_euler *e = &check(L)->flow;
+    double out[3];
+    const dm_status status = dm_euler_integrals(e, out);
+    if (status == DM_STOPPED) dml_checkstop(L);
+    if (status != DM_OK) luaL_error(L, "a stream function: %s", dm_status_text(status));
+    memcpy(dml_pushvector(L, e->vertices), e->psi, e->vertices * sizeof *e->psi);
+    for (int k = 0; k < 3; k++) lua_pushnumber(L, out[k]);
+    return 4;
+}
+
+static const dml_row methods[] = {
+    {"advance", engine_advance,
+     "e:advance(h, steps) -> steps taken, rates\n"
+     "Steps of the implicit midpoint rule, and how many rates they needed in all; fewer steps than "
+     "asked for where one failed."},
+    {"fail", engine_fail,
+     "e:fail(run, steps, t, h, rule) -> nothing\n"
+     "Raises a dm.failure that says why the last e:advance ended, with the run so far."},
+    {"vorticity", engine_vorticity, "e:vorticity() -> dm.vector\nThe vorticity at the vertices."},
+    {"measure", engine_measure,
+     "e:measure() -> dm.vector, energy, enstrophy, circulation\n"
+     "The stream function at the vertices, |d psi|^2 / 2, |w|^2 / 2 and the sum of *v w."},
+    {NULL, NULL, NULL}};
+
+static const dml_row functions[] = {
+    {"euler", core_euler,
+     "core.euler(mesh, factor, solved, component, sign, w) -> dm.euler_engine\n"
+     "Flow by its vorticity w; factor: of -div grad on the vertices that are marked as solved (nil "
+     "where there are none); component: of vertices whose component holds none, from 1, else 0; "
+     "sign of every triangle. See mesh:euler."},
+    {NULL, NULL, NULL}};
+
+const dml_class dml_class_euler = {
+    .name = ENGINE,
+    .doc = "dm.euler_engine: vorticity on a surface, stepped by mesh:euler's solvers",
+    .methods = methods,
+    .functions = functions,
+};

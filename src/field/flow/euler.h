@@ -1,0 +1,56 @@
+/* euler.h - flow of an ideal fluid on a surface by its vorticity, a number w at every vertex:
+ *   w' = -*(d psi ^ d w),   div grad psi = w.
+ * The product of every triangle, the area form of the natural wedge, goes to its corners in
+ * thirds, and *v weighs the vertices. On a closed surface, and where psi = 0 on the boundary,
+ * energy |d psi|^2 / 2, enstrophy |w|^2 / 2 and circulation, the sum of *v w, have zero rates; all
+ * three are quadratic at most, so the implicit midpoint rule keeps them to round-off (Arakawa 1966;
+ * Hairer, Lubich, Wanner IV.2).
+ *
+ * Between calls w + low is the vorticity; psi, rate and the rest are work. */
+#ifndef DM_EULER_H
+#define DM_EULER_H
+
+#include "base/arena.h"
+#include "base/status.h"
+
+#include <stdint.h>
+
+/* x[n] = A^-1 b[n] by somebody's factors */
+typedef struct {
+    dm_status (*solve)(void *of, double *x, const double *b);
+    void *of;
+} dm_linear_solve;
+
+enum { DM_EULER_SWEEPS = 500 };
+
+typedef struct {
+    uint32_t vertices, triangles;
+    const uint32_t *corner; /* [triangles][3] */
+    const int8_t *sign;     /* [triangles]: of the orientation against the order of the corners */
+    const double *mass;     /* [vertices] |*v| */
+    /* [vertices]: the component without a held vertex, from 1; 0: psi is held in this one */
+    const uint32_t *component;
+    uint32_t components;
+    const uint32_t *free; /* [unknowns]: vertices whose psi is solved for; 0 at the others */
+    uint32_t unknowns;
+    dm_linear_solve poisson; /* of -div grad with the free vertices alone, n = unknowns */
+    double *w, *low;         /* [vertices] */
+    double *psi, *rate;      /* [vertices] of the last dm_euler_rate */
+    double *mean, *area;     /* [components + 1] */
+    double *work;
+} dm_euler;
+
+/* Arrays for w and work; what stands above w is set. DM_NO_MEMORY. */
+dm_status dm_euler_open(dm_euler *e, dm_arena *arena);
+
+/* psi and rate at x[vertices]. */
+dm_status dm_euler_rate(dm_euler *e, const double *x);
+
+/* One step of the implicit midpoint rule, by fixed-point iteration with Anderson's acceleration
+ * (1965) to round-off. *sweeps: how many rates it took. DM_NO_CONVERGENCE: h is too long for it. */
+dm_status dm_euler_step(dm_euler *e, double h, uint32_t *sweeps);
+
+/* energy, enstrophy, circulation of w. */
+dm_status dm_euler_integrals(dm_euler *e, double out[3]);
+
+#endif

@@ -1,0 +1,115 @@
+-- flow on surfaces by its vorticity: K:euler (Rossby-Haurwitz waves turn rigidly; three integrals; steady flows)
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local cos, sin = math.cos, math.sin
+
+-- a wave of degree 4 in a rotation about z: it turns by 1 - 2/(l (l + 1)) = 0.9 a unit of time
+local function wave(K, t)
+  local c, s = cos(0.9 * t), sin(0.9 * t)
+  return K:form(0, function(x, y, z)
+    local a, b = c * x + s * y, c * y - s * x
+    return 2 * z + 6 * z * (a ^ 3 - 3 * a * b ^ 2)
+  end)
+end
+local function integrals_kept(run, sentence)
+  local size = run:column "energy":sum() / #run
+  for _, name in ipairs { "energy", "enstrophy", "circulation" } do
+    ok(run:drift(name).largest <= 1e-13 * size, sentence .. ": " .. name, run:drift(name).largest)
+  end
+end
+local figures, last = { 0.69985549041, 0.20388443755, 0.05350867450 }, nil
+for i, s in ipairs { 2, 3, 4 } do
+  local K = dm.mesh { icosphere = s }
+  local run = K:euler { vorticity = wave(K, 0) }:solver { rule = "midpoint", h = 0.4 / 2 ^ (i + 1) }:run { t = 2 }
+  local off = (run:form(#run) - wave(K, 2)):norm() / wave(K, 2):norm()
+  near(off, figures[i], 1e-9, "Rossby-Haurwitz, icosphere " .. s)
+  if last then ok(last / off > 3.4, "towards order 2", last / off) end
+  last = off
+  integrals_kept(run, "icosphere " .. s)
+end
+
+-- the surface faces outwards, whatever its first triangle says: exchanged corners and mirrored numbers change no flow
+local ball = dm.mesh { icosphere = 2 }
+local turned, cells = {}, ball:simplices(2)
+for i = #cells, 1, -1 do turned[#turned + 1] = { cells[i][2], cells[i][1], cells[i][3] } end
+local points, flipped, count = ball:points(), {}, ball:count(0)
+for i = 1, count do flipped[count + 1 - i] = points[i] end
+for _, c in ipairs(turned) do for j = 1, 3 do c[j] = count + 1 - c[j] end end
+local same = dm.mesh { simplices = turned, points = flipped }
+local function ends(K) local run = K:euler { vorticity = wave(K, 0) }:solver { h = 0.1 }:run { t = 1 } return run:form(#run) end
+local a, b, off = ends(ball), ends(same), 0
+for i = 1, count do off = math.max(off, math.abs(a[i] - b[count + 1 - i])) end
+ok(off < 1e-11, "faces outwards with any numbering", off)
+
+-- psi: div grad psi = w on the sphere, exact eigenfunctions to order 2; steady zonal flow stays
+local run = ball:euler { vorticity = function(_, _, z) return z end }:solver { h = 0.2 }:run { steps = 3 }
+local psi = run:stream(1)
+local mean = ball:laplace_beltrami() * psi
+ok((mean - run:form(1)):max() < 1e-12, "div grad psi = w", (mean - run:form(1)):max())
+local zonal = dm.mesh { icosphere = 3 }
+local steady = zonal:euler { vorticity = function(_, _, z) return 2 * z end }:solver { h = 0.1 }:run { t = 1 }
+ok((steady:form(#steady) - steady:form(1)):norm() < 0.02 * steady:form(1):norm(), "a rotation is steady, to order 2")
+
+-- a plane domain: psi = 0 on the boundary, the flow turns counterclockwise about positive vorticity, as in the plane
+local plate = dm.mesh { triangle = 12 }
+local vortex = plate:euler { vorticity = function(x, y) return 4 * math.exp(-40 * ((x - 0.4) ^ 2 + (y - 0.25) ^ 2)) end }
+local swirl = vortex:solver { h = 0.05 }:run { t = 1, every = 5 }
+integrals_kept(swirl, "plane domain")
+ok(#swirl == 5 and swirl.steps == 20 and swirl.t[5] == 1, "rows of every fifth step")
+local marks = plate:boundary_marks(0)
+local edge = 0
+for i = 1, #marks do if marks[i] ~= 0 then edge = math.max(edge, math.abs(swirl:stream(3)[i])) end end
+ok(edge == 0, "psi is 0 on the boundary", edge)
+-- the centre of vorticity moves with the velocity: w is carried by u = (-psi_y, psi_x) (independent road: differences of moments)
+local function moment(form, f)
+  local sum, x, dual = 0, plate:points(), plate:dual_volume(0)
+  for i = 1, #form do sum = sum + dual[i] * form[i] * f(x[i][1], x[i][2]) end
+  return sum
+end
+local early = vortex:solver { h = 1e-3 }:run { steps = 1 }
+local rate = (moment(early:form(2), function(x) return x end) - moment(early:form(1), function(x) return x end)) / 1e-3
+local X, u, w = early:stream(1):d():sharp { to = "cells" }, 0, early:form(1)
+for i, c in ipairs(plate:simplices(2)) do -- integral of w times the x-component of the velocity, -psi_y
+  u = u - X[i][2] * plate:volume(2)[i] * (w[c[1]] + w[c[2]] + w[c[3]]) / 3
+end
+near(rate, u, 2e-3 * math.abs(u) + 1e-6, "the centre of vorticity moves with the flow")
+
+-- other surfaces: a torus (closed, of genus 1), two spheres at once, an annulus with two boundaries
+local torus = dm.mesh { torus = { 16, 8 }, radii = { 2, 0.7 } }
+integrals_kept(torus:euler { vorticity = function(x, y, z) return x * y + z end }:solver { h = 0.1 }:run { t = 1 }, "torus")
+integrals_kept(dm.mesh { annulus = { 3, 24 }, ratio = 1.5 }:euler { vorticity = function(x, y) return x + y * y end }:solver { h = 0.05 }:run { t = 1 }, "annulus")
+integrals_kept(dm.mesh { hex_torus = 8 }:euler { vorticity = (function() local w = {} for i = 1, 64 do w[i] = sin(i * i) end return w end)() }
+  :solver { h = 0.02 }:run { t = 0.2 }, "a flat torus by lengths")
+
+-- times, starts, files
+local solver = ball:euler { vorticity = wave(ball, 0) }:solver { h = 0.1 }
+local whole, first = solver:run { t = 1 }, solver:run { t = 0.5 }
+local second = solver:run { vorticity = first:form(#first), t0 = 0.5, t = 1 }
+ok((whole:form(11) - second:form(#second)):max() < 1e-12, "a run goes on from another one's end")
+local name = os.tmpname() .. ".npy"
+local streamed = solver:run { t = 1, file = name }
+local data = dm.load(name)
+os.remove(name)
+ok(#data.w == 11 and data.w[11] == whole.w[11] and data.energy == whole:column "energy", "rows in a file, to the bit")
+ok(#streamed == 2 and streamed.w[2] == whole.w[11] and streamed.t[2] == 1, "the first and the last row are kept")
+name = whole:npy(name)
+ok(dm.load(name).w[5] == whole.w[5], "npy")
+os.remove(name)
+
+-- what fails says so
+raises("a surface is needed", function() dm.mesh { bcc = 3 }:euler { vorticity = 1 } end)
+raises("not orientable", function() dm.mesh { klein = 5 }:euler { vorticity = 1 } end)
+raises("'vorticity' is missing", function() ball:euler {} end)
+raises("unknown option 'omega'", function() ball:euler { omega = 1 } end)
+raises("rule", function() ball:euler { vorticity = 1 }:solver { rule = "rk4", h = 0.1 } end)
+raises("'h' is missing", function() ball:euler { vorticity = 1 }:solver {} end)
+raises("either 't' or 'steps'", function() solver:run {} end)
+raises("finite", function() ball:euler { vorticity = function() return 0 / 0 end } end)
+raises("dual area of vertex", function() dm.mesh { simplices = { { 1, 2, 3 } }, points = { { 0, 0 }, { 4, 0 }, { 1, 1 } } }:euler { vorticity = 1 } end)
+raises("not orientable", function() dm.mesh { simplices = { { 1, 2, 3 }, { 1, 2, 4 }, { 1, 2, 5 } }, lengths = 1 }:euler { vorticity = 1 } end)
+local fine, why = pcall(function() ball:euler { vorticity = wave(ball, 0) }:solver { h = 20 }:run { steps = 2 } end)
+ok(not fine and why.code == "no_convergence" and why.path and #why.path == 1, "a step that is too long fails with the run so far", tostring(why))
+ok(ball.euler == 2, "K.euler is Euler's number")
+raises("attempt to call a number value", function() ball.euler(1) end)
+tap.done()
