@@ -32,7 +32,8 @@ local function npy_shape(file, text)
   local fields = text:match("'descr': *%[(.-)%], *'fortran")
   local names, counts = {}, {}
   if fields then
-    for _, name, kind, shape in fields:gmatch("%((['\"])(.-[^\\])%1, *'(.-)',? *%(?([%d, ]*)%)") do
+    local field = "%((['\"])(.-[^\\])%1, *'(.-)',? *%(?([%d, ]*)%)"
+    for _, name, kind, shape in fields:gmatch(field) do
       if kind ~= "<f8" then fail(file, "field %s has type %s; only <f8 is read", name, kind) end
       if shape:find "%d+%s*,%s*%d" then fail(file, "field %s is an array of arrays", name) end
       names[#names + 1] = name:gsub("\\(.)", "%1")
@@ -83,10 +84,10 @@ end
 local doc_load = [[
 dm.load(file) -> table
 Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
-names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas, semicolons, tabs or blanks stand between the
-fields; blank lines and those that begin with # are skipped. Names are in the first line, or in the
-last comment above the numbers; without names the columns are c1, c2, ... Raises with the line and
-the column of what is not a number. Of the journal of a sweep (dm.sweep, solver:ensemble) these are
+names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
+semicolons, tabs or blanks stand between the fields; blank lines and those that begin with # are
+skipped. Names are in the first line, or in the last comment above the numbers; without names the
+columns are c1, c2, ... Raises with the line and the column of what is not a number. Of the journal of a sweep (dm.sweep, solver:ensemble) these are
 the members that ended well, by their number in column member.]]
 
 M.load = blame.caller(function(file)

@@ -106,17 +106,18 @@ static int engine_advance(lua_State *L) {
     return 2;
 }
 
-/* (run so far, steps taken, t, h, rule): raises what ended the last advance */
+/* (steps taken, t, h, rule, run so far): raises what ended the last advance */
 static int engine_fail(lua_State *L) {
     const engine *e = check(L);
     const dml_failure f = {.status = e->status,
-                           .step = (long)luaL_checkinteger(L, 3) + (e->status != DM_STOPPED),
-                           .time = luaL_checknumber(L, 4),
-                           .h = luaL_checknumber(L, 5),
+                           .step = (long)luaL_checkinteger(L, 2) + (e->status != DM_STOPPED),
+                           .time = luaL_checknumber(L, 3),
+                           .h = luaL_checknumber(L, 4),
                            .iterations = (int)e->sweeps,
-                           .rule = luaL_checkstring(L, 6)};
+                           .rule = luaL_checkstring(L, 5)};
+    lua_settop(L, 6);
     if (e->status == DM_STOPPED) dml_stop = 0;
-    if (e->status != DM_OK) dml_fail(L, &f, 2);
+    if (e->status != DM_OK) dml_fail(L, &f, 6);
     return 0;
 }
 
@@ -144,7 +145,7 @@ static const dml_row methods[] = {
      "Steps of the implicit midpoint rule, and how many rates they needed in all; fewer steps than "
      "asked for where one failed."},
     {"fail", engine_fail,
-     "e:fail(run, steps, t, h, rule) -> nothing\n"
+     "e:fail(steps, t, h, rule, run) -> nothing\n"
      "Raises a dm.failure that says why the last e:advance ended, with the run so far."},
     {"vorticity", engine_vorticity, "e:vorticity() -> dm.vector\nThe vorticity at the vertices."},
     {"measure", engine_measure,
@@ -162,7 +163,8 @@ static const dml_row functions[] = {
 
 const dml_class dml_class_euler = {
     .name = ENGINE,
-    .doc = "dm.euler_engine: vorticity on a surface, stepped by mesh:euler's solvers",
+    .doc = "dm.euler_engine: vorticity on a surface, stepped by mesh:euler's solvers\n"
+           "Between calls it holds the vorticity and its low-order parts; nothing else matters.",
     .methods = methods,
     .functions = functions,
 };

@@ -35,6 +35,13 @@ local a, b, x, y = { 1, 0 }, { 1, 0.1 }, { 1 }, { 1.01 }
 local reduced = shape:solver({ rule = "gauss(2)", h = 0.1 }):run { q = x, v = { 0.1 }, steps = 20 }
 local triangle = dm.mesh { simplices = { { 1, 2, 3 } }, lengths = 1 }
 local operator = triangle:laplacian(0)
+local plate, levels = dm.mesh { triangle = 2 }, dm.multigrid { dm.mesh { triangle = 1 }, dm.mesh { triangle = 2 } }
+local flow = dm.mesh { icosphere = 0 }:euler { vorticity = function(_, _, z) return z end }:solver { h = 0.1 }:run { steps = 3 }
+local K0 = flow.mesh
+local engine = require "dm.core".euler(K0, K0:incidence(0):gram(K0:volume(1)):pick({ 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 }, { 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 }):factor "dense",
+  { 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 }, { 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 }, K0:volume(2), flow.w[1])
+local moving = dm.diffeo(plate, function(t) return plate:points() * (1 + t) end)
+local halfway = moving(0.5)
 local random, bundle = dm.random(1), dm.bundle { system = kepler, h = 0.1 }
 local chords = dm.invariant_problem { frame = rho, invariants = { lambda = { 2, 1 }, sigma = { 3, 2 } },
   L = function(I) return I.sigma ^ 2 / I.lambda ^ 3 + I.lambda end }
@@ -82,6 +89,14 @@ local calls = {
     pull = { triangle:form(1, { 1, 2, 3 }) }, homology = { 0 } } },
   ["dm.cone"] = { { triangle:cone(), project = { triangle:chain(1, {}) }, cocone = { triangle:form(1, { 1, 2, 3 }) },
     carry = { dm.simplicial_map(triangle, triangle, { 2, 3, 1 }) } } },
+  ["dm.multigrid"] = { { levels, prolong = { levels.meshes[1]:form(0, { 1, 2, 3 }) }, restrict = { levels.meshes[2]:form(0, { 1, 2, 3, 4, 5, 6 }) },
+    matrix = { 1 }, solve = { { 1, 2, 3, 4, 5, 6 } } } },
+  ["dm.remesh"] = { { dm.remesh(plate, plate), matrix = { 0 } } },
+  ["dm.flow"] = { { flow, form = { 1 }, stream = { 1 }, column = { "energy" }, drift = { "energy" } } },
+  ["dm.euler_engine"] = { { engine, advance = { 0.1, 1 } } },
+  ["dm.diffeo"] = { { halfway, compose = { halfway:inverse() }, pull = { halfway.to:form(0, { 1, 2, 3, 4, 5, 6 }) },
+    push = { plate:form(0, { 1, 2, 3, 4, 5, 6 }) }, dual = { 1 } }, { moving, material_velocity = { 0 }, spatial_velocity = { 0 }, dual_velocity = { 0, 1 } } },
+  ["dm.pair"] = { { dm.pair(1, 2), join = { dm.pair(2, 3) } } },
   ["dm.operator"] = { { operator, eigen = { 1 } } },
   ["dm.sparse"] = { { operator.stiffness, gram = { { 1, 1, 1 } }, scale = { { 1, 1, 1 }, { 1, 1, 1 } }, pick = { { 1, 0, 1 }, { 1, 1, 0 } },
     saddle = { { 1, 1, 1 } }, factor = { "gradients" }, all_eigenpairs = { { 1, 1, 1 } } } },

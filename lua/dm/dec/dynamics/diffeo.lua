@@ -128,7 +128,9 @@ end, "phi:inverse() -> dm.diffeo\nThe map back.")
 
 class.method("dm.diffeo", "compose", function(phi, psi)
   local where = "diffeo:compose"
-  if not is_diffeo(psi) then option.fail(where, "a dm.diffeo is needed (got %s)", option.got(psi)) end
+  if not is_diffeo(psi) then
+    option.fail(where, "a dm.diffeo is needed (got %s)", option.got(psi))
+  end
   single(phi, where)
   single(psi, where)
   if same_mesh(psi.to, phi.from) then return new(psi.from, phi.to) end
@@ -183,13 +185,19 @@ phi:push(a) -> dm.form or dm.vector_field
 A form of the first mesh on the image, the pull-back by the inverse. A field of vectors on cells by
 the linear map of each cell.]])
 
+-- the degree asked for, that of the meshes by default
+local function degree_of(phi, k, where)
+  local n = phi.from.dimension
+  if k == nil then return n end
+  if math.type(k) ~= "integer" or k < 0 or k > n then
+    option.fail(where, "a degree from 0 to %d is needed (got %s)", n, option.got(k))
+  end
+  return k
+end
+
 class.method("dm.diffeo", "dual", function(phi, k)
   single(phi, "diffeo:dual")
-  local n = phi.from.dimension
-  if k == nil then k = n end
-  if math.type(k) ~= "integer" or k < 0 or k > n then
-    option.fail("diffeo:dual", "a degree from 0 to %d is needed (got %s)", n, option.got(k))
-  end
+  k = degree_of(phi, k, "diffeo:dual")
   return phi.from:circumcentres(k), phi.to:circumcentres(k)
 end, [[
 phi:dual(k) -> dm.matrix, dm.matrix
@@ -222,8 +230,9 @@ phi:spatial_velocity(t) -> dm.vector_field
 v(x, t) = V(X, t) at the points x = phi_t(X): a field on the mesh at time t.]])
 
 class.method("dm.diffeo", "dual_velocity", function(phi, t, k)
+  k = degree_of(phi, k, "diffeo:dual_velocity")
   velocity_of(phi, t, "diffeo:dual_velocity")
-  return motion.dual_velocity(phi, t, k or phi.from.dimension)
+  return motion.dual_velocity(phi, t, k)
 end, [[
 phi:dual_velocity(t [, k]) -> dm.matrix
 The velocity of the circumcentres of the k-cells (k = n by default) at time t, a row each.]])

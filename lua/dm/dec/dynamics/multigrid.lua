@@ -21,7 +21,8 @@ fields: meshes (the coarsest first), fixed; #mg levels]])
 local WHERE = "dm.multigrid"
 local fail = option.failing(WHERE)
 
-local DAMPING = 2 / 3 -- of Jacobi's sweeps: it takes from rough errors what a coarser mesh cannot see
+-- of Jacobi's sweeps: it takes from rough errors what a coarser mesh cannot see
+local DAMPING = 2 / 3
 
 ---- levels ----
 
@@ -58,7 +59,8 @@ local function make_levels(meshes, P, is_free)
   for l = count, 1, -1 do
     local K = meshes[l]
     local solved, component, closed = held.of(K, is_free)
-    local open = is_free and mass.ones(K, 0) or K:boundary_marks(0):map(function(x) return 1 - x end)
+    local open = mass.ones(K, 0)
+    if not is_free then open = open - K:boundary_marks(0) end
     levels[l] = { mesh = K, A = A, solved = solved, component = component, closed = closed,
       open = open, smooth = smoother(A, open, l), P = P[l], R = P[l] and P[l]:transpose() }
     if l > 1 then A = P[l - 1]:transpose() * (A * P[l - 1]) end

@@ -52,14 +52,14 @@ end
 --- P, of the functions of `coarse` to `fine`, level `level`. Raises where it is not nested in it.
 function M.prolongation(coarse, fine, level)
   local n = coarse.dimension
-  local P, cell, covered = coarse:transfer(fine, 0, "whitney")
+  local P, cell = coarse:transfer(fine, 0, "whitney")
   local restriction, part = fine:transfer(coarse, n, "sum")
   if P and restriction then return P end
   local midpoints = by_midpoints(coarse, fine)
   if midpoints then return midpoints end
   if not P then
-    fail("meshes %d and %d are not nested: vertex %d of the second one is not in the first", level - 1,
-      level, cell, covered)
+    fail("meshes %d and %d are not nested: vertex %d of the second one is not in the first",
+      level - 1, level, cell)
   end
   fail("meshes %d and %d are not nested: cell {%s} of the first one is not a union of cells of the "
     .. "second", level - 1, level, table.concat(coarse:simplices(n)[part], ", "))

@@ -42,7 +42,9 @@ M.same = same
 
 -- NaN is no point: it would not even be its own identity
 local function check_point(x, number)
-  if x == nil then fail("point %d is missing: dm.pair(a, b) takes a source and a target", number) end
+  if x == nil then
+    fail("point %d is missing: dm.pair(a, b) takes a source and a target", number)
+  end
   if x ~= x then fail("point %d is NaN", number) end
   return x
 end

@@ -18,7 +18,9 @@ local fail = option.failing(WHERE)
 local RULES = { "whitney", "sum", "thesis" }
 
 local function check_mesh(K, which)
-  if option.got(K) ~= "dm.mesh" then fail("the %s must be a mesh (got %s)", which, option.got(K)) end
+  if option.got(K) ~= "dm.mesh" then
+    fail("the %s must be a mesh (got %s)", which, option.got(K))
+  end
   if not K.ambient then fail("the %s has no points: make it with points =", which) end
 end
 

@@ -27,8 +27,8 @@ function M.of(K, free)
   return solved, component, count
 end
 
---- A load whose sum over each of these components is 0: what it lacks is taken away in proportion to
--- weights[vertex], as a constant density would.
+--- A load whose sum over each of these components is 0: what is too much is taken away in
+-- proportion to weights[vertex], as a constant density is.
 function M.balanced(b, component, count, weights)
   if count == 0 then return b end
   local sum, area = {}, {}

@@ -88,8 +88,8 @@ class.method("dm.euler", "solver", function(e, options)
   option.check(options, { "rule", "h" }, where)
   option.need(options, "h", where, "the step")
   local rule = option.one_of(options, "rule", where, { "midpoint" }, "midpoint")
-  return setmetatable({ euler = e, rule = rule, h = option.positive(options, "h", where, "a step") },
-    Solver)
+  local h = option.positive(options, "h", where, "a step")
+  return setmetatable({ euler = e, rule = rule, h = h }, Solver)
 end, [[
 euler:solver{h=, rule = "midpoint"} -> dm.euler_solver
 Steps of the implicit midpoint rule, solved to round-off; h > 0.]])

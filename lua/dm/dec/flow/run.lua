@@ -99,7 +99,7 @@ local function go(run, engine, steps, every, write)
     run.sweeps = run.steps > 0 and sweeps / run.steps or nil
     if done < wanted then
       finish(run)
-      engine:fail(run, run.steps, run.t0 + run.steps * run.h, run.h, run.rule)
+      engine:fail(run.steps, run.t0 + run.steps * run.h, run.h, run.rule, run)
     end
   end
 end
@@ -153,7 +153,14 @@ class.method("dm.flow", "column", function(run, name)
 end, "run:column(name) -> dm.vector\n\"t\", \"energy\", \"enstrophy\" or \"circulation\" of every row.")
 
 class.method("dm.flow", "drift", function(run, what)
-  return core.drift(run.t, type(what) == "string" and run:column(what) or what)
+  local values = type(what) == "string" and run:column(what) or what
+  local fine, y = pcall(core.vector, values)
+  if #run < 3 then option.fail("flow:drift", "at least 3 rows are needed (there are %d)", #run) end
+  if values == nil or not fine or #y ~= #run then
+    option.fail("flow:drift", "the name of a column or a vector of %d numbers, one a row, is needed "
+      .. "(got %s)", #run, option.got(what))
+  end
+  return core.drift(run.t, y)
 end, [[
 run:drift(name | vector) -> {per_time, error, mean, largest}
 As path:drift: the slope of a column, or of a vector of one number a row, against time, and its
