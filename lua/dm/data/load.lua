@@ -87,8 +87,9 @@ Columns of a .npy file or of a text, as path:npy and path:csv write them: data.c
 names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
 semicolons, tabs or blanks stand between the fields; blank lines and those that begin with # are
 skipped. Names are in the first line, or in the last comment above the numbers; without names the
-columns are c1, c2, ... Raises with the line and the column of what is not a number. Of the journal of a sweep (dm.sweep, solver:ensemble) these are
-the members that ended well, by their number in column member.]]
+columns are c1, c2, ... Raises with the line and the column of what is not a number. Of the journal
+of a sweep (dm.sweep, solver:ensemble) these are the members that ended well, by their number in
+column member.]]
 
 M.load = blame.caller(function(file)
   if type(file) ~= "string" then

@@ -20,8 +20,8 @@ void dml_sparsedone(lua_State *L, dm_status status);
  * call it `name`. */
 const double *dml_numbersat(lua_State *L, int arg, const char *name, int32_t n);
 
-/* x = A^-1 b by a dm.factor, which was checked: for loops in C that ask it again and again. Conjugate
- * gradients begin at 0, so that x depends on b alone. */
+/* x = A^-1 b by a dm.factor, which was checked: for loops in C that ask it again and again.
+ * Conjugate gradients begin at 0, so that x depends on b alone. */
 dm_status dml_factorsolve(void *factor, double *x, const double *b);
 uint32_t dml_factorunknowns(const void *factor);
 

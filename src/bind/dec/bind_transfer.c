@@ -1,4 +1,4 @@
-/* bind_transfer.c - forms from mesh to mesh, as sparse matrices; lua/dm/dec/dynamics asks for them. */
+/* bind_transfer.c - forms from mesh to mesh, as sparse matrices: dm.remesh asks for them. */
 #include "bind/core/state.h"
 #include "bind/dec/bind_mesh.h"
 #include "bind/dec/bind_sparse.h"

@@ -31,8 +31,9 @@ typedef struct {
     double covered;
 } dm_transfer_report;
 
-/* Both of one dimension and one N; `work` is not needed afterwards. DM_SINGULAR: the meshes do not cover the same set (sum: K is not
- * nested in M), see *report; DM_NO_MEMORY, DM_TOO_LARGE, DM_STOPPED. */
+/* Both of one dimension and one N; `work` is not needed afterwards. DM_SINGULAR: the meshes do not
+ * cover the same set (sum: K is not nested in M), see *report; DM_NO_MEMORY, DM_TOO_LARGE,
+ * DM_STOPPED. */
 dm_status dm_transfer(dm_sparse *out, dm_arena *arena, dm_arena *work, const dm_realization *from,
                       const dm_realization *to, uint32_t k, dm_transfer_rule rule,
                       volatile const int *stop, dm_transfer_report *report);

@@ -33,7 +33,9 @@ local function steps_of(options, h, t0)
     option.whole(options, "steps", WHERE, 0)
   if (t == nil) == (steps == nil) then fail("give either 't' or 'steps'") end
   if steps then return steps end
-  if t < t0 then fail("option 't' must be at least %.6g, where the run begins (got %.6g)", t0, t) end
+  if t < t0 then
+    fail("option 't' must be at least %.6g, where the run begins (got %.6g)", t0, t)
+  end
   local count = math.ceil((t - t0) / h * (1 - 1e-12) - 1e-9)
   if count > 1e15 then fail("%.3g steps are too many", count) end
   return math.max(0, math.tointeger(count))
@@ -150,15 +152,17 @@ class.method("dm.flow", "column", function(run, name)
       table.concat(run.columns, ", "))
   end
   return values
-end, "run:column(name) -> dm.vector\n\"t\", \"energy\", \"enstrophy\" or \"circulation\" of every row.")
+end, [[
+run:column(name) -> dm.vector
+"t", "energy", "enstrophy" or "circulation" of every row.]])
 
 class.method("dm.flow", "drift", function(run, what)
   local values = type(what) == "string" and run:column(what) or what
   local fine, y = pcall(core.vector, values)
   if #run < 3 then option.fail("flow:drift", "at least 3 rows are needed (there are %d)", #run) end
   if values == nil or not fine or #y ~= #run then
-    option.fail("flow:drift", "the name of a column or a vector of %d numbers, one a row, is needed "
-      .. "(got %s)", #run, option.got(what))
+    option.fail("flow:drift", "the name of a column or a vector of %d numbers, one a row, is "
+      .. "needed (got %s)", #run, option.got(what))
   end
   return core.drift(run.t, y)
 end, [[
