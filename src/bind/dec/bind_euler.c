@@ -24,6 +24,7 @@ static engine *check(lua_State *L) {
     return luaL_checkudata(L, 1, ENGINE);
 }
 
+/* memory that stays as long as the engine */
 static void *take(lua_State *L, dm_arena *arena, size_t count, size_t size) {
     void *block = dm_arena_take(arena, (count + 1) * size);
     if (!block) luaL_error(L, "a flow: not enough memory");
@@ -33,6 +34,7 @@ static void *take(lua_State *L, dm_arena *arena, size_t count, size_t size) {
 /* arguments of core.euler by their places */
 enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY };
 
+/* Signs as small integers; corners are read where the mesh has them. */
 static void read_triangles(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
     const double *sign = dml_numbersat(L, SIGN, "the signs", (int32_t)m->K.count[2]);
     int8_t *signs = take(L, arena, m->K.count[2], sizeof *signs);
@@ -42,6 +44,7 @@ static void read_triangles(lua_State *L, dm_euler *e, const dml_mesh *m, dm_aren
     e->sign = signs;
 }
 
+/* Components count from 1, and one that is free has a vertex that is not solved for. */
 static void read_vertices(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
     const uint32_t n = m->K.count[0];
     const double *solved = dml_numbersat(L, SOLVED, "the marks of unknowns", (int32_t)n);

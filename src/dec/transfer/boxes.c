@@ -9,6 +9,7 @@ typedef struct {
     uint32_t first[DM_BOX_AXES], last[DM_BOX_AXES];
 } range;
 
+/* Points outside of the grid belong to its outermost bins, so no simplex is ever without one. */
 static uint32_t bin_of(const dm_boxes *b, uint32_t axis, double x) {
     const double place = (x - b->low[axis]) * b->scale[axis];
     if (!(place > 0.0)) return 0;
@@ -26,6 +27,7 @@ static range bins_of(const dm_boxes *b, const double *low, const double *high) {
     return r;
 }
 
+/* the box grows to hold x; only the coordinates of the grid count */
 static void widen(double *low, double *high, const double *x, uint32_t axes) {
     for (uint32_t a = 0; a < axes; a++) {
         low[a] = fmin(low[a], x[a]);
@@ -33,6 +35,7 @@ static void widen(double *low, double *high, const double *x, uint32_t axes) {
     }
 }
 
+/* those that the bounding box of a simplex meets: more than the simplex does, which only costs */
 static range simplex_bins(const dm_boxes *b, uint32_t i) {
     double low[DM_BOX_AXES] = {INFINITY, INFINITY, INFINITY},
            high[DM_BOX_AXES] = {-INFINITY, -INFINITY, -INFINITY};
@@ -73,6 +76,8 @@ static void choose_bins(dm_boxes *b, uint32_t vertices_of_all) {
     }
 }
 
+/* Twice over all simplices: the first time to count what each bin holds, the second to fill it.
+ * start[] is shifted by one bin while it is filled, so that it ends where it belongs. */
 dm_status dm_boxes_make(dm_boxes *b, dm_arena *arena, const uint32_t *vertex, uint32_t count,
                         uint32_t size, const double *points, uint32_t N) {
     *b = (dm_boxes){.N = N, .size = size, .count = count, .vertex = vertex, .points = points};
@@ -106,6 +111,7 @@ dm_status dm_boxes_make(dm_boxes *b, dm_arena *arena, const uint32_t *vertex, ui
     return DM_OK;
 }
 
+/* A simplex stands in every bin that it meets; its stamp says that this query has it already. */
 uint32_t dm_boxes_near(dm_boxes *b, const double *const *at, uint32_t many, double margin) {
     double low[DM_BOX_AXES] = {INFINITY, INFINITY, INFINITY},
            high[DM_BOX_AXES] = {-INFINITY, -INFINITY, -INFINITY}, side = 0.0;

@@ -1,5 +1,7 @@
+/* entries.c - three arrays that double when they are full. */
 #include "dec/transfer/entries.h"
 
+/* An array that has grown is kept at once: if the next one cannot, nothing is lost. */
 static int grow(dm_entries *e) {
     const size_t room = e->room ? 2 * e->room : 1024;
     int32_t *row = dm_arena_grow(e->arena, e->row, e->room * sizeof *row, room * sizeof *row);

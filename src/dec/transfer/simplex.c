@@ -8,6 +8,7 @@
 
 enum { MOST = DM_SIMPLEX_VERTICES };
 
+/* The Gram matrix of the edges is positive definite unless the simplex is flat. */
 dm_status dm_placer_make(dm_placer *p, const double *const *vertex, uint32_t n, uint32_t N) {
     *p = (dm_placer){.n = n, .N = N};
     for (uint32_t j = 0; j <= n; j++) p->vertex[j] = vertex[j];
@@ -29,6 +30,8 @@ dm_status dm_placer_make(dm_placer *p, const double *const *vertex, uint32_t n, 
     return DM_OK;
 }
 
+/* Least squares by the normal equations: coordinates are exact where x lies in the plane, and what
+ * is left of x is its distance. */
 double dm_placer_place(const dm_placer *p, double *lambda, const double *x) {
     double y[DM_DIMENSION] = {0.0}, square = 0.0;
     lambda[0] = 1.0;
@@ -52,6 +55,7 @@ double dm_placer_place(const dm_placer *p, double *lambda, const double *x) {
     return sqrt(square);
 }
 
+/* Gaussian elimination with partial pivots. */
 double dm_determinant(double a[][MOST], uint32_t size) {
     double product = 1.0;
     for (uint32_t k = 0; k < size; k++) {
@@ -87,6 +91,7 @@ typedef struct {
     double at[MOST][MOST];
 } piece;
 
+/* In barycentric coordinates the volume of a simplex, beside that of T, is their determinant. */
 static void add_piece(const clipping *c, const piece *p) {
     piece copy = *p;
     const double share = fabs(dm_determinant(copy.at, c->k + 1));
@@ -131,6 +136,7 @@ static void clip(const clipping *c, const piece *p, uint32_t which) {
     if (plus == MOST) return;
     for (uint32_t i = 0; i <= c->k; i++)
         cut[i] = (high * p->at[minus][i] - low * p->at[plus][i]) / (high - low);
+    /* one part without the lowest vertex, one without the highest; they meet in the cut */
     clip_cut(c, p, which, minus, cut);
     clip_cut(c, p, which, plus, cut);
 }

@@ -18,6 +18,7 @@ typedef struct {
     double *volume;   /* [count], signed */
 } pieces;
 
+/* flags of a simplex of degree n - 1 */
 static uint32_t factorial(uint32_t n) {
     return n < 2 ? 1 : n * factorial(n - 1);
 }
@@ -53,6 +54,7 @@ static double flag_sign(const dm_realization *r, uint32_t top, const uint32_t *o
     return signed_volume(points, n) < 0.0 ? -1.0 : 1.0;
 }
 
+/* the simplex of the centres of order[0], order[0 1], ..., all vertices */
 static void add_flag(pieces *p, const dm_realization *r, uint32_t top, const uint32_t *order,
                      uint32_t k, const dm_cell_metric *c) {
     const uint32_t n = r->K->n, at = p->count++;
@@ -82,6 +84,7 @@ static void add_flags(pieces *p, const dm_realization *r, uint32_t top, uint32_t
     }
 }
 
+/* (n + 1)! pieces a top cell; their volumes add up to that of the mesh, signs and all */
 static dm_status make_pieces(pieces *p, const dm_realization *r, uint32_t k, dm_arena *arena) {
     const uint32_t n = r->K->n, tops = r->K->count[n];
     const size_t most = (size_t)tops * factorial(n + 1);
@@ -166,6 +169,7 @@ static dm_status add_piece(dm_entries *out, const pieces *p, uint32_t a, const p
     return DM_OK;
 }
 
+/* Supports |V_s| first, then every piece of `to` against the pieces of `from` beside it. */
 dm_status dm_supports_transfer(dm_entries *out, const dm_realization *from,
                                const dm_realization *to, uint32_t k, dm_arena *scratch,
                                volatile const int *stop) {

@@ -173,6 +173,7 @@ static dm_status sum_cell(transfer *t, uint32_t cell, double *covered) {
 
 /* ---- all cells ---- */
 
+/* bins of the cells that those of `to` are compared with: top cells, or for sums the k-cells */
 static dm_status open_transfer(transfer *t, dm_transfer_rule rule, dm_arena *scratch) {
     const uint32_t d = rule == DM_TRANSFER_SUM ? t->k : t->from->K->n;
     const dm_status status =

@@ -7,6 +7,7 @@
 
 enum { MOST = DM_ANDERSON_MEMORY };
 
+/* x, y, f, g, and three sets of vectors: both differences and an orthonormal basis */
 size_t dm_anderson_work(uint32_t n) {
     return (size_t)(2 * MOST + 4) * n + (size_t)MOST * n;
 }
@@ -21,6 +22,7 @@ void dm_anderson_begin(dm_anderson *a, double *work, uint32_t n, const double *w
     *y = a->y;
 }
 
+/* the product of the weights */
 static double dot(const dm_anderson *a, const double *u, const double *v) {
     double sum = 0.0;
     for (uint32_t i = 0; i < a->n; i++) sum += a->weight[i] * u[i] * v[i];
@@ -74,6 +76,7 @@ static void solve(const dm_anderson *a, double *gamma, double *q, double *rest) 
     }
 }
 
+/* x = g - sum gamma_j dg_j; the residual is worked on where the next x will stand */
 void dm_anderson_next(dm_anderson *a) {
     double gamma[MOST] = {0.0};
     double *q = a->dg + (size_t)MOST * a->n;

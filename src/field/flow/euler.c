@@ -11,6 +11,7 @@
 /* arrays of vertices that the step works on, beside those of the iteration */
 enum { ARRAYS = 3 };
 
+/* One block for what lasts, one for work; area[0] is of vertices whose means nobody asks for. */
 dm_status dm_euler_open(dm_euler *e, dm_arena *arena) {
     const size_t n = (size_t)e->vertices + 1, k = (size_t)e->components + 1;
     double *block = dm_arena_take(arena, (4 * n + 2 * k) * sizeof *block);
