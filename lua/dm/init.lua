@@ -16,6 +16,7 @@ local rows = {
   compare = "dm.data.compare",
   demo = "dm.session.demo",
   diffeo = "dm.dec.dynamics.diffeo",
+  differential_invariants = "dm.frame.calculus",
   embeddable = "dm.dec.parts",
   exact = "dm.dec.homology.exact",
   euler_poincare = "dm.reduce.euler_poincare",

@@ -22,7 +22,7 @@ floors.src = {
 }
 
 floors.lua = {
-  "base", "group", "group/own", "action", "frame", "connection", "show", "show/animate", "data",
+  "base", "group", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures", "dec/flow",
   "dec/dynamics", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "stability",

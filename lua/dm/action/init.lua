@@ -255,6 +255,7 @@ The joint action on two points, action:on_points(2).]])
 -- prolongations and questions add their methods; they find this module complete
 package.loaded["dm.action"] = M
 require "dm.action.lift"
+require "dm.action.jet"
 require "dm.action.test"
 
 return M

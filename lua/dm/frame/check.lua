@@ -75,13 +75,13 @@ local function sample(frame, seed)
   local out = { condition = condition }
   -- rho(h z) h = rho(z), seen by what they do to points
   local once, twice = F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe))
-  out.equivariance = defect(frame, once, twice)
+  out.equivariance = not frame.basis and defect(frame, once, twice) or nil
   out.invariance = defect(frame, there, there2)
   -- an invariant function is its own invariantization
   local f = test_function(there)
   local again = test_function(F.moved(frame, F.element(frame, there), there))
   out.replacement = abs(f - again) / (1 + abs(f))
-  if P and type(P) ~= "string" then
+  if P and type(P) ~= "string" and not frame.basis then
     local velocities = points.sample(frame, seed + 700, #list)
     local fine, s = pcall(tangent.syzygies, frame, list, velocities)
     if fine then out.shift, out.derivative = s.shift / 20, s.derivative / 20 end

@@ -12,6 +12,7 @@ local core = require "dm.core"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
+local partial = require "dm.frame.partial"
 local points = require "dm.frame.points"
 local text = require "dm.frame.text"
 local trial = require "dm.frame.trial"
@@ -31,7 +32,7 @@ function M.is_frame(x) return type(x) == "table" and getmetatable(x) == class en
 local function method(name, f, doc) core.method("dm.frame", name, blame.caller(f), doc) end
 
 local KNOWN = { "action", "points", "cross_section", "branch", "solution", "start", "name",
-  "invariants" }
+  "invariants", "partial" }
 local NAME = "dm.moving_frame"
 local fail = options.failing(NAME)
 
@@ -114,8 +115,8 @@ local function check_section(self)
   end
   if #value ~= self.r then
     fail("the cross-section has %d equation%s, but the group has %d dimension%s: it must return as "
-      .. "many numbers as the group has dimensions", #value, #value == 1 and "" or "s", self.r,
-      self.r == 1 and "" or "s")
+      .. "many numbers as the group has dimensions%s", #value, #value == 1 and "" or "s", self.r,
+      self.r == 1 and "" or "s", partial.advice(self))
   end
 end
 
@@ -193,6 +194,7 @@ end
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
 local function solved(self, start)
   local G, k, m = self.group, self.k, self.m
+  if self.basis then return partial.root(self, moved, section, branch_values, least) end
   local begin = start_of(self, start)
   local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
   return core.root {
@@ -207,7 +209,7 @@ local function solved(self, start)
 end
 
 local doc_new = [[
-dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, name=} -> rho
+dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, partial=, ...} -> rho
 The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1;
 or action:on_points(k), action:on_pairs(), a tangent or jet action with one): the group element g
 with cross_section(g z1, ..., g zk) = 0, which gives as many numbers as the group has dimensions.
@@ -218,21 +220,36 @@ have more than one root. solution(z1, ..., zk) gives g by formula; without it g 
 it is made the frame is tried at random points and under large elements of the group: it must be one
 of the group, on the section and its branch, and equivariant, wherever it is finite; an error
 has the point and the defect. A solution is trusted inside of runs; a root looks at branch and
-transversality every time. invariants: names for entries, {name = {point, entry}}, which
+transversality every time. partial = true: a frame up to isotropy, where the action is not free:
+cross_section gives as many numbers as the orbits have dimensions (a slice), rho is an element that
+brings the points there, and rho(h z) is rho(z) h^-1 up to what leaves the section where it is;
+invariants are as ever. invariants: names for entries, {name = {point, entry}}, which
 dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated
 exactly. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent,
 correction, derivative_correction, syzygies, check.]]
 
-M.moving_frame = blame.caller(function(o)
-  check_options(o)
+-- a frame from checked options, not tried yet
+local function assembled(o)
   local action, k = base_of(o)
   local self = setmetatable({ action = action, group = action.group, k = k, points = k,
     m = action.dimension, r = action.group.dimension, cross_section = o.cross_section,
     branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name,
     invariants_named = o.invariants }, class)
+  if o.partial then partial.prepare(self, section) end
   check_section(self)
   check_branch(self)
   if not self.solution then self.root = solved(self, o.start) end
+  return self
+end
+
+--- A frame that is not tried: one that need hold only near the identity.
+function M.near_identity(o) return assembled(o) end
+
+M.moving_frame = blame.caller(function(o)
+  check_options(o)
+  options.demand(o.partial == nil or type(o.partial) == "boolean", o, "partial", NAME,
+    "true or false")
+  local self = assembled(o)
   tangent.check_orbits(self, trial.on_section)
   trial.check(self, section)
   return self
@@ -263,7 +280,7 @@ local function element(self, list)
   local k = self.k
   if points.symbolic(list) then
     if self.solution then return self.solution(table.unpack(list, 1, k)) end
-    return self.group:unflat(self.root(flat({ table.unpack(list, 1, k) })))
+    return partial.element(self, self.root(flat({ table.unpack(list, 1, k) })))
   end
   local first = { table.unpack(list, 1, k) }
   local g
@@ -272,7 +289,7 @@ local function element(self, list)
   else
     local fine, y = pcall(self.root, flat(first))
     if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end
-    g = self.group:unflat(y)
+    g = partial.element(self, y)
   end
   verify(self, g, first)
   return g
@@ -303,9 +320,11 @@ method("transversality", function(self, ...)
   return tangent.transversality(self, points_of(self, listed(self, ...), self.k))
 end, tangent.docs.transversality)
 method("tangent", function(self, ...)
+  partial.refuse(self, "rho:tangent")
   return tangent.tangent(self, points_of(self, listed(self, ...), self.k))
 end, tangent.docs.tangent)
 method("correction", function(self, ...)
+  partial.refuse(self, "rho:correction")
   local given = listed(self, ...)
   if #given == self.k then
     error(("rho:correction compares the frame of points 1 to %d with that of points 2 to %d, so "
@@ -316,11 +335,13 @@ method("correction", function(self, ...)
   return element(self, { table.unpack(there, 2, self.k + 1) })
 end, tangent.docs.correction)
 method("derivative_correction", function(self, points, velocities)
+  partial.refuse(self, "rho:derivative_correction")
   local z = points_of(self, points, self.k)
   local C, changes, there = tangent.derivative_correction(self, z, points_of(self, velocities, #z))
   return C, core.result(changes), core.result(there)
 end, tangent.docs.derivative_correction)
 method("syzygies", function(self, points, velocities)
+  partial.refuse(self, "rho:syzygies")
   local z = points_of(self, points, self.k + 1)
   return tangent.syzygies(self, z, velocities and points_of(self, velocities, #z))
 end, tangent.docs.syzygies)

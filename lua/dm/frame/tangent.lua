@@ -44,13 +44,14 @@ local function J_at(frame, list)
   return core.matrix(out)
 end
 
+-- by the directions of frame.basis, where the frame is one up to isotropy
 local function psi_at(frame, list)
-  local rows = {}
+  local rows, basis = {}, frame.basis
   for _, z in ipairs(list) do
     local v = frame.action:generator(z)
     for i = 1, frame.m do
       local row = {}
-      for j = 1, frame.r do row[j] = v[i][j] end
+      for j = 1, frame.r do row[j] = basis and v[i]:dot(basis[j]) or v[i][j] end
       rows[#rows + 1] = row
     end
   end

@@ -108,7 +108,7 @@ end
 -- branch or start.
 local function by_root(frame, list)
   local fine, y = pcall(frame.root, points.flat(list))
-  if fine then return frame.group:unflat(y) end
+  if fine then return require("dm.frame.partial").element(frame, y) end
   if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
   return nil, y
 end
@@ -215,7 +215,7 @@ end
 local function check_equivariance(frame, h, list, pushed, a, b, seed)
   local probe, refused = points.sample(frame, seed + 1000, 2), cut_twice
   local distance = apart(frame, a.there, b.there)
-  if distance <= SAME then
+  if distance <= SAME and not frame.basis then
     local once, moved_probe = moved(frame, a.g, probe), moved(frame, h, probe)
     local twice = moved_probe and moved(frame, b.g, moved_probe)
     distance, refused = once and twice and apart(frame, once, twice) or 0, not_free

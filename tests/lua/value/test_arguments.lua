@@ -45,6 +45,9 @@ local halfway = moving(0.5)
 local random, bundle = dm.random(1), dm.bundle { system = kepler, h = 0.1 }
 local chords = dm.invariant_problem { frame = rho, invariants = { lambda = { 2, 1 }, sigma = { 3, 2 } },
   L = function(I) return I.sigma ^ 2 / I.lambda ^ 3 + I.lambda end }
+local curves = dm.differential_invariants { action = dm.action { group = dm.SE(2), on = dm.R(2) }, independent = 1,
+  invariants = { kappa = 4 }, cross_section = function(z) return { z[1], z[2], z[3] } end }
+local function bending(I) return I.kappa[1] ^ 2 / 2 end
 local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps = 10, repeats = 1,
   system = function(n) return dm.system { Q = dm.R(n), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end } end,
   start = function(n) return dm.zeros(n), dm.zeros(n) end }
@@ -118,6 +121,10 @@ local calls = {
   ["dm.solver"] = { { dm.solver { Ld }, step = { a, b } } },
   ["dm.scaling"] = { { scaling, exponent = { "verlet" } } },
   ["dm.invariant_problem"] = { { chords, momentum = { { { 0, 0 }, { 1, 0 }, { 2, 0.1 }, { 3, 0.3 } } } } },
+  ["dm.calculus"] = { { curves, iota = { 6 }, euler_lagrange = { bending }, conservation_law = { bending }, invariants = { { 0, 0, 0, 1 } },
+    extremal = { { L = bending, start = { kappa = { 1, 0 } }, length = 1, steps = 2 } } } },
+  ["dm.formula"] = { { curves:iota(6), value = { { kappa = { 1, 0, 0 } } } } },
+  ["dm.invariant_operator"] = { { (curves:operator()), coefficient = { 1, 1, 0 } } },
   ["dm.section"] = { { rows, plot = { {} } } },
   ["dm.chart"] = { { chart, cheapest = { 0.1 }, order = { "verlet" } } },
   ["dm.stability_map"] = { { map, at = { 1, 1 }, limit = { 1 }, theory = { 1 }, table = { 3 } } },
