@@ -2,6 +2,7 @@
 -- coefficients, d > 0 whole, without a common factor of num's; the f are polynomials that a list of
 -- the field keeps, none a multiple of another, and none divides num. Functions such as exp(kappa)
 -- and roots are variables too ("atoms"); a root r = b^(1/q) obeys r^q = b.
+local factors = require "dm.frame.calculus.factors"
 local functions = require "dm.frame.calculus.functions"
 local P = require "dm.frame.calculus.polynomial"
 
@@ -40,82 +41,7 @@ function M.variable(field, key, info)
   return expression(field, P.of(field.ring, v))
 end
 
----- denominators ----
-
-local function text_of(field, p)
-  local out = {}
-  for i, m in ipairs(P.sorted(field.ring, p)) do
-    out[i] = p[m] .. "*" .. table.concat(field.ring.monomials[m], ",")
-  end
-  return table.concat(out, ";")
-end
-
--- the place of a primitive polynomial in the list of factors
-local function keep(field, p)
-  local key = text_of(field, p)
-  local id = field.factor_of[key]
-  if not id then
-    id = #field.factors + 1
-    field.factor_of[key], field.factors[id] = id, p
-  end
-  return id
-end
-
-local function is_constant(p)
-  local m = next(p)
-  return m == nil or m == 1 and next(p, m) == nil
-end
-
--- add p^e to the factors `out` (place -> exponent), in parts that have no divisor in common with
--- those that are known
-local function split(field, p, e, out)
-  local ring = field.ring
-  if is_constant(p) then return end
-  local key = field.factor_of[text_of(field, p)]
-  if key then
-    out[key] = (out[key] or 0) + e
-    return
-  end
-  for id = 1, #field.factors do
-    local f = field.factors[id]
-    local q = P.divide(ring, p, f)
-    if q then
-      out[id] = (out[id] or 0) + e
-      return split(field, q, e, out)
-    end
-  end
-  for _, v in ipairs(P.variables(ring, p)) do
-    local slope = P.partial(ring, p, v)
-    local fine, g = pcall(P.gcd, ring, p, slope)
-    if fine and not is_constant(g) then
-      local rest = P.divide(ring, p, g)
-      if rest and not is_constant(rest) then
-        split(field, g, e, out)
-        return split(field, rest, e, out)
-      end
-    end
-  end
-  out[keep(field, p)] = (out[keep(field, p)] or 0) + e
-end
-
--- c, factors: p = c * product of factors
-local function factorized(field, p)
-  local ring, out = field.ring, {}
-  local content = P.content(p)
-  if p[P.leading(ring, p)] < 0 then content = -content end
-  p = P.primitive(ring, p)
-  for _, v in ipairs(P.variables(ring, p)) do
-    local least = math.huge
-    for m in pairs(p) do least = math.min(least, P.exponent(ring, m, v)) end
-    if least > 0 then
-      local x = P.of(ring, v)
-      out[keep(field, x)] = (out[keep(field, x)] or 0) + least
-      p = P.divide(ring, p, P.power(ring, x, least))
-    end
-  end
-  split(field, p, 1, out)
-  return content, out
-end
+---- normal form ----
 
 -- without common factors of num and the denominator
 local function simplified(field, num, d, den)
@@ -198,7 +124,7 @@ end
 --- The number that a constant expression is, else nothing.
 function Expression:constant()
   if not next(self.num) then return 0 end
-  if next(self.den) or not is_constant(self.num) then return nil end
+  if next(self.den) or not factors.is_constant(self.num) then return nil end
   return self.num[1] / self.d, self.num[1], self.d
 end
 
@@ -303,7 +229,7 @@ end
 local function inverse(a)
   local field = a.field
   if not next(a.num) then error("an exact formula divides by zero", 0) end
-  local c, den = factorized(field, a.num)
+  local c, den = factors.of(field, a.num)
   local num = { c < 0 and -a.d or a.d }
   for id, e in pairs(a.den) do
     num = P.multiply(field.ring, num, P.power(field.ring, field.factors[id], e))
@@ -480,7 +406,7 @@ function M.reduced(e)
   for id, power in pairs(e.den) do
     local f = field.factors[id]
     local fine, g = pcall(P.gcd, field.ring, e.num, f)
-    if fine and not is_constant(g) then
+    if fine and not factors.is_constant(g) then
       local rest = P.divide(field.ring, f, g)
       local den = {}
       for other, k in pairs(e.den) do den[other] = other ~= id and k or nil end
