@@ -49,6 +49,7 @@ local rows = {
   -- methods of systems
   ["system:acceleration"] = "dm.measure.multipliers",
   ["system:chart"] = "dm.chart",
+  ["system:mechanical_connection"] = "dm.reduce.mechanical",
   ["system:linearize"] = "dm.measure.linearize",
   ["system:multipliers"] = "dm.measure.multipliers",
   ["system:stability"] = "dm.stability",
@@ -72,6 +73,7 @@ local rows = {
   ["system:start"] = "dm.reduce.routh.shape",
   ["system:symplectic_form"] = "dm.reduce.routh.shape",
   -- of discrete Lagrangians, solvers, paths and ensembles
+  ["discrete_lagrangian:connection"] = "dm.reduce.mechanical",
   ["discrete_lagrangian:order"] = "dm.measure.order",
   ["solver:backward_error"] = "dm.measure.tangent",
   ["solver:fold"] = "dm.measure.fold",

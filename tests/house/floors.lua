@@ -26,8 +26,8 @@ floors.lua = {
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures", "dec/flow",
   "dec/dynamics", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "stability",
-  "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
-  "session", "notebook",
+  "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run",
+  "reduce", "scene", "demos", "session", "notebook",
 }
 
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed

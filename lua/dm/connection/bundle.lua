@@ -54,8 +54,8 @@ end
 local function check_base(base, where)
   local kit = kits.of(base)
   if base.chart and not kit.manifold then return kit end
-  error(("%s: option 'base': points of the base are given by their coordinates: dm.R(n), dm.T(n) "
-    .. "or products of these (got %s); take a chart of it"):format(where, tostring(base)), 0)
+  error(("%s: points of the base are given by their coordinates: the base must be dm.R(n), dm.T(n) "
+    .. "or a product of these (got %s); take a chart of it"):format(where, tostring(base)), 0)
 end
 
 --- The bundle base x group, of spaces.

@@ -122,6 +122,17 @@ local function action(Ld, L, s, tau, c)
   end
 end
 
+--- The action S(q0, e, V) of a step of Ld, of a rule lie(s): what solves for its ends otherwise
+-- (reduce/mechanical) differentiates `value`. inverse: that of the right-trivialized differential
+-- of tau.
+function M.action(Ld)
+  local kit, given = kits.of(Ld.Q), Ld.system.given
+  local s, tau, line = curves_of(Ld.rule)
+  local c = line:coefficients()
+  return { value = action(Ld, bound(given.L, given.params), s, tau, c), coefficients = c,
+    stages = #c.beta, tau = tau, inverse = tau == "exp" and kit.dexpinv or kit.dcayinv }
+end
+
 -- V and S_1 with dS/dV_j = h beta_j S_1 and h sum_j beta_j V_j = xi, by Newton's method
 local function stationary(S, c, h, q0, xi)
   local d, N = #xi, #q0

@@ -43,8 +43,8 @@ local function point(n, i)
   return dm.vector(x)
 end
 
-for _, G in ipairs(groups) do
-  for _, S in ipairs(bases) do
+for k, G in ipairs(groups) do
+  for _, S in ipairs(tostring(G) == "SO(3)" and bases or { bases[k % #bases + 1] }) do
     local n, name = S.dimension, ("%s over %s"):format(tostring(G), tostring(S))
     local A = dm.connection { group = G, base = S, local_form = local_form(G, n) }
     local function q(i) return { point(n, i), element(G, i) } end

@@ -149,6 +149,7 @@ local function read_cyclic(system, cyclic, names)
   end
   return out, seen
 end
+M.read_cyclic = read_cyclic
 
 -- the momentum: a number, a list, or that of the start
 local function read_mu(info, options)
