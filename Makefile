@@ -65,20 +65,20 @@ $(B)/libdm.a: $(call objects,$(KERNEL))
 # the interpreter looks for ../lua and ../../lua beside its own folder
 $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
 	@[ -e $(B)/../lua/dm ] || [ -e $(B)/../../lua/dm ] || ln -sfn $(CURDIR)/lua $(B)/../lua
-	$(call say,link,$@)$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),$(READLINE_LIBS)) -lm
+	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),$(READLINE_LIBS)) -lm
 # for a stock lua5.4, which brings the lua_ functions itself
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
+	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
 
 # modules of libraries that not everybody has: the core opens them at first use
 modules: $(if $(SPARSE_LIBS),$(B)/dm/sparse.so) $(if $(QHULL_LIBS),$(B)/dm/delaunay.so)
 $(B)/dm/sparse.so: $(call objects,$(SPARSE)) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(SPARSE_LIBS) -lm
+	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-z,now -o $@ $^ $(SPARSE_LIBS) -lm
 $(B)/dm/delaunay.so: $(call objects,$(DELAUNAY)) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(QHULL_LIBS) -lm
+	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-z,now -o $@ $^ $(QHULL_LIBS) -lm
 
 # for runs under mpirun, asked for by name: `make mpi`
 mpi: all $(B)/dm/mpi.so
@@ -144,7 +144,8 @@ SHARE = $(DESTDIR)$(PREFIX)/share
 install: all
 	@install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm $(SHARE)/dmlua/lua/dm \
 	  $(SHARE)/dmlua/examples $(SHARE)/lua/5.4 $(SHARE)/man/man1 \
-	  $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions
+	  $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions \
+	  $(SHARE)/fish/vendor_completions.d $(SHARE)/pkgconfig
 	install -m 755 $(B)/dmlua $(DESTDIR)$(PREFIX)/bin/dmlua
 	install -m 755 $(wildcard $(B)/dm/*.so) $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	@for file in $(LUA_FILES); do install -D -m 644 $$file $(SHARE)/dmlua/$$file || exit 1; done
@@ -154,10 +155,31 @@ install: all
 	install -m 644 docs/dmlua.1 $(SHARE)/man/man1/dmlua.1
 	install -m 644 docs/completion/dmlua.bash $(SHARE)/bash-completion/completions/dmlua
 	install -m 644 docs/completion/_dmlua $(SHARE)/zsh/site-functions/_dmlua
+	install -m 644 docs/completion/dmlua.fish $(SHARE)/fish/vendor_completions.d/dmlua.fish
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' .packaging/dmlua.pc >$(SHARE)/pkgconfig/dmlua.pc
 uninstall:
 	rm -rf $(SHARE)/dmlua $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	rm -f $(DESTDIR)$(PREFIX)/bin/dmlua $(SHARE)/lua/5.4/dm $(SHARE)/man/man1/dmlua.1 \
-	  $(SHARE)/bash-completion/completions/dmlua $(SHARE)/zsh/site-functions/_dmlua
+	  $(SHARE)/bash-completion/completions/dmlua $(SHARE)/zsh/site-functions/_dmlua \
+	  $(SHARE)/fish/vendor_completions.d/dmlua.fish $(SHARE)/pkgconfig/dmlua.pc
+
+# for luarocks, which says where its folders are
+rock: all
+	@install -d $(BINDIR) $(LIBDIR)/dm
+	install -m 755 $(B)/dmlua $(BINDIR)/dmlua
+	install -m 755 $(wildcard $(B)/dm/*.so) $(LIBDIR)/dm
+	@for file in $(LUA_FILES); do install -D -m 644 $$file $(LUADIR)/$${file#lua/} || exit 1; done
+
+# a Debian package in $(B)/deb, from a copy of the tree; it runs the tests unless
+# DEB_BUILD_OPTIONS=nocheck; lintian must have nothing to say against it
+DEB = $(B)/deb/dmlua-$(VERSION)
+deb:
+	@.ci/setup --install deb
+	@rm -rf $(B)/deb && mkdir -p $(DEB)
+	@tar cf - --exclude=./build --exclude=./.git . | tar xf - -C $(DEB)
+	@cp -r .packaging/debian $(DEB)
+	cd $(DEB) && unset MAKEFLAGS MAKELEVEL B && dpkg-buildpackage -us -uc -b
+	lintian --fail-on error,warning $(B)/deb/*.changes
 
 clean:
 	rm -rf $(B)
@@ -175,9 +197,10 @@ help:
 	@echo "make docs       write docs/reference.md, the man page and the completions again"
 	@echo "make format, make lint"
 	@echo "make install, make uninstall   PREFIX=$(PREFIX) DESTDIR="
+	@echo "make deb        a Debian package in $(B)/deb"
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
 .PHONY: all modules setup programs test house demo san sanitized valgrind bench charts format lint docs \
-  install uninstall clean help always
--include $(shell find $(B) -name '*.d' -not -path '$(B)/san/*' 2>/dev/null)
+  install uninstall rock deb clean help always
+-include $(shell find $(B) -name '*.d' -type f -not -path '$(B)/san/*' -not -path '$(B)/deb/*' 2>/dev/null)

@@ -11,6 +11,7 @@ local rows = {
   animate = "dm.show.animate",
   apropos = "dm.session.help",
   chart = "dm.chart",
+  cite = "dm.cite",
   commute = "dm.reduce.commute",
   connection = "dm.connection",
   compare = "dm.data.compare",

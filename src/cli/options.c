@@ -52,18 +52,23 @@ static int part_option(dml_command *c, char **argv, int *i) {
     return c->part != NULL;
 }
 
+/* Behind "NAME" or "NAME=": "" or what follows; NULL when the option is another. */
+static const char *value_of(const char *option, const char *name) {
+    const size_t length = strlen(name);
+    if (strncmp(option, name, length) != 0) return NULL;
+    if (option[length] == '\0') return "";
+    return option[length] == '=' ? option + length + 1 : NULL;
+}
+
 /* --machine=in,out and --jupyter or --jupyter=PREFIX */
 static int notebook_option(dml_command *c, const char *option) {
-    static const char machine[] = "--machine=", jupyter[] = "--jupyter";
-    if (strncmp(option, machine, sizeof machine - 1) == 0) {
-        c->machine = option + sizeof machine - 1;
-        return 1;
+    const char *prefix = value_of(option, "--jupyter");
+    if (prefix) {
+        c->prefix = *prefix ? prefix : NULL;
+        return c->flags |= DML_JUPYTER;
     }
-    if (strncmp(option, jupyter, sizeof jupyter - 1) != 0) return 0;
-    option += sizeof jupyter - 1;
-    if (*option == '=') c->prefix = option + 1;
-    if (*option != '=' && *option != '\0') return 0;
-    return c->flags |= DML_JUPYTER;
+    c->machine = value_of(option, "--machine");
+    return c->machine != NULL;
 }
 
 /* one option at argv[*i], which moves on past a separate argument; 0: wrong */

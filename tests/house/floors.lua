@@ -28,6 +28,7 @@ floors.lua = {
   "chart", "measure", "sem", "stability",
   "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run",
   "reduce", "scene", "demos", "session", "notebook",
+  "cite",
 }
 
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed

@@ -1,4 +1,4 @@
---- The man page and the completions of bash and zsh, made from the rows that --help prints
+--- The man page and the completions of bash, zsh and fish, made from the rows that --help prints
 -- (src/cli/manual.def); `make docs` writes them.
 local M = {}
 
@@ -125,10 +125,28 @@ _arguments -S \
 ]]):format(table.concat(lines, "\n"))
 end
 
---- Write the three files under `folder`.
+function M.fish()
+  local lines = { "# fish completion of dmlua, made from the rows of dmlua --help" }
+  local values = { ["--color"] = "auto always never",
+    ["--demo"] = table.concat(require "dm.demos", " ") }
+  for _, row in ipairs(spellings()) do
+    local long = row.name:find "^%-%-"
+    local line = ("complete -c dmlua %s %s -d '%s'"):format(long and "-l" or "-s",
+      row.name:gsub("^%-+", ""), (row.what:gsub("'", "")))
+    if values[row.name] then
+      line = line .. (" -x -a '%s'"):format(values[row.name])
+    elseif row.argument ~= "" then
+      line = line .. (row.name == "--join" and " -r" or " -x")
+    end
+    lines[#lines + 1] = line
+  end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+--- Write the four files under `folder`.
 function M.write(folder)
   for name, text in pairs { ["dmlua.1"] = M.page(), ["completion/dmlua.bash"] = M.bash(),
-    ["completion/_dmlua"] = M.zsh() } do
+    ["completion/_dmlua"] = M.zsh(), ["completion/dmlua.fish"] = M.fish() } do
     local file = assert(io.open(folder .. "/" .. name, "w"))
     file:write(text)
     file:close()
