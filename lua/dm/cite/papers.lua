@@ -1,5 +1,6 @@
 --- The literature: a BibTeX entry each, kind first. Fields in the order in which they are printed.
-local FIELDS = { "author", "title", "booktitle", "journal", "volume", "number", "pages", "publisher",
+local FIELDS = { "author", "title", "booktitle", "journal", "volume", "number", "pages",
+    "publisher",
   "school", "type", "edition", "version", "year", "doi", "eprint", "url" }
 
 local rows = {
@@ -17,9 +18,11 @@ local rows = {
     school = "Norwegian University of Science and Technology" },
   ["jalnapurkar-2006"] = { "article", year = 2006,
     author = "Jalnapurkar, Sameer M. and Leok, Melvin and Marsden, Jerrold E. and West, Matthew",
-    title = "Discrete {R}outh reduction", journal = "Journal of Physics A: Mathematical and General",
+    title = "Discrete {R}outh reduction",
+    journal = "Journal of Physics A: Mathematical and General",
     volume = 39, number = 19, pages = "5521--5544" },
-  ["marsden-scheurle-1993"] = { "article", author = "Marsden, Jerrold E. and Scheurle, J{\\\"u}rgen",
+  ["marsden-scheurle-1993"] = { "article", author = "Marsden, Jerrold E. and Scheurle, "
+      .. "J{\\\"u}rgen",
     title = "{L}agrangian reduction and the double spherical pendulum", year = 1993,
     journal = "Zeitschrift f{\\\"u}r angewandte Mathematik und Physik", volume = 44,
     pages = "17--43" },
@@ -48,7 +51,8 @@ local rows = {
     title = "Construction of higher order symplectic integrators", journal = "Physics Letters A",
     volume = 150, pages = "262--268" },
   ["suzuki-1990"] = { "article", author = "Suzuki, Masuo", year = 1990,
-    title = "Fractal decomposition of exponential operators with applications to many-body theories "
+    title = "Fractal decomposition of exponential operators with applications to many-body "
+      .. "theories "
       .. "and {M}onte {C}arlo simulations",
     journal = "Physics Letters A", volume = 146, pages = "319--323" },
   ["mclachlan-1995"] = { "article", author = "McLachlan, Robert I.", year = 1995,
@@ -137,7 +141,8 @@ local rows = {
     title = "Multisymplectic geometry, variational integrators, and nonlinear {PDE}s",
     journal = "Communications in Mathematical Physics", volume = 199, pages = "351--395" },
   ["bridges-reich-2001"] = { "article", author = "Bridges, Thomas J. and Reich, Sebastian",
-    title = "Multi-symplectic integrators: numerical schemes for {H}amiltonian {PDE}s that conserve "
+    title = "Multi-symplectic integrators: numerical schemes for {H}amiltonian {PDE}s that "
+      .. "conserve "
       .. "symplecticity",
     journal = "Physics Letters A", volume = 284, pages = "184--193", year = 2001 },
   ["strang-1968"] = { "article", author = "Strang, Gilbert", year = 1968,
