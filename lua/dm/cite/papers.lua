@@ -1,7 +1,6 @@
 --- The literature: a BibTeX entry each, kind first. Fields in the order in which they are printed.
 local FIELDS = { "author", "title", "booktitle", "journal", "volume", "number", "pages",
-    "publisher",
-  "school", "type", "edition", "version", "year", "doi", "eprint", "url" }
+  "publisher", "school", "type", "edition", "version", "year", "doi", "eprint", "url" }
 
 local rows = {
   dmlua = { "software", author = "{The dmlua developers}", version = "0.1", year = 2026,
