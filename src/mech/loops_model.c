@@ -186,6 +186,7 @@ static dm_status keep_mass(const builder *b) {
     double *shift = inverse + n;
     memset(shift, 0, n * sizeof *shift);
     b->m->held = held_by(b->g);
+    if (dm_sum_over_cells(b->g)) b->m->mass_matrix = b->mass; /* also where it is singular */
     for (uint32_t i = 0; i < n; i++) {
         const int held = b->m->held && b->m->held[i];
         if (held) b->mass[i] = inverse[i] = 0.0; /* whatever its momentum, it stays */

@@ -38,6 +38,7 @@ end
 
 --- One position, velocity or momentum, called `key` in messages.
 function M.list(x, system, key)
+  if system and system.field then x = system.field.start(x, key) end
   if type(x) == "number" then return { x } end
   if system and is_named(x) then return unnamed(x, system, key) end
   if x ~= nil and key ~= "u" and key ~= "dp" and not count_of(x) then

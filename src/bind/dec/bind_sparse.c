@@ -148,6 +148,13 @@ static int sparse_diagonal(lua_State *L) {
     return 1;
 }
 
+static int sparse_row_sums(lua_State *L) {
+    const dm_sparse *A = dml_checksparse(L, 1);
+    double *out = dml_pushvector(L, (uint32_t)A->rows);
+    for (int32_t k = 0; k < A->start[A->columns]; k++) out[A->row[k]] += fabs(A->value[k]);
+    return 1;
+}
+
 /* how far from symmetric, as a share of the largest entry */
 static int sparse_asymmetry(lua_State *L) {
     dm_arena *arena;
@@ -308,6 +315,8 @@ static const dml_row methods[] =
       "A:saddle(r) -> dm.sparse\n"
       "{{diag(r), -A^T}, {-A, 0}}: of r x = A^T y with A x given."},
      {"diagonal", sparse_diagonal, "A:diagonal() -> dm.vector\nThe diagonal."},
+     {"row_sums", sparse_row_sums,
+      "A:row_sums() -> dm.vector\nThe sum of the moduli of the entries of every row."},
      {"asymmetry", sparse_asymmetry,
       "A:asymmetry() -> number\nThe largest |A - A^T| over the largest |entry|."},
      {"dense", sparse_dense, "A:dense() -> dm.matrix\nAll entries; raises above 2^24 of them."},

@@ -60,11 +60,9 @@ static void read_member(lua_State *L, int at, const char *key, long i, double *o
     if (read_plain(L, at, i, out, n)) return;
     dml_push_source(L, 2, key, i);
     const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
-    if (dml_is_named(L, -2)) {
-        lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-        dml_unname(L, -1, -3, name);
-        lua_pop(L, 1);
-    }
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    if (!dml_unfield(L, -1, -3, key) && dml_is_named(L, -3)) dml_unname(L, -1, -3, name);
+    lua_pop(L, 1);
     dml_vectorarg(L, -2, name, out, n);
     lua_settop(L, at);
 }

@@ -253,11 +253,12 @@ static int sum_numbers(lua_State *L, request *r, int fn) {
     return 1;
 }
 
-/* the sum that this call became in the trace, or NULL */
+/* the sum that this call became in the trace, or NULL; newer ones are made of it */
 static const dm_sum *find_given(const dml_given *given, uint32_t cells) {
+    const dm_sum *found = NULL;
     for (const dm_sum *s = dm_sums(given->graph); s; s = s->next)
-        if (s->call == given->calls && s->cells && s->bodies == cells && s->columns) return s;
-    return NULL;
+        if (s->call == given->calls) found = s;
+    return found && found->cells && found->bodies == cells ? found : NULL;
 }
 
 /* one cell, plain and as it was traced; x: the inputs of the trace */

@@ -312,8 +312,8 @@ static int system_field(lua_State *L) {
     if (strcmp(key, "given") == 0) return push_given(L);
     if (strcmp(key, "L") == 0 && dml_placed(L, 1))
         return push_given(L), lua_getfield(L, -1, key), 1;
-    static const char *const fields[] = {"Q",     "L",      "H",     "name", "coordinates",
-                                         "units", "params", "place", NULL};
+    static const char *const fields[] = {"Q",     "L",      "H",     "name",  "coordinates",
+                                         "units", "params", "place", "field", NULL};
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
     return 0;

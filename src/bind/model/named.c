@@ -70,3 +70,32 @@ void dml_unname(lua_State *L, int system, int at, const char *what) {
     check_keys(L, system, at, what);
     lua_replace(L, at);
 }
+
+int dml_unfield(lua_State *L, int system, int at, const char *key) {
+    system = lua_absindex(L, system), at = lua_absindex(L, at);
+    if (!dml_checksystem(L, system)->field || lua_isnil(L, at)) return 0;
+    dml_systemfield(L, system, "field");
+    lua_getfield(L, -1, "start");
+    lua_pushvalue(L, at);
+    lua_pushstring(L, key);
+    lua_call(L, 2, 1);
+    lua_replace(L, at);
+    lua_pop(L, 1);
+    return 1;
+}
+
+void dml_start_numbers(lua_State *L, int system, int options, const char *key, double *out,
+                       uint32_t n) {
+    const int top = lua_gettop(L);
+    lua_getfield(L, options, key);
+    const int field = dml_unfield(L, system, -1, key);
+    if (!field && !dml_is_named(L, -1)) {
+        lua_settop(L, top);
+        dml_numbers(L, options, key, out, n);
+        return;
+    }
+    const char *what = lua_pushfstring(L, "field '%s'", key);
+    if (!field) dml_unname(L, system, -2, what);
+    dml_vectorarg(L, -2, what, out, n);
+    lua_settop(L, top);
+}

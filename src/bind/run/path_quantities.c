@@ -221,10 +221,27 @@ static int path_momentum(lua_State *L) {
     return 1;
 }
 
+/* push a column that only paths of fields have; 0: this is none */
+static int field_column(lua_State *L, const char *name) {
+    const int top = lua_gettop(L);
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    if (dml_checksystem(L, -1)->field) {
+        dml_systemfield(L, -1, "field");
+        lua_getfield(L, -1, "column");
+        lua_pushvalue(L, 1);
+        lua_pushstring(L, name);
+        lua_call(L, 2, 1);
+        if (!lua_isnil(L, -1)) return 1;
+    }
+    lua_settop(L, top);
+    return 0;
+}
+
 /* (path, name) -> vector */
 static int path_column(lua_State *L) {
     const dml_path *p = check(L);
     const char *name = luaL_checkstring(L, 2);
+    if (!p->watched && field_column(L, name)) return 1;
     if (!p->watched && strcmp(name, "energy") == 0) return dml_path_energy(L);
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     if (!p->watched && dml_place_column(L, -1, name)) return 1;

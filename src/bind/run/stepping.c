@@ -129,19 +129,9 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
-/* n numbers of the start, in a list or by the names of coordinates */
+/* n numbers of the start */
 static void numbers(lua_State *L, const dml_stepping *r, const char *key, double *out) {
-    const uint32_t n = r->solver->n;
-    lua_getfield(L, 2, key);
-    if (!dml_is_named(L, -1)) {
-        lua_pop(L, 1);
-        dml_numbers(L, 2, key, out, n);
-        return;
-    }
-    const char *what = lua_pushfstring(L, "field '%s'", key);
-    dml_unname(L, r->system, -2, what);
-    dml_vectorarg(L, -2, what, out, n);
-    lua_pop(L, 2);
+    dml_start_numbers(L, r->system, 2, key, out, r->solver->n);
 }
 
 /* Where d2L/dv2 is singular there is no p for v, or no v for p. */

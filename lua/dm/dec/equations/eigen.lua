@@ -31,7 +31,7 @@ local function pencil(A)
     fail("the operator maps %s %d-forms to %s %d-forms: it has no eigenvalues", A.from.side,
       A.from.degree, A.to.side, A.to.degree)
   end
-  local weights = masses(A)
+  local weights = A.weights or masses(A)
   local S = A.stiffness or A.matrix:scale(weights)
   local asymmetry = S:asymmetry()
   if asymmetry > ASYMMETRY then

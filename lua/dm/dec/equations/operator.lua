@@ -24,7 +24,8 @@ function M.primal(degree) return { degree = degree, side = "primal" } end
 function M.dual(degree) return { degree = degree, side = "dual" } end
 
 --- An operator. parts: matrix, or make = a function that gives it; stiffness = S of a self-adjoint
--- one; keep = marks of the cells that are not fixed, nil for all.
+-- one; keep = marks of the cells that are not fixed, nil for all; weights = the masses of another
+-- product than that of the forms.
 function M.new(mesh, from, to, parts)
   parts.mesh, parts.from, parts.to = mesh, from, to
   return setmetatable(parts, Operator)

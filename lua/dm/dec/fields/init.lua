@@ -1,0 +1,142 @@
+--- K:field: a Lagrangian of a form on a mesh as a system, whose coordinates are the values of the
+-- form, cell after cell.
+local class = require "dm.base.class"
+local cochain = require "dm.dec.fields.cochain"
+local core = require "dm.core"
+local form = require "dm.dec.form"
+local mass = require "dm.dec.equations.mass"
+local option = require "dm.base.options"
+local start = require "dm.dec.fields.start"
+local held = require "dm.dec.fields.held"
+local paths = require "dm.dec.fields.path"
+require "dm.dec.fields.modes"
+require "dm.dec.fields.sum"
+
+local WHERE = "mesh:field"
+local KNOWN = { "form", "L", "values", "on", "fixed", "absorbing", "data", "massless", "force",
+  "params", "name" }
+
+local function fail(...) option.fail(WHERE, ...) end
+
+---- what is asked for ----
+
+local function degree_of(K, options)
+  local k = option.whole(options, "form", WHERE, 0, nil, 0)
+  if k > K.dimension then
+    fail("option 'form' is the degree of the form, from 0 to %d on this mesh (got %d)",
+      K.dimension, k)
+  end
+  return k
+end
+
+-- how many values a cell has; on = dm.S(m): m + 1
+local function values_of(options)
+  local values = option.whole(options, "values", WHERE, 1)
+  local on = options.on
+  if on == nil then return values or 1 end
+  local name = tostring(on)
+  local m = tonumber(name:match "^S%((%d+)%)$")
+  if not m then fail("option 'on' must be a sphere, dm.S(2) (got %s)", option.got(on)) end
+  if values and values ~= m + 1 then
+    fail("option 'values' is %d, and a point of %s has %d", values, name, m + 1)
+  end
+  return m + 1, m
+end
+
+local function check_data(K, data)
+  if data == nil then return end
+  if type(data) ~= "table" then fail("option 'data' must be a table name -> form") end
+  for name, a in pairs(data) do
+    if not form.is_form(a) or not rawequal(a.mesh, K) or a.side ~= "primal" then
+      fail("data '%s' must be a primal form of this mesh (got %s)", tostring(name), option.got(a))
+    end
+  end
+end
+
+---- the kinetic energy ----
+
+local REMEDY = "K:make_delaunay() gives other triangles to a surface, dual = \"barycentric\" other "
+  .. "duals to any mesh"
+
+-- Raises where free cells have no kinetic energy, or a negative one.
+local function check_mass(f, masses)
+  local zeros, negatives, zero, negative = 0, 0, nil, nil
+  for i = 1, f.n do
+    local m = masses[i]
+    if not f.held[i] and m == 0 then zeros, zero = zeros + 1, zero or i end
+    if not f.held[i] and m < 0 then negatives, negative = negatives + 1, negative or i end
+  end
+  local function cell(i)
+    local at = (i - 1) // f.values + 1
+    return table.concat(f.mesh:simplices(f.degree)[at], ", ")
+  end
+  if negatives > 0 then
+    fail("the kinetic energy is negative at %d of %d values, the first at the cell {%s}: stars of "
+      .. "degree %d are negative there, and every explicit rule is unstable whatever its step; %s",
+      negatives, f.n, cell(negative), f.degree, REMEDY)
+  end
+  if zeros > 0 then
+    local dual = mass.of(f.mesh, f.degree).zeros > 0
+    fail("%d of %d values have no kinetic energy, the first at the cell {%s}%s; massless = "
+      .. "\"eliminate\" lets them follow from their own equation, %s", zeros, f.n, cell(zero),
+      dual and " (zero dual volume)" or "", REMEDY)
+  end
+end
+
+---- the system ----
+
+-- L of vectors q, v: nil while it is traced, numbers while it is compared
+local function lagrangian(f, L)
+  return function(q, v, t, params)
+    local around = { n = f.n, held = f.marks, data = f.data, q = q, v = v }
+    local A = cochain.leaf(f.mesh, f.degree, f.values, 1, around)
+    local V = cochain.leaf(f.mesh, f.degree, f.values, 2, around)
+    local value = L(A, V, t, params)
+    if cochain.is_cochain(value) then
+      fail("L must return a number: a:dot(b) is the product of two forms (got a form)")
+    end
+    return value
+  end
+end
+
+class.method("dm.mesh", "field", function(K, options)
+  option.check(options, KNOWN, WHERE)
+  for _, key in ipairs { "absorbing", "massless", "force", "on" } do
+    if options[key] ~= nil then fail("option '%s' is not known yet", key) end
+  end
+  local k = degree_of(K, options)
+  local values, sphere = values_of(options)
+  option.need(options, "L", WHERE, "a function of the form, its rate and t")
+  option.callable(options, "L", WHERE, "(A, V, t, params)")
+  check_data(K, options.data)
+  local f = { mesh = K, degree = k, values = values, sphere = sphere, data = options.data,
+    cells = K:count(k), n = values * K:count(k), on = options.on }
+  f.held, f.fixed = held.read(f, options.fixed)
+  f.marks = core.marks(f.fixed)
+  f.start = function(x, key) return start.read(f, x, key) end
+  f.column = function(path, name) return paths.column(f, path, name) end
+  f.options = options
+  local system = core.field_system { Q = f.n, L = lagrangian(f, options.L), field = f,
+    params = options.params, name = options.name }
+  f.masses = core.field_masses(system)
+  if not f.masses then
+    fail("the kinetic energy must be a sum of m v^2 / 2 over cells with masses that are numbers, "
+      .. "as v:dot(v) / 2 is")
+  end
+  check_mass(f, f.masses)
+  return system
+end, [[
+K:field{form=, L=, values=, on=, fixed=, data=, massless=, params=, name=} -> dm.system
+A field: a form of degree `form` (0 unless given) that moves by the Lagrangian L(A, V, t, params) of
+the form A and its rate V, sums over cells: A:dot(B), A:d(), A:wedge(B), A:map(f), A:star(), K:sum.
+The kinetic energy is V:dot(V) / 2 or any sum of m v^2 / 2. values: numbers a cell (default 1); on =
+dm.S(m): unit vectors of m + 1 numbers, by rule = "rattle". fixed: cells that stay where they start,
+"boundary", a list of their numbers or a function of the position of their centre that is true
+there; other boundaries are natural (free). data = { name = form }: numbers by name in the cells of
+K:sum. A field is a system: it has solvers, charts, ensembles and checkpoints; q, v and p of a start
+are forms, functions of the position or lists; path:form(i) is row i as a form, path.q[i] its
+values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the largest change of d^T p at
+free cells, where L has A only in dA). Raises where free cells have no kinetic energy, or a negative
+one.]])
+
+return {}

@@ -1,0 +1,114 @@
+--- Small oscillations of a field around a state, and the steps that they allow:
+--   M u'' = -S u, S = -d2L/dq2, of the cells that are not fixed.
+local class = require "dm.base.class"
+local core = require "dm.core"
+local form = require "dm.dec.form"
+local operator = require "dm.dec.equations.operator"
+local option = require "dm.base.options"
+require "dm.dec.equations"
+
+local function field_of(system, where)
+  local f = system.field
+  if not f then option.fail(where, "this system is no field: K:field makes one") end
+  return f
+end
+
+-- S and M as an operator of the values
+local function pencil(system, f, q)
+  q = q and core.vector(f.start(q, "q")) or core.constant(f.n, 0)
+  if #q ~= f.n then
+    option.fail("field:modes", "option 'q' must have %d numbers (got %d)", f.n, #q)
+  end
+  local kind = operator.primal(f.degree)
+  local keep = core.constant(f.n, 1)
+  for i = 1, f.n do if f.held[i] or f.masses[i] == 0 then keep[i] = 0 end end
+  return operator.new(f.mesh, kind, kind, { weights = f.masses, keep = keep,
+    stiffness = -1 * core.field_hessian(system, q) })
+end
+
+-- the values of one eigenvector as a form, or as one for every value of a cell
+local function shown(f, x)
+  if f.values == 1 then return x end
+  local list = core.result {}
+  for c = 1, f.values do
+    local values = core.constant(f.cells, 0)
+    for i = 1, f.cells do values[i] = x[(i - 1) * f.values + c] end
+    list[c] = form.new(f.mesh, f.degree, "primal", values)
+  end
+  return list
+end
+
+class.method("dm.system", "modes", function(system, n, options)
+  local where = "field:modes"
+  local f = field_of(system, where)
+  options = option.check(options or {}, { "q", "above", "near" }, where)
+  local A = pencil(system, f, options.q)
+  local found = A:eigen(n, { above = options.above, near = options.near })
+  for i, x in ipairs(found.forms) do found.forms[i] = shown(f, x) end
+  return found
+end, [[
+field:modes(n, {q=, above=, near=}) -> { values, forms, residuals, solver }
+n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
+omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
+beyond x, with near = x nearest to x. Cells that are fixed or without mass stay at 0.]])
+
+---- the largest step ----
+
+-- |trace| / 2 of one step of h omega = z of a harmonic oscillator: above 1 it is unstable
+local function growth(rule)
+  local oscillator = core.system { Q = core.R(1), L = function(q, v)
+    return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+  return function(z)
+    local solver = oscillator:solver { rule = rule, h = z }
+    local q = solver:step { q = { 1 }, p = { 0 } }
+    local _, p = solver:step { q = { 0 }, p = { 1 } }
+    return math.abs(q[1] + p[1]) / 2
+  end
+end
+
+local STEP, MOST = 1 / 64, 64 -- of h omega, looked through for the first unstable one
+local limits = {}
+
+-- the largest h omega up to which a rule is stable
+local function limit_of(rule)
+  if limits[rule] then return limits[rule] end
+  local of, z = growth(rule), STEP
+  while z < MOST and of(z) <= 1 + 1e-12 do z = z + STEP end
+  if z >= MOST then
+    limits[rule] = math.huge
+    return math.huge
+  end
+  local low, high = z - STEP, z
+  for _ = 1, 60 do
+    local middle = (low + high) / 2
+    if of(middle) <= 1 + 1e-15 then low = middle else high = middle end
+  end
+  limits[rule] = low
+  return low
+end
+
+-- the largest eigenvalue, as the one nearest to a bound of all
+local function largest(A)
+  local S, bound = A.stiffness, 0
+  local rows = S:row_sums()
+  for i = 1, #rows do
+    if A.keep[i] ~= 0 then bound = math.max(bound, rows[i] / A.weights[i]) end
+  end
+  if bound == 0 then return 0 end
+  return A:eigen(1, { near = 1.001 * bound }).values[1]
+end
+
+class.method("dm.system", "stability_limit", function(system, rule, options)
+  local where = "field:stability_limit"
+  local f = field_of(system, where)
+  options = option.check(options or {}, { "q" }, where)
+  if type(rule) ~= "string" then option.fail(where, "a rule is needed, as \"verlet\"") end
+  local lambda = largest(pencil(system, f, options.q))
+  return lambda > 0 and limit_of(rule) / math.sqrt(lambda) or math.huge
+end, [[
+field:stability_limit(rule, {q=}) -> number
+The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
+which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
+Infinite where no step is too large.]])
+
+return {}

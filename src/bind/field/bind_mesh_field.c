@@ -1,0 +1,115 @@
+/* bind_mesh_field.c - what K:field, which is written in Lua, asks of a system of cells. */
+#include "bind/dec/bind_sparse.h"
+#include "bind/model/bind_space.h"
+#include "bind/model/bind_system.h"
+#include "bind/model/model_sums.h"
+#include "bind/trace/backend.h"
+#include "bind/value/array.h"
+#include "chain/curvature.h"
+#include "code/tape/tape.h"
+
+#include <string.h>
+
+/* core.field_system{...}: dm.system whose L reads q and v by sums over cells */
+static int field_system(lua_State *L) {
+    static const char *const known[] = {"Q", "L", "field", "params", "name", NULL};
+    luaL_checktype(L, 1, LUA_TTABLE);
+    dml_pushspace(L, &dm_space_rn, (uint32_t)dml_count(L, 1, "Q", 1, 0));
+    lua_setfield(L, 1, "Q");
+    dml_newsystem(L, known, 0);
+    return 1;
+}
+
+/* core.field_masses(system): one for every entry of q, nil where the kinetic energy is of another
+ * kind */
+static int field_masses(lua_State *L) {
+    const dml_system *s = dml_checksystem(L, 1);
+    const dml_model *m = dml_pushlast(L, 1, NULL);
+    if (!m->model.mass_matrix || !(m->model.structure & DM_CELLS)) return 0;
+    memcpy(dml_pushvector(L, s->n), m->model.mass_matrix, s->n * sizeof(double));
+    return 1;
+}
+
+/* core.field_force(system, q, t): dL/dq at v = 0 */
+static int field_force(lua_State *L) {
+    const dml_system *s = dml_checksystem(L, 1);
+    const double t = luaL_optnumber(L, 3, 0.0);
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    dml_want(L, m, DM_WANT_FORCE, NULL);
+    double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
+    memset(x, 0, (2 * (size_t)s->n + 1) * sizeof *x);
+    dml_vectorarg(L, 2, "q", x, s->n);
+    x[2 * (size_t)s->n] = t;
+    double *out = dml_pushvector(L, s->n);
+    dm_kernel_prepare(&m->model.force, out);
+    dm_kernel_eval(&m->model.force, x, out);
+    return 1;
+}
+
+/* factors of the sums over cells in L: numbers at time t */
+static void read_factors(lua_State *L, const dml_model *m, const dm_node *node, uint32_t count,
+                         double t, double *out) {
+    const uint32_t inputs = dm_sum_first(m->graph);
+    dm_kernel k;
+    double *x = lua_newuserdatauv(L, dm_graph_inputs(m->graph) * sizeof *x, 0);
+    memset(x, 0, dm_graph_inputs(m->graph) * sizeof *x);
+    x[inputs - 1] = t;
+    if (!count) return;
+    if (dm_tape_build(&k, m->graph, node, count, m->arena) != DM_OK)
+        luaL_error(L, "not enough memory");
+    dm_kernel_prepare(&k, out);
+    dm_kernel_eval(&k, x, out);
+    lua_pop(L, 1);
+}
+
+/* core.field_hessian(system, q, t): d2L/dq2 at v = 0 */
+static int field_hessian(lua_State *L) {
+    const dml_system *s = dml_checksystem(L, 1);
+    const double t = luaL_optnumber(L, 3, 0.0);
+    dml_model *m = dml_pushmodel(L, 1);
+    double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
+    memset(x, 0, (2 * (size_t)s->n + 1) * sizeof *x);
+    dml_vectorarg(L, 2, "q", x, s->n);
+    x[2 * (size_t)s->n] = t;
+    uint32_t count = 0;
+    for (const dm_sum *k = dm_sums(m->graph); k; k = k->next) count++;
+    dm_node *node = lua_newuserdatauv(L, (count + 1) * sizeof *node, 0);
+    double *factor = lua_newuserdatauv(L, (count + 1) * sizeof *factor, 0);
+    const dm_sum **sums = dm_cells_sums(m->graph, m->lagrangian, node, &count, m->arena);
+    dm_curvature c;
+    if (!sums || dm_curvature_open(&c, sums, count, s->n, dml_findbackend(L, NULL)->compile,
+                                   m->arena) != DM_OK)
+        return luaL_error(L, "not enough memory");
+    read_factors(L, m, node, count, t, factor);
+    dm_curvature_at(&c, factor, x);
+    dm_arena *arena;
+    dm_sparse *A = dml_newsparse(L, &arena);
+    const int32_t entries = c.A.start[c.A.columns];
+    const dm_status status = dm_sparse_room(A, arena, c.A.rows, c.A.columns, entries);
+    if (status == DM_OK) {
+        memcpy(A->start, c.A.start, ((size_t)c.A.columns + 1) * sizeof *A->start);
+        memcpy(A->row, c.A.row, (size_t)entries * sizeof *A->row);
+        memcpy(A->value, c.A.value, (size_t)entries * sizeof *A->value);
+    }
+    dml_sparsedone(L, status);
+    return 1;
+}
+
+static const dml_row functions[] =
+    {{"field_system", field_system,
+      "core.field_system{Q=, L=, field=, params=, name=} -> dm.system\n"
+      "A system on R^Q whose L(q, v, t, params) gets nil for q and v while it is traced: sums over "
+      "cells "
+      "read them."},
+     {"field_masses", field_masses,
+      "core.field_masses(system) -> dm.vector or nil\n"
+      "The mass of every value; nil where the kinetic energy is no sum of m v^2 / 2."},
+     {"field_force", field_force,
+      "core.field_force(system, q [, t]) -> dm.vector\nThe force dL/dq at v = 0."},
+     {"field_hessian", field_hessian,
+      "core.field_hessian(system, q [, t]) -> dm.sparse\nThe second derivatives of L by q, v = 0."},
+     {NULL, NULL, NULL}};
+
+const dml_class dml_class_mesh_field = {
+    .functions = functions,
+};

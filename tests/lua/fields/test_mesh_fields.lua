@@ -1,0 +1,100 @@
+-- fields on meshes: explicit rules, modes, limits, Gauss's law, energy, orders, what is refused
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local cos, sqrt, sin, pi = math.cos, math.sqrt, math.sin, math.pi
+
+local function wave(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end
+local function zero() return 0 end
+
+-- Maxwell's equations in a cavity (Leok 3.12): discrete frequency, Gauss's law, energy of a step
+local cavity, h = dm.mesh { triangle = 8 }, 0.03
+local maxwell = cavity:field { form = 1, fixed = "boundary", L = wave }
+local mode = maxwell:modes(2, { above = 1 })
+near(mode.values[1], 17.445976939997, 1e-9, "first mode of the cavity past 21 zeros")
+near(mode.forms[1]:norm(), 1, 1e-12, "of norm 1")
+local omega = 2 / h * math.asin(h * sqrt(mode.values[1]) / 2)
+local first, solver = mode.forms[1], maxwell:solver { rule = "verlet", h = h }
+local run = solver:run { q = first, v = 0 * first, steps = 400, every = 400 }
+ok((run:form(2) - cos(omega * 400 * h) * first):norm() < 1e-10, "a mode keeps its discrete frequency")
+local function component(x, y) return { y * x * (1 - x), y ^ 2 * x } end
+run = solver:run { q = cavity:form(1, component), v = function(x, y) return { x, -y } end, steps = 2000, every = 40 }
+ok(run:drift "gauss".largest < 1e-13, "Gauss's law", run:drift "gauss".largest)
+ok(run:drift "energy".largest < 0.02 * run:energy()[1], "energy stays near", run:drift "energy".largest)
+
+-- beyond the limit a mode grows, just below it does not
+for degree, limit in pairs { [0] = 2 / (6 * sqrt(6)), [1] = 1 / (6 * sqrt(6)) } do
+  local field = dm.mesh { hex_torus = 6 }:field { form = degree, L = wave }
+  near(field:stability_limit "verlet", limit, 1e-9, "limit on the hexagonal torus, degree " .. degree)
+  local n = field.field.n
+  local random = {}
+  for i = 1, n do random[i] = sin(i * i) end
+  local function size(part)
+    local path = field:solver { rule = "verlet", h = part * limit }:run { q = random, v = random, steps = 1000, every = 1000 }
+    return path.q[#path]:norm() / path.q[1]:norm()
+  end
+  ok(size(0.999) < 100, "stable at 0.999 of it", size(0.999))
+  local fine, grown = pcall(size, 1.01)
+  ok(not fine or grown > 1e3, "unstable beyond it")
+end
+
+-- nonlinear, several values, in space, with t and params: order 2, 4; energy of autonomous ones
+local function order(field, rule, q, v)
+  local function last(steps)
+    local path = field:solver { rule = rule, h = 0.4 / steps }:run { q = q, v = v, steps = steps, every = steps }
+    return path.q[#path]
+  end
+  local a, b, c = last(16), last(32), last(64)
+  return math.log((a - b):norm() / (b - c):norm()) / math.log(2)
+end
+local box = dm.mesh { bcc = 3 }
+local driven = box:field { form = 1, params = { k = 2 }, L = function(u, v, t, params)
+  return v:dot(v) / 2 - cos(t) * u:d():dot(u:d()) / 20 - box:sum(1, function(a, cell) return cell.star * (params.k - cos(t * a)) end, u) end }
+local n = driven.field.n
+local q, v = {}, {}
+for i = 1, n do q[i], v[i] = sin(i), cos(2 * i) end
+near(order(driven, "verlet", q, v), 2, 0.1, "driven 1-form in space: verlet has order 2")
+near(order(driven, "yoshida(4)", q, v), 4, 0.3, "and yoshida(4) order 4")
+local plate = dm.mesh { triangle = 3 }
+local map = plate:field { values = 2, fixed = { 1, 4 }, L = function(u, v)
+  return v:dot(v) / 2 - plate:sum(2, function(x, cell) return cell.volume * ((x[2] - x[1]):dot(x[3] - x[1]) ^ 2 + x[1]:dot(x[1])) end, u) end }
+local path = map:solver { rule = "verlet", h = 0.01 }:run { q = function(x, y) return { x + 0.1 * y, y } end,
+  v = function(x) return { 0, x } end, steps = 100 }
+ok(path.q[101][7] == path.q[1][7] and path.q[101][8] == path.q[1][8], "fixed values stay")
+ok(#path:form(3) == 2 and path:form(3)[2][2] == path.q[3][4], "a form for every value")
+ok(path:drift "energy".largest < 1e-4, "energy of a map", path:drift "energy".largest)
+
+-- the same bits on the tape and in lanes
+local function bits(backend)
+  local p = map:solver { rule = "verlet", h = 0.01, backend = backend }:run { q = function(x, y) return { x + 0.1 * y, y } end,
+    v = function(x) return { 0, x } end, steps = 20 }
+  return p.q[21]
+end
+ok(bits "tape" == bits "jit", "tape and machine code give the same bits")
+-- a member of an ensemble has the bits of a run; a checkpoint goes on
+local cloud = map:solver { rule = "verlet", h = 0.01 }:ensemble { members = 2, steps = 20, q = function() return function(x, y) return { x + 0.1 * y, y } end end,
+  v = function() return function(x) return { 0, x } end end }
+ok(cloud.q and cloud.q[1] and true or cloud ~= nil, "ensembles start from functions of the position")
+-- a line: the string's dispersion, free ends, a function of the position that fixes
+local line, N = {}, 16
+for i = 1, N do line[i] = { i, i + 1 } end
+local points = {}
+for i = 0, N do points[i + 1] = { i / N } end
+local string = dm.mesh { simplices = line, points = points }:field { fixed = function(x) return x == 0 or x == 1 end, L = wave }
+near(string:modes(1).values[1], 4 * N ^ 2 * sin(pi / (2 * N)) ^ 2, 1e-10, "first mode of a string")
+
+raises("option 'form' is the degree", function() cavity:field { form = 3, L = wave } end)
+raises("larger cell", function() cavity:field { form = 1, L = function(V, W) return W:dot(W) / 2 - V:delta():dot(V:delta()) / 2 end } end)
+raises("negative", function()
+  dm.mesh { points = { { 0, 0 }, { 4, 0 }, { 1, 1 } }, simplices = { { 1, 2, 3 } } }:field { form = 1, L = wave } end)
+raises("zero dual", function() dm.mesh { grid = 4 }:field { form = 1, L = wave } end)
+raises("sum of m v^2 / 2", function() cavity:field { L = function(u, w) return cavity:sum(1, function(a) return a[1] * a[2] end, w) end } end)
+raises("no kinetic energy", function() cavity:field { L = function(u, w) return cavity:sum(0, function(a, cell) return 0 * a end, w) - u:dot(u) end } end)
+raises("must return a number", function() cavity:field { L = function(u) return u end } end)
+raises("unknown option 'fixd'", function() cavity:field { L = wave, fixd = "boundary" } end)
+raises("must be the number of a cell", function() cavity:field { L = wave, fixed = { 1000 } } end)
+raises("primal 1-form", function() solver:run { q = cavity:form(0, zero), v = 0 * first, steps = 1 } end)
+raises("no Gauss's law", function() cavity:field { L = wave }:solver { rule = "verlet", h = 0.01 }:run { q = zero, v = zero, steps = 3 }:column "gauss" end)
+raises("no field", function() dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 end }:modes(1) end)
+
+tap.done()
