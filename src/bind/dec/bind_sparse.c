@@ -148,6 +148,7 @@ static int sparse_diagonal(lua_State *L) {
     return 1;
 }
 
+/* of moduli: a bound of the eigenvalues */
 static int sparse_row_sums(lua_State *L) {
     const dm_sparse *A = dml_checksparse(L, 1);
     double *out = dml_pushvector(L, (uint32_t)A->rows);

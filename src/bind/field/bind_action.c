@@ -26,10 +26,12 @@ typedef struct {
     dm_arena *arena;
 } action;
 
+/* The action at stack index 1. */
 static action *check(lua_State *L) {
     return luaL_checkudata(L, 1, ACTION);
 }
 
+/* Raises where something could not be made. */
 static void need(lua_State *L, dm_status status) {
     if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
     if (status != DM_OK) luaL_error(L, "%s", dm_status_text(status));

@@ -194,6 +194,7 @@ static int call_term(lua_State *L) {
     return 1;
 }
 
+/* push the term as a function without arguments, or of nil */
 static void push_term(lua_State *L, int fn, request *r) {
     lua_pushvalue(L, fn);
     lua_pushlightuserdata(L, r);

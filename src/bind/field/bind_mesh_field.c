@@ -1,6 +1,5 @@
 /* bind_mesh_field.c - what K:field, which is written in Lua, asks of a system of cells. */
 #include "bind/dec/bind_sparse.h"
-#include "bind/model/bind_space.h"
 #include "bind/model/bind_system.h"
 #include "bind/model/model_sums.h"
 #include "bind/trace/backend.h"
@@ -14,7 +13,7 @@
 static int field_system(lua_State *L) {
     static const char *const known[] = {"Q", "L", "field", "params", "name", NULL};
     luaL_checktype(L, 1, LUA_TTABLE);
-    dml_pushspace(L, &dm_space_rn, (uint32_t)dml_count(L, 1, "Q", 1, 0));
+    dml_push_rn(L, (uint32_t)dml_count(L, 1, "Q", 1, 0));
     lua_setfield(L, 1, "Q");
     dml_newsystem(L, known, 0);
     return 1;

@@ -1,6 +1,7 @@
 /* bind_space.c - `dm.R(n)`, `dm.T(n)`, `dm.SO(n)`: one constructor per row of
  * geom/spaces.def. */
 #include "bind/model/bind_space.h"
+#include "bind/model/bind_system.h"
 
 #include <math.h>
 #include <string.h>
@@ -176,3 +177,8 @@ const dml_class dml_class_space = {
     .functions = functions,
     .open = open_spaces,
 };
+
+/* Fields have more values than dm.R allows. */
+void dml_push_rn(lua_State *L, uint32_t n) {
+    dml_pushspace(L, &dm_space_rn, n);
+}

@@ -28,6 +28,9 @@ typedef struct {
 /* Push a new system (or, pair = 1, discrete Lagrangian) from the options table at 1. */
 void dml_newsystem(lua_State *L, const char *const *known, int pair);
 
+/* Push the space R(n), of any n. */
+void dml_push_rn(lua_State *L, uint32_t n);
+
 /* dm.system{ Q =, L = }, as a C function. */
 int dml_system_new(lua_State *L);
 

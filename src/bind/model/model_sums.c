@@ -91,7 +91,7 @@ dml_model *dml_standin(lua_State *L, int at, unsigned want) {
 /* Kernels made before go. */
 void dml_writeout(lua_State *L, dml_model *m) {
     if (!m->graph || !dm_sums(m->graph)) return;
-    if (dm_sum_over_cells(m->graph)) dml_refusecells(L, "this");
+    dml_refusecells(L, m, "this");
     if (m->n > DM_MODEL_DENSE)
         luaL_error(L,
                    "the sums of dm.sum_over are written out up to %d coordinates (this system has "
@@ -105,7 +105,9 @@ void dml_writeout(lua_State *L, dml_model *m) {
     if (status != DM_OK) luaL_error(L, "%s", dm_status_text(status));
 }
 
-void dml_refusecells(lua_State *L, const char *why) {
+/* Of any other model nothing is raised. */
+void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
+    if (!dm_sum_over_cells(m->graph)) return;
     luaL_error(L,
                "%s cannot be had of a field: its kinetic energy must be a sum of m v^2 / 2 over "
                "cells with masses that are numbers, as v:dot(v) / 2 is, and no rule may ask for a "

@@ -71,6 +71,7 @@ void dml_unname(lua_State *L, int system, int at, const char *what) {
     lua_replace(L, at);
 }
 
+/* The field, a Lua object, knows its mesh. */
 int dml_unfield(lua_State *L, int system, int at, const char *key) {
     system = lua_absindex(L, system), at = lua_absindex(L, at);
     if (!dml_checksystem(L, system)->field || lua_isnil(L, at)) return 0;
@@ -84,6 +85,7 @@ int dml_unfield(lua_State *L, int system, int at, const char *key) {
     return 1;
 }
 
+/* The stack is left as it was. */
 void dml_start_numbers(lua_State *L, int system, int options, const char *key, double *out,
                        uint32_t n) {
     const int top = lua_gettop(L);

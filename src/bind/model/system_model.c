@@ -62,7 +62,7 @@ static void check_status(lua_State *L, dm_status status) {
 
 /* loops are not possible, and written out they would be too large */
 static void refuse_dense(lua_State *L, const dml_model *m, const char *why) {
-    if (dm_sum_over_cells(m->graph)) dml_refusecells(L, why);
+    dml_refusecells(L, m, why);
     luaL_error(L,
                "%s needs the second derivatives of L as a full %d x %d matrix, which is kept up to "
                "%d coordinates in a system with dm.sum_over; explicit rules do without "
@@ -139,8 +139,7 @@ void dml_asgiven(lua_State *L, dml_model *m) {
     read_structure(L, m, 0);
 }
 
-/* derivatives of the constraints; sums in L are written out, since a constrained step needs
- * dense kernels */
+/* derivatives of the constraints; sums in L are written out: a constrained step is dense */
 static void read_constraints(lua_State *L, dml_model *m) {
     if (!m->constrained.graph) return;
     if (!m->graph)
