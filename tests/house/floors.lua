@@ -13,11 +13,11 @@ floors.src = {
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
-  "integ/sem", "integ/lie", "integ",
+  "integ/multiscale", "integ/trial", "integ/sem", "integ/lie", "integ",
   "run", "run/ensemble",
   "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/rule",
-  "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
+  "bind/trial", "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
   "cli",
 }
 
@@ -25,7 +25,7 @@ floors.lua = {
   "base", "group", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures", "dec/flow",
   "dec/dynamics", "mpi", "sweep", "reference",
-  "chart", "measure", "sem", "stability",
+  "chart", "measure", "sem", "trial", "stability",
   "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run",
   "reduce", "scene", "demos", "session", "notebook",
   "cite",

@@ -114,7 +114,8 @@ class.method("dm.solver", "solvability", function(solver, given)
   end
   local roots, nearest = find_roots(excess(solver, start, E), solver.h)
   local C, H = limit(solver, start, solver.order)
-  local out = { solvable = #roots > 0, h = roots, C = C, order = solver.order, energy = E }
+  local out = core.result { solvable = #roots > 0, h = roots, C = C, order = solver.order,
+    energy = E }
   out.why = reason(out, E, H, nearest)
   return out
 end, [[

@@ -72,12 +72,30 @@ static void check_degree(lua_State *L, int s, const dm_quadrature *q) {
                    s, s - 1, degree);
 }
 
+/* functions = or curve =: a space of one's own (lua/dm/trial) */
+static int is_space(lua_State *L) {
+    const int there = dml_field(L, 1, "functions") | dml_field(L, 1, "curve");
+    lua_pop(L, 2);
+    return there;
+}
+
+static int push_space(lua_State *L) {
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.trial");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "own_space");
+    lua_pushvalue(L, 1);
+    if (!dml_try(L, 1, 1)) luaL_error(L, "%s", lua_tostring(L, -1)); /* with the caller's line */
+    return 1;
+}
+
 /* Nodes and weights become the data of a rule; degree and quadrature decide its order. */
 static int galerkin_new(lua_State *L) {
     static const char *const known[] = {"degree", "nodes", "weights", NULL};
     dm_quadrature q = {0};
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
+    if (is_space(L)) return push_space(L);
     dml_options(L, 1, known);
     const long degree = dml_count(L, 1, "degree", 1, 0);
     if (degree > DM_QUADRATURE_NODES)
@@ -99,12 +117,20 @@ static int galerkin_new(lua_State *L) {
 
 static const dml_row functions[] =
     {{"galerkin", galerkin_new,
-      "dm.galerkin{degree=, nodes=, weights=} -> dm.rule\n"
+      "dm.galerkin{degree=, nodes=, weights=} -> dm.rule   or   dm.galerkin{functions= | curve=, "
+      "parameters=, start=, quadrature=} -> dm.rule\n"
       "A Galerkin variational integrator for rule =: curves of that degree, the action by a "
       "quadrature with these nodes in [0, 1] (growing) and weights (sum 1; left out: those exact "
       "to the highest degree). Quadratures with names need no object: rule = \"galerkin(3, "
       "lobatto(4))\". Raises, with the degree, when the quadrature is not exact enough (Marsden & "
-      "West 2001, 2.6; HLW VI.6)."},
+      "West 2001, 2.6; HLW VI.6).\n"
+      "functions = function(t, h) return { 1, t, math.cos(t) } end: curves in the space of these "
+      "functions, t from 0 to h, for every coordinate, or a list of such functions, one a "
+      "coordinate. Or any curve: curve = function(t, z, h) -> the coordinates, z of `parameters` "
+      "numbers, for which start = function(q, v, h) gives the first guess. quadrature: a name, "
+      "\"gauss(8)\", { nodes =, weights = }, or { \"gauss(4)\", pieces = 5 }. A step solves for z "
+      "and the momentum at its end (Leok 5.2). Raises for functions that depend on each other, "
+      "that leave an end no freedom, or that the quadrature does not tell apart."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_galerkin = {

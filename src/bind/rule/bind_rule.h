@@ -14,6 +14,9 @@ typedef struct {
     /* where data differ with dim Q: those for n coordinates, kept alive by the object on the stack
      * at `data`, what is at user value 1; NULL: they do not */
     const void *(*for_space)(lua_State *L, int data, uint32_t n);
+    /* of a rule that is DM_OF_FUNCTIONS: what its stepper reads (dm_stepper.brought), traced for
+     * the system at `system` and steps of h; what keeps it alive is pushed. `object`: the rule */
+    const void *(*bring)(lua_State *L, int object, int system, const char *backend, double h);
 } dml_rule;
 
 /* Pop what keeps `data` alive (the userdata that it is in) and push a rule of the method `name`

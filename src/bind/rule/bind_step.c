@@ -128,8 +128,10 @@ void dml_step_parts(lua_State *L, int object) {
     lua_remove(L, -2);
 }
 
-/* All that is pushed but the maker goes again. */
-const dm_step_kernels *dml_step_trace(lua_State *L, int object, int arg, const char *backend) {
+/* dml_rule.bring: the functions for the system at `arg`. All that is pushed but the maker goes
+ * again. Raises what dml_trace raises, and wrong lengths. */
+static const void *bring(lua_State *L, int object, int arg, const char *backend, double h) {
+    (void)h;
     object = lua_absindex(L, object);
     arg = lua_absindex(L, arg);
     const dml_system *s = dml_checksystem(L, arg);
@@ -190,7 +192,7 @@ static int step_new(lua_State *L) {
     row->parts = (uint32_t)lua_tointeger(L, -1);
     lua_pop(L, 1);
     lua_setiuservalue(L, -2, 1);
-    dml_pushrule(L, "step", row, text);
+    dml_pushrule(L, "step", row, text)->bring = bring;
     return 1;
 }
 

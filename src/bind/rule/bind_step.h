@@ -5,10 +5,6 @@
 #include "bind/model/bind_system.h"
 #include "integ/step_method.h"
 
-/* Trace the functions of the dm.rule at `object` for the system at `arg` and push what keeps their
- * kernels alive. Raises what dml_trace raises, and wrong lengths. */
-const dm_step_kernels *dml_step_trace(lua_State *L, int object, int arg, const char *backend);
-
 /* The row of the dm.rule at `object` on the system at `arg`: has its `next` a time of its own? */
 const dm_method *dml_step_method(lua_State *L, int object, int arg);
 

@@ -106,6 +106,18 @@ static void add_sem(luaL_Buffer *b, const dm_energy_report *r) {
     if (r->fallbacks) luaL_addstring(b, text);
 }
 
+/* what a dm.multiscale misses of the momentum at the ends of its curves, where that is much */
+static void add_defect(luaL_Buffer *b, double defect) {
+    char text[200];
+    if (!(defect > 0.5)) return;
+    snprintf(text, sizeof text,
+             "; its curves miss the momentum at their ends by %.2g of it: is the frequency right "
+             "and "
+             "the only fast one, and h times it no multiple of pi?",
+             defect);
+    luaL_addstring(b, text);
+}
+
 /* path.sem: what became of the energy that chose the steps */
 static int push_sem(lua_State *L, const dm_energy_report *r) {
     const struct {
@@ -209,6 +221,7 @@ static int path_tostring(lua_State *L) {
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
     if (E) add_energy(&b, E, p, keeps);
     add_sem(&b, &p->sem);
+    add_defect(&b, p->defect);
     add_columns(L, &b, p);
     add_every(&b, p);
     luaL_pushresult(&b);

@@ -120,6 +120,8 @@ void dml_stepping_report(const dml_stepping *r, long steps, double seconds) {
                        .newton = report->newton,
                        .evaluations = report->evaluations,
                        .substeps = report->substeps,
+                       .condition = report->condition,
+                       .defect = report->defect,
                        .unseen = r->control ? r->control->unseen : 0,
                        .constrained = r->model->model.constraints != NULL,
                        .constraint = report->constraint,
@@ -162,6 +164,8 @@ static int solver_report(lua_State *L) {
                last->steps ? (double)last->newton / (double)last->steps : 0.0);
     if (last->substeps && last->steps)
         set_number(L, "substeps_per_step", (double)last->substeps / (double)last->steps);
+    if (last->condition > 0.0) set_number(L, "condition", last->condition);
+    if (last->defect > 0.0) set_number(L, "defect", last->defect);
     if (last->unseen) set_count(L, "unseen", last->unseen);
     if (!last->constrained) return 1;
     set_number(L, "constraint", last->constraint);
@@ -248,7 +252,9 @@ static const dml_row methods[] =
       "solver:report() -> table\n"
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
       "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, "
-      "newton_per_step, evaluations; substeps_per_step where they are chosen; unseen: how often a "
+      "newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the "
+      "condition "
+      "number of the step equation of a dm.multiscale; unseen: how often a "
       "controlled step would have jumped over something; with constraints: "
       "constraint and rolling, the largest |g| and "
       "|phi| at the end of a step."},

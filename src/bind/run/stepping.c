@@ -5,7 +5,7 @@
 #include "bind/model/model_sums.h"
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
-#include "bind/rule/bind_step.h"
+#include "bind/rule/bind_rule.h"
 #include "bind/run/start_constraints.h"
 #include "bind/run/stepping_params.h"
 #include "bind/trace/bind_root.h"
@@ -68,7 +68,7 @@ static void take_memory(lua_State *L, dml_stepping *r) {
 /* functions of the rule for this system; their kernels stay on the stack */
 static const void *bring(lua_State *L, const dml_stepping *r) {
     lua_getiuservalue(L, 1, DML_SOLVER_OBJECT);
-    return dml_step_trace(L, -1, r->system, backend_name(L));
+    return dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
 }
 
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {

@@ -29,6 +29,8 @@ typedef struct {
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
     int outside; /* Newton's method met the edge of the domain of L in the last step */
     dm_energy_report sem;
+    double condition; /* number of the step equation, where it is worth telling; 0: not */
+    double defect;    /* largest |p1 - L_v| at the ends of curves, over |L_v|, where it is told */
     int dependent; /* a step failed as constraints lose rank: one that depends on those before it */
 } dm_report;
 
