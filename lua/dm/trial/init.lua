@@ -104,8 +104,8 @@ local function of_curve(given, quadrature)
   local curve = options.callable(given, "curve", GALERKIN, "(t, z, h)")
   local start = options.callable(given, "start", GALERKIN, "(q, v, h)")
   if not start then
-    options.fail(GALERKIN, "option 'start' is missing: function(q, v, h) that returns a first guess "
-      .. "of z, the parameters of 'curve'")
+    options.fail(GALERKIN, "option 'start' is missing: function(q, v, h) that returns a first "
+      .. "guess of z, the parameters of 'curve'")
   end
   options.need(given, "parameters", GALERKIN, "how many numbers z has")
   local count = options.whole(given, "parameters", GALERKIN, 2, 400)
@@ -137,8 +137,8 @@ local function read_degrees(given, key, default, least)
   for _, d in ipairs(list) do
     fine = fine and math.type(d) and math.tointeger(d) and d >= least and d <= 20
   end
-  options.demand(fine, given, key, MULTISCALE, ("a whole number from %d to 20, or a list of one for "
-    .. "each coordinate"):format(least))
+  options.demand(fine, given, key, MULTISCALE, ("a whole number from %d to 20, or a list of "
+    .. "one for each coordinate"):format(least))
   return type(x) == "table" and x or list[1]
 end
 
@@ -175,7 +175,7 @@ end
 M.multiscale = blame.caller(function(given)
   options.check(given, { "frequency", "degrees", "oscillating", "nodes", "phases", "ansatz" },
     MULTISCALE, "{ frequency = }")
-  options.need(given, "frequency", MULTISCALE, "that of the fast motion, in radians per unit of time")
+  options.need(given, "frequency", MULTISCALE, "that of the fast motion, radians per unit of time")
   local w = options.positive(given, "frequency", MULTISCALE, "radians per unit of time")
   local degrees = read_degrees(given, "degrees", 3, 1)
   local oscillating = read_degrees(given, "oscillating", 0, 0)
@@ -194,14 +194,17 @@ end)
 
 core.docs[M.multiscale] = [[
 dm.multiscale{frequency=, degrees=, oscillating=, nodes=, phases=, ansatz=} -> dm.rule
-A rule for motion that vibrates with a known frequency w (radians per unit of time; path:frequency
-reads it off a run) beside something slow, with steps over many vibrations: every coordinate is
-P(t) + S(t) sin(w t) + C(t) cos(w t), P of `degrees` (3; a list: one for each coordinate), S and C of
-degree `oscillating` (0). L is taken at nodes x phases points of time and phase (5 Lobatto nodes, at
-most 8; 9 phases, odd) and every harmonic integrated by Filon's weights, so that a step costs the same
-however stiff the spring. ansatz = "product": P(t) (1 + a sin(w t) + b cos(w t)), the printed space
-with w held; solver:report().condition is that of its equations, 1e11 and more. Where h w is below 3,
-more nodes and phases are needed (6 and 15), below 1/2 the space is refused. Leok 5.7.]]
+A rule for motion that vibrates with a known frequency w (radians per unit of time;
+path:frequency reads it off a run) beside something slow, with steps over many vibrations: every
+coordinate is P(t) + S(t) sin(w t) + C(t) cos(w t), P of `degrees` (3; a list: one for each
+coordinate), S and C of degree `oscillating` (0). L is taken at nodes x phases points of time and
+phase (5 Lobatto nodes, at most 8; 9 phases, odd) and every harmonic integrated by Filon's
+weights, so that a step costs the same however stiff the spring. Rows and events inside a step are
+read off its curve. ansatz = "product": P(t) (1 + a sin(w t) + b cos(w t)), the printed space with
+w held, to compare: its equations have many roots and conditions of 1e10 and more
+(solver:report().condition). Where h w is below 3, more nodes and phases are needed (6 and 15),
+below 1/2 the space is refused. A wrong frequency, or a second one, shows in
+solver:report().defect. Leok 5.7.]]
 
 -- a name or { nodes = } as the core takes it
 local function filon_nodes(quadrature)
@@ -231,9 +234,9 @@ end)
 
 core.docs[M.filon] = [[
 dm.filon(quadrature, z) -> re, im, nodes
-Filon's weights b_i(z) = int_0^1 l_i(x) exp(i z x) dx on the nodes of a quadrature ("lobatto(5)", or {
-nodes = }; at most 8), l_i their Lagrange polynomials: the integral over a step h of F(t) exp(i w t) is
-about h sum_i b_i(w h) F(c_i h), exactly where F has a degree below the number of nodes. Real and
-imaginary parts, and the nodes in [0, 1], as vectors. Filon 1928; Leok 5.7.2.]]
+Filon's weights b_i(z) = int_0^1 l_i(x) exp(i z x) dx on the nodes of a quadrature ("lobatto(5)",
+or { nodes = }; at most 8), l_i their Lagrange polynomials: the integral over a step h of
+F(t) exp(i w t) is about h sum_i b_i(w h) F(c_i h), exactly where F has a degree below the number
+of nodes. Real and imaginary parts, and the nodes in [0, 1], as vectors. Filon 1928; Leok 5.7.2.]]
 
 return M

@@ -75,8 +75,8 @@ local function check_quadrature(given, f, slopes, h, count)
     for i = 1, #nodes do rows[#rows + 1] = slopes((piece + nodes[i]) * h / pieces) end
   end
   if dependent(rows, count) then
-    options.fail(GALERKIN, "quadrature '%s' is too coarse for %d functions: some curve of the space "
-      .. "has no velocity at its nodes, and the step is not determined; take more nodes",
+    options.fail(GALERKIN, "quadrature '%s' is too coarse for %d functions: some curve of the "
+      .. "space has no velocity at its nodes, and the step is not determined; take more nodes",
       given.text:match "functions, (.*)%) %(own%)" or "own", count)
   end
 end
@@ -95,8 +95,8 @@ end
 local function check_functions(given, f, h, count)
   local a = dependent(sampled(f, h, count), count)
   if a then
-    options.fail(GALERKIN, "the functions depend on each other: number %d is a combination of those "
-      .. "before it from 0 to h = %g", a, h)
+    options.fail(GALERKIN, "the functions depend on each other: number %d is a combination of "
+      .. "those before it from 0 to h = %g", a, h)
   end
   check_ends(f, h, count)
   check_quadrature(given, f, slopes_of(f, h, count), h, count)

@@ -106,9 +106,13 @@ static void add_sem(luaL_Buffer *b, const dm_energy_report *r) {
     if (r->fallbacks) luaL_addstring(b, text);
 }
 
-/* what a dm.multiscale misses of the momentum at the ends of its curves, where that is much */
-static void add_defect(luaL_Buffer *b, double defect) {
+/* of a dm.multiscale: the condition of its equations, and what its curves miss of the momentum at
+ * their ends, where that is much */
+static void add_defect(luaL_Buffer *b, double condition, double defect) {
     char text[200];
+    if (!(condition > 0.0)) return;
+    snprintf(text, sizeof text, "; condition of a step %.2g", condition);
+    luaL_addstring(b, text);
     if (!(defect > 0.5)) return;
     snprintf(text, sizeof text,
              "; its curves miss the momentum at their ends by %.2g of it: is the frequency right "
@@ -221,7 +225,7 @@ static int path_tostring(lua_State *L) {
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
     if (E) add_energy(&b, E, p, keeps);
     add_sem(&b, &p->sem);
-    add_defect(&b, p->defect);
+    add_defect(&b, p->condition, p->defect);
     add_columns(L, &b, p);
     add_every(&b, p);
     luaL_pushresult(&b);

@@ -312,6 +312,7 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
     path->constraint = u->r.stepper.report.constraint;
     path->rolling = u->r.stepper.report.rolling;
     path->sem = u->r.stepper.report.sem;
+    path->condition = u->r.stepper.report.condition;
     path->defect = u->r.stepper.report.defect;
 }
 

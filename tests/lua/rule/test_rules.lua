@@ -160,7 +160,8 @@ end
 local elsewhere = { step = "test_step.lua", degenerate = "test_degenerate.lua", del = "test_solver.lua, test_discrete.lua",
   map = "test_discrete_steps.lua", ["log-hamiltonian"] = "test_times.lua", rattle = "test_rattle.lua",
   shake = "test_rattle.lua", rotations = "test_lift.lua", rkmk4 = "test_explicit.lua",
-  ["crouch-grossman3"] = "test_explicit.lua", sem = "test_sem.lua" }
+  ["crouch-grossman3"] = "test_explicit.lua", sem = "test_sem.lua",
+  trial = "test_trial.lua, test_multiscale.lua" }
 for _, rule in ipairs(dm.rules()) do
   ok(#rule.instances > 0 or elsewhere[rule.name], rule.name .. " is measured")
   ok(rule.order and rule.stages and rule.cost, rule.name .. " says its order, stages and cost")
