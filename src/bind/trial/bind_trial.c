@@ -21,10 +21,12 @@ typedef struct {
     dm_compile *compile;
 } maker;
 
+/* Raise what a kernel of the curve could not be made for. */
 static void check_status(lua_State *L, dm_status status) {
     if (status != DM_OK) luaL_error(L, "a space of curves: %s", dm_status_text(status));
 }
 
+/* Nodes in the arena of the kernels. */
 static dm_node *take(lua_State *L, const maker *made, size_t count) {
     dm_node *nodes = dm_arena_take(made->arena, count * sizeof *nodes);
     if (!nodes) luaL_error(L, "not enough memory");
@@ -104,7 +106,8 @@ static void push_curve(lua_State *L, int object, int system, double h) {
     lua_call(L, 3, 2);
 }
 
-/* dml_rule.bring */
+/* dml_rule.bring: the curve is traced for this system and length of step, which the checks of
+ * functions want. What keeps the kernels stays on the stack. */
 static const void *bring(lua_State *L, int object, int system, const char *backend, double h) {
     object = lua_absindex(L, object);
     system = lua_absindex(L, system);
@@ -163,7 +166,8 @@ static void read_quadrature(lua_State *L, dm_quadrature *q) {
     lua_pop(L, 1);
 }
 
-/* Everything else in the options is for Lua. */
+/* Everything else in the options is for Lua, which reads them again when the rule meets a system.
+ */
 static int trial_rule(lua_State *L) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);

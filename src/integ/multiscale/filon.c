@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+/* All integrals are found in long double, then rounded once. */
 static const long double PI = 3.14159265358979323846264338327950288L;
 
 typedef struct {
@@ -45,6 +46,8 @@ static void coefficients(long double *a, const dm_quadrature *q, int i) {
     }
 }
 
+/* From the moments by the coefficients of the Lagrange polynomials: in long double, whose digits
+ * the powers of 8 nodes do not use up. */
 void dm_filon_weights(double *re, double *im, const dm_quadrature *q, double z) {
     number mu[DM_FILON_NODES];
     long double a[DM_FILON_NODES];
@@ -57,8 +60,9 @@ void dm_filon_weights(double *re, double *im, const dm_quadrature *q, double z) 
     }
 }
 
-/* (h/M) sum_n Re[b_i(n w h) exp(-i n phi_m)], n from -(M-1)/2 to (M-1)/2; b_i(-z) is the conjugate of
- * b_i(z) */
+/* (h/M) sum_n Re[b_i(n w h) exp(-i n phi_m)], n from -(M-1)/2 to (M-1)/2, since the n-th harmonic
+ * of F is sum_m F(., phi_m) exp(-i n phi_m)/M; b_i(-z) is the conjugate of b_i(z), so that n and -n
+ * make twice the real part. */
 void dm_filon_two_scales(double *weight, const dm_quadrature *q, int phases, double w, double h) {
     double re[DM_FILON_NODES], im[DM_FILON_NODES];
     memset(weight, 0, (size_t)q->r * (size_t)phases * sizeof *weight);

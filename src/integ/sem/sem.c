@@ -26,6 +26,7 @@ static size_t doubles(size_t bytes) {
 static size_t key_of(uint32_t n) {
     return 2 * (size_t)n + 1;
 }
+/* Of all of them: mark, key, numbers. */
 static size_t place_size(uint32_t n) {
     return 1 + key_of(n) + NUMBERS;
 }
@@ -39,6 +40,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                  "steps";
 }
 
+/* The energy has a kernel of its own; the mass is for the first guess of the velocity. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned plain = DM_SEPARABLE | DM_CONSTANT_MASS;
     (void)rule;
@@ -62,6 +64,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
            PLACES * place_size(m->n);
 }
 
+/* It stands at the beginning of the workspace. */
 static dm_sem *sem_of(const dm_stepper *s) {
     return (dm_sem *)(void *)s->work;
 }
@@ -73,6 +76,7 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
+/* Nothing here depends on h or the start. */
 static dm_status open(dm_stepper *s) {
     dm_sem *e = sem_of(s);
     const dm_model *m = s->model;
@@ -106,10 +110,12 @@ static dm_status open(dm_stepper *s) {
 
 /* ---- places ---- */
 
+/* Its mark, behind which the key and the numbers stand. */
 static double *place_of(const dm_sem *e, int which) {
     return e->places + (size_t)which * place_size(e->n);
 }
 
+/* H ... NEXT_FLAG of a place. */
 static double *numbers_of(const dm_sem *e, int which) {
     return place_of(e, which) + 1 + key_of(e->n);
 }
@@ -136,6 +142,7 @@ static void find_numbers(const dm_sem *e, double *out, const double *state) {
     if (which >= 0) memcpy(out, numbers_of(e, which), NUMBERS * sizeof *out);
 }
 
+/* The place takes this state and its numbers. */
 static void put(const dm_sem *e, int which, const double *state, const double *numbers) {
     double *place = place_of(e, which);
     place[0] = 1.0;
@@ -157,6 +164,7 @@ static void put_end(const dm_sem *e, const double *state, const double *numbers)
     put(e, place_of(e, FIRST)[0] != 0.0 ? OTHER : FIRST, state, here);
 }
 
+/* From places and state (whose own numbers are t and the energy) a run goes on bit for bit. */
 static size_t memory(dm_stepper *s, double **place) {
     *place = sem_of(s)->places;
     return PLACES * place_size(s->model->n);
@@ -280,6 +288,7 @@ static double pace(const dm_stepper *s, const double *state) {
     return numbers[NEXT_H] > 0.0 ? numbers[NEXT_H] / e->first : e->pace;
 }
 
+/* A step that nobody takes. */
 dm_status dm_sem_energy(dm_stepper *s, const double *state, double h, double *energy) {
     dm_sem *e = sem_of(s);
     dm_status status = begin(e, state);
@@ -288,6 +297,7 @@ dm_status dm_sem_energy(dm_stepper *s, const double *state, double h, double *en
     return status;
 }
 
+/* The first step, or any other. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_sem *e = sem_of(s);
     (void)status;
@@ -312,12 +322,14 @@ const dm_engine dm_engine_sem = {
 
 /* ---- the rule ---- */
 
+/* A degree and a quadrature, as galerkin takes them. */
 static const char *check(const dm_rule *rule) {
     const char *usage = "sem takes the degree of its curves and a quadrature, as in sem(1, "
                         "gauss(1))";
     return dm_galerkin_check(rule, usage);
 }
 
+/* That of the curves and their quadrature with steps of one length. */
 static int order(const dm_rule *rule) {
     dm_galerkin g;
     dm_galerkin_basis(&g, rule);

@@ -9,6 +9,7 @@ typedef struct {
     const double *q, *v, *qq, *qv, *vv;
 } slopes;
 
+/* At the last point that was placed. */
 static slopes slopes_of(const dm_sem *e) {
     const size_t n = e->n;
     const double *at = e->at;
@@ -129,6 +130,8 @@ static void add_row(const dm_sem *e, double *J, double h, uint32_t i) {
     for (uint32_t k = 0; k < n; k++) row[e->velocities] += b * by_q[k] * e->w[k];
 }
 
+/* One pass over the points: what the energy adds to the equations of a step of given length is its
+ * own row, and the column of h. */
 void dm_sem_equation(dm_sem *e, double *R, double *J, const double *z, uint32_t width) {
     const uint32_t n = e->n, s = e->table.s;
     const double h = z[e->velocities], *p0 = e->state + n;

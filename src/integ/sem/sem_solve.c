@@ -82,6 +82,7 @@ static dm_status momentum_equation(void *ctx, double *R, double *J, const double
     return DM_OK;
 }
 
+/* From V = v0 by the damped method; once more at the root, so that all is what belongs to it. */
 dm_status dm_sem_fixed(dm_sem *e, dm_stepper *s, double h) {
     const dm_newton_problem problem = {.m = e->velocities,
                                        .equation = momentum_equation,
@@ -196,6 +197,7 @@ static int find_change(const double *at, const double *f, double h) {
     return best;
 }
 
+/* A root that Newton's method did not find makes the step a usual one. */
 dm_status dm_sem_fallback(dm_sem *e, dm_stepper *s, double h, double low, double high,
                           int *flagged) {
     double at[SCAN], f[SCAN];

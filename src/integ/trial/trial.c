@@ -10,6 +10,7 @@ static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
+/* What the options of the script became. */
 static const dm_trial_row *row_of(const dm_rule *rule) {
     return rule->data;
 }
@@ -21,12 +22,14 @@ static const char *check(const dm_rule *rule) {
                         "dm.multiscale { frequency = }";
 }
 
+/* Second derivatives at the points, and the velocity of the start for the first guess. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned plain = DM_SEPARABLE | DM_CONSTANT_MASS;
     (void)rule;
     return DM_WANT_STAGE | ((m->structure & plain) == plain ? 0 : (unsigned)DM_WANT_MASS);
 }
 
+/* Nodes of all pieces, or nodes times phases. */
 static uint32_t points_of(const dm_trial_row *row) {
     return (uint32_t)row->q.r * (row->phases ? row->phases : row->pieces);
 }
@@ -47,6 +50,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
            2 * n * (K + 1) + K + n + n + 2 * n + 1 + scratch_size(m, K + n);
 }
 
+/* It stands at the beginning of the workspace. */
 static dm_trial *trial_of(const dm_stepper *s) {
     return (dm_trial *)(void *)s->work;
 }
@@ -58,6 +62,7 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
+/* Tables are laid with the first step, since they belong to its length. */
 static dm_status open(dm_stepper *s) {
     dm_trial *e = trial_of(s);
     const dm_trial_row *row = row_of(s->rule);
@@ -87,7 +92,8 @@ static dm_status open(dm_stepper *s) {
     return DM_OK;
 }
 
-/* z of the straight line from q0 with velocity v0 (`moves`), or of the constant curve, and p1 = p0 */
+/* z of the straight line from q0 with velocity v0 (`moves`), or of the constant curve, and p1 = p0;
+ * 0: `start` of the script gave NaN */
 static int guess(dm_trial *e, int moves) {
     const uint32_t n = e->n, K = e->K;
     double sum = 0.0;
@@ -141,6 +147,7 @@ static int is_solved(const dm_trial *e, const double *state, double t, double h)
            memcmp(e->solved, state, 2 * e->n * sizeof *state) == 0;
 }
 
+/* z is known for this state: what else is asked of the step, as by events, is read off it. */
 static void note_solved(dm_trial *e, const double *state, double t) {
     memcpy(e->solved, state, 2 * e->n * sizeof *state);
     e->solved[2 * e->n] = t;
@@ -205,6 +212,7 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
     return DM_OK;
 }
 
+/* Of the last step. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_trial *e = trial_of(s);
     (void)state;

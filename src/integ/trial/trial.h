@@ -1,6 +1,6 @@
-/* trial.h - steps of curves in any space: q(t; z) with K parameters z, the action by any quadrature,
- * S(z) = sum_j w_j L(q(t_j; z), qdot(t_j; z)), and what it becomes between the ends e0(z), e1(z)
- * (Leok 5.2):
+/* trial.h - steps of curves in any space: q(t; z) with K parameters z, the action by any
+ * quadrature, S(z) = sum_j w_j L(q(t_j; z), qdot(t_j; z)), and what it becomes between the ends
+ * e0(z), e1(z) (Leok 5.2):
  *   dS/dz + p0 . de0/dz - p1 . de1/dz = 0,  e0(z) = q0,  then q1 = e1(z)
  * for z and p1, K + dim Q unknowns. The curve may have a fast phase w t beside the time: points of
  * the quadrature are then pairs of both, and weights those of two scales (multiscale/filon.h). */

@@ -56,6 +56,8 @@ static dm_trial_point linear_at(dm_trial *e, uint32_t j, const double *z) {
     return c;
 }
 
+/* Tables of linear curves are those of e->h; any other curve is evaluated anew, and what it gave
+ * before is overwritten. */
 dm_trial_point dm_trial_at(dm_trial *e, uint32_t j, const double *z, const double *l) {
     const uint32_t n = e->n, K = e->K;
     if (e->k->linear) return linear_at(e, j, z);
@@ -116,6 +118,7 @@ static void lay_tables(dm_trial *e) {
     }
 }
 
+/* Nothing is done where the length is that of the step before. */
 dm_status dm_trial_lay(dm_trial *e, double h) {
     if (h == e->h) return DM_OK;
     e->h = h;
@@ -145,6 +148,8 @@ static void place_inside(dm_trial *e, double *q, double *p, double t) {
     memcpy(p, e->stage + n, n * sizeof *p);
 }
 
+/* The momentum of the curve jumps at its ends by what the space has not of the motion: the jumps
+ * are spread linearly, so that a row at the end of a step is the end of the step. */
 void dm_trial_inside(dm_trial *e, double *q, double *p, double t) {
     const uint32_t n = e->n;
     double *first = e->A, *last = e->A + n;
@@ -155,6 +160,7 @@ void dm_trial_inside(dm_trial *e, double *q, double *p, double t) {
         p[i] += (1.0 - t / e->h) * (e->p0[i] - first[i]) + t / e->h * (e->z[e->K + i] - last[i]);
 }
 
+/* Coordinates with hardly any momentum are measured by a thousandth of the largest one. */
 double dm_trial_defect(dm_trial *e) {
     const uint32_t n = e->n;
     double *size = e->A, *last = e->A + n, worst = 0.0, all = 0.0;

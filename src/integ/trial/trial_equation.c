@@ -99,6 +99,8 @@ static void add_ends(dm_trial *e, double *R, double *J, const double *x) {
         for (uint32_t a = 0; a < K; a++) J[a * (size_t)m + K + i] = -c.q_z[i * (size_t)K + a];
 }
 
+/* Rows are those of z, then of e0(z) = q0; columns those of z, then of p1. The matrix is symmetric
+ * but for the sign of the last columns. */
 dm_status dm_trial_equation(void *ctx, double *R, double *J, const double *x) {
     dm_trial *e = ctx;
     e->size = 0.0;

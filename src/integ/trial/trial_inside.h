@@ -53,7 +53,8 @@ double dm_trial_defect(dm_trial *e);
 /* Condition number of the step equation at z, in the maximum norm. */
 double dm_trial_condition(dm_trial *e);
 
-/* Newton's method from e->z, with a matrix of its own every time, until the curve no longer moves. */
+/* Newton's method from e->z, with a matrix of its own every time, until the curve no longer
+ * moves. */
 dm_status dm_trial_iterate(dm_trial *e, dm_stepper *s);
 
 /* For dm_newton: R and dR/dx at x = (z, p1). */

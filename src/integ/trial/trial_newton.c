@@ -1,5 +1,5 @@
-/* trial_newton.c - Newton's method for a step. Parameters have different units and may cancel, so that
- * the curve itself says when it ends: how far its points move. */
+/* trial_newton.c - Newton's method for a step. Parameters have different units and may cancel, so
+ * that the curve itself says when it ends: how far its points move. */
 #include "integ/trial/trial_inside.h"
 #include "linalg/lu.h"
 
@@ -48,6 +48,9 @@ static dm_status improve(dm_trial *e, dm_stepper *s, double *moved) {
     return isfinite(*moved) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* It ends where the next increment, of the square of this one, would be round-off, or where
+ * increments are small and no longer shrink, as in spaces whose functions are nearly dependent. A
+ * curve that moves further and further is left to the damped method. */
 dm_status dm_trial_iterate(dm_trial *e, dm_stepper *s) {
     enum { ITERATIONS = 20 };
     double last = INFINITY, moved = INFINITY;
