@@ -32,6 +32,7 @@ local rows = {
   moving_frame = "dm.frame",
   multiscale = "dm.trial",
   pair = "dm.dec.dynamics.pair",
+  palette = "dm.show.palette",
   plot = "dm.show.plot",
   polynomial_roots = "dm.measure.recurrence",
   pretty = "dm.session.pretty",

@@ -120,6 +120,40 @@ function M.new(lo, hi, most, is_log)
   return (is_log and logarithmic or linear)(lo, hi, most)
 end
 
+-- multiples of the parts of a decade
+local function minor_log(axis)
+  local out = {}
+  for k = floor(log(axis.lo, 10)) - 1, ceil(log(axis.hi, 10)) do
+    for digit = 2, 9 do out[#out + 1] = digit * 10.0 ^ k end
+  end
+  return out
+end
+
+--- Shown numbers of the minor ticks of an axis: four between two ticks; of a logarithmic one 2 to 9
+-- times its powers, or the powers that have no tick.
+function M.minor(axis)
+  local out, ticks = {}, axis.ticks
+  if #ticks < 2 then return out end
+  if axis.log then
+    if axis.hi / axis.lo > 1e7 then
+      for k = ceil(log(axis.lo, 10)), floor(log(axis.hi, 10)) do out[#out + 1] = 10.0 ^ k end
+      return out
+    end
+    for _, x in ipairs(minor_log(axis)) do
+      if x >= axis.lo and x <= axis.hi then out[#out + 1] = x end
+    end
+    return out
+  end
+  local step = (ticks[2].shown - ticks[1].shown) / 5
+  local unit = 10.0 ^ axis.power
+  for k = -4, 5 * #ticks do
+    local x = ticks[1].shown + k * step
+    local at = x * unit + axis.offset
+    if k % 5 ~= 0 and at >= axis.lo and at <= axis.hi then out[#out + 1] = x end
+  end
+  return out
+end
+
 --- The range lo..hi with the part `by` of its width added on either side.
 function M.pad(lo, hi, by, is_log)
   if is_log then

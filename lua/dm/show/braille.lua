@@ -193,10 +193,10 @@ end
 
 --- The lines of text that show one panel.
 -- @param panel from dm.plot: series, ranges, labels
--- @param room { width =, height = of the whole in characters, colour = boolean }
+-- @param room { width =, height = of the whole in characters, colour = boolean, signs }
 function M.lines(panel, room)
   local w, h = fit(panel, max(8, room.width - 12), max(3, room.height - 5))
-  local signs = characters.here()
+  local signs = room.signs or characters.here()
   make_axes(panel, w, h, signs)
   local canvas = new_canvas(w, h, signs)
   canvas.letters = not room.colour and #panel.series > 1 and panel.legend ~= false

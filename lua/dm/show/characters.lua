@@ -40,9 +40,9 @@ local UNICODE = { line = "─", tick_below = "┬", bar = "│", tick_left = "�
 local ASCII = { line = "-", tick_below = "+", bar = "|", tick_left = "+", corner = "+",
   bullet = "o", stroke = "--", point = ".", cell = ascii_cell, text = ascii_text }
 
---- The characters for the locale of this process: line, tick_below, bar, tick_left, corner of axes;
--- bullet (a point by itself), stroke (of a legend), point (a small one); cell(bits) of 2 x 4 dots;
--- text(s) of a caption.
-function M.here() return is_utf8() and UNICODE or ASCII end
+--- The characters for the locale of this process, or (plain) ASCII: line, tick_below, bar,
+-- tick_left, corner of axes; bullet (a point by itself), stroke (of a legend), point (a small one);
+-- cell(bits) of 2 x 4 dots; text(s) of a caption.
+function M.here(plain) return not plain and is_utf8() and UNICODE or ASCII end
 
 return M

@@ -2,6 +2,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local palette = require "dm.show.palette"
 local paths = require "dm.show.path"
 
 local M = {}
@@ -44,15 +45,11 @@ end
 
 ---- a fan of paths ----
 
--- from blue to red with the number of the member; those that failed are grey
-local FIRST, LAST, FAILED = { 0x44, 0x77, 0xaa }, { 0xee, 0x66, 0x77 }, "#bbbbbb"
+-- from the first colour of lines to the second with the number of the member; those that failed are
+-- grey
 local function shade(ensemble, i)
-  if ensemble.status[i] ~= "ok" then return FAILED end
-  local x, out = #ensemble > 1 and (i - 1) / (#ensemble - 1) or 0, "#"
-  for k = 1, 3 do
-    out = out .. ("%02x"):format(math.floor(FIRST[k] + x * (LAST[k] - FIRST[k]) + 0.5))
-  end
-  return out
+  if ensemble.status[i] ~= "ok" then return palette.GREY end
+  return palette.between(#ensemble > 1 and (i - 1) / (#ensemble - 1) or 0)
 end
 
 local function fan(ensemble, x, y, members)

@@ -1,41 +1,16 @@
 --- Pictures in files: writes a gnuplot script with the data in it, and has gnuplot draw it.
 local axis = require "dm.show.axis"
+local boxes = require "dm.show.boxes"
 local core = require "dm.core"
+local label = require "dm.show.label"
+local look_ = require "dm.show.look"
+local notes_ = require "dm.show.notes"
+local palette = require "dm.show.palette"
 local series_ = require "dm.show.series"
 
 local M = {}
 
--- colours that colour-blind readers can tell apart (P. Tol, "bright")
-local COLOURS = { "#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377" }
-local FONT = "DejaVu Sans"
-
-local TERMINALS = {
-  png = function(w, h)
-    return ("pngcairo noenhanced size %d,%d font '%s,11' background rgb 'white'"):format(w, h, FONT)
-  end,
-  svg = function(w, h)
-    return ("svg noenhanced size %d,%d dynamic font '%s,13' background rgb 'white'")
-      :format(w, h, FONT)
-  end,
-  pdf = function(w, h)  -- inches
-    return ("pdfcairo noenhanced size %.3f,%.3f font '%s,10'"):format(w / 100, h / 100, FONT)
-  end,
-}
-
--- A string as gnuplot reads it back. Between double quotes it reads these, backslashes and commands
--- in backquotes, so they are given by number; single quotes are no way, as it takes two of them at
--- the begin of a string for an empty one.
-local function quote(text)
-  local function octal(c) return ("\\%03o"):format(c:byte()) end
-  return '"' .. text:gsub('[%c"\\`]', octal) .. '"'
-end
-
--- of what is shown: bytes that are no UTF-8 would make an SVG unreadable
-local function caption(text)
-  text = tostring(text)
-  if not utf8.len(text) then text = text:gsub("[\128-\255]", "?") end
-  return quote(axis.raised((text:gsub("%c", " "))))
-end
+local quote, caption, TERMINALS = label.quote, label.caption, look_.TERMINALS
 
 -- gnuplot reads a leading | as a command, ~ as a home folder
 local function output_name(file)
@@ -56,18 +31,40 @@ local function scaled(a)
   return function(v) return (v - a.offset) / unit end
 end
 
-local function set_axis(add, name, a, text, notes)
-  local shown, ticks = scaled(a), {}
-  for i, tick in ipairs(a.bare and {} or a.ticks) do
-    ticks[i] = ("%s %.17g"):format(caption(tick.text), tick.shown)
+-- ticks with their texts, and minor ones without; texts are left out where another panel has them
+local function ticks_of(panel, a)
+  local out = {}
+  if a.bare then return "" end
+  for _, tick in ipairs(a.ticks) do
+    out[#out + 1] = ("%s %.17g"):format(a.hidden and '""' or caption(tick.text, panel.plain),
+      tick.shown)
   end
-  local below = ""
-  for _, note in ipairs(notes) do below = below .. '."\\n".' .. caption(note) end
+  for _, x in ipairs(panel.minor and axis.minor(a) or {}) do
+    out[#out + 1] = ('"" %.17g 1'):format(x)
+  end
+  return table.concat(out, ", ")
+end
+
+local function set_axis(add, panel, name, text, notes)
+  local a = panel[name]
+  local shown, ticks, below = scaled(a), ticks_of(panel, a), ""
+  for _, note in ipairs(notes) do below = below .. '."\\n".' .. caption(note, true) end
   add(("set %srange [%.17g:%.17g]"):format(name, shown(a.lo), shown(a.hi)))
   add((a.log and "set logscale %s" or "unset logscale %s"):format(name))
-  add(#ticks > 0 and ("set %stics (%s)"):format(name, table.concat(ticks, ", ")) or ("unset %stics")
-    :format(name))
-  add(("set %slabel %s%s"):format(name, caption(text), below))
+  add(ticks ~= "" and ("set %stics (%s)"):format(name, ticks) or ("unset %stics"):format(name))
+  add(("set %slabel %s%s"):format(name, caption(a.hidden and "" or text, panel.plain), below))
+end
+
+-- Half a pixel over the edges of a cell: between neighbours there is no line of the paper.
+local OVER = 0.6
+
+local function grown(a, lo, hi, pixels)
+  local by = OVER / math.max(pixels, 1)
+  if a.log then
+    local factor = (a.hi / a.lo) ^ by
+    return lo / factor, hi * factor
+  end
+  return lo - by * (a.hi - a.lo), hi + by * (a.hi - a.lo)
 end
 
 local function add_data(add, block, series, panel)
@@ -75,9 +72,10 @@ local function add_data(add, block, series, panel)
   add(block .. " << EOD")
   for i = 1, #series.x do
     if series.x[i] == series.x[i] and series.style == "cells" then
+      local left, right = grown(panel.x, series.xlow[i], series.xhigh[i], panel.width)
+      local low, high = grown(panel.y, series.ylow[i], series.yhigh[i], panel.height)
       add(("%.10g %.10g %.10g %.10g %.10g %.10g")
-        :format(fx(series.x[i]), fy(series.y[i]), fx(series.xlow[i]), fx(series.xhigh[i]),
-        fy(series.ylow[i]), fy(series.yhigh[i])))
+        :format(fx(series.x[i]), fy(series.y[i]), fx(left), fx(right), fy(low), fy(high)))
     elseif series.x[i] == series.x[i] then
       add(("%.10g %.10g"):format(fx(series.x[i]), fy(series.y[i])))
     else
@@ -105,17 +103,16 @@ end
 
 -- the colours are used again after the last: then dashed, with open points; and a third time with
 -- squares
-local function draw_style(series, colour, round)
+local function draw_style(series, colour, round, linewidth)
   local paint = "lc rgb " .. quote(colour)
   if round > 0 and series.style ~= "points" then paint = paint .. " dt 2" end
   local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4,
     size_of_points(#series.x) * (round > 0 and 1.4 or 1))
   if series.style == "cells" then
-    local fill = series.pattern and "pattern " .. series.pattern or "solid 1"
-    return ("boxxyerror fs %s %s lw 0.6"):format(fill, paint)
+    return "boxxyerror fs solid 1 noborder " .. paint
   end
   if series.style == "points" then return "points " .. dots .. paint end
-  local width = #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
+  local width = linewidth or #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
   return ("%s lw %g %s%s"):format(series.style, width, series.style == "lines" and "" or dots,
     paint)
 end
@@ -127,12 +124,13 @@ local function add_series(add, panel, number, prefix)
     fy = function(y) return axis.fraction(panel.y, y) end }
   for i, full in ipairs(panel.series) do
     local series, block = series_.thin(full, scale), ("$%s_%d_%d"):format(prefix, number, i)
-    local colour = series.colour or COLOURS[(i - 1) % #COLOURS + 1]
-    local title = panel.legend and "title " .. caption(series.name) or "notitle"
+    local colour = series.colour or palette.LINES[(i - 1) % #palette.LINES + 1]
+    local title = panel.legend and "title " .. caption(series.name, panel.plain) or "notitle"
     add_data(add, block, series, panel)
     plots[#plots + 1] = ("%s using %s with %s %s")
       :format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
-      draw_style(series, colour, series.colour and 0 or (i - 1) // #COLOURS), title)
+      draw_style(series, colour, series.colour and 0 or (i - 1) // #palette.LINES,
+      panel.linewidth), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then
       add_data(add, block .. "_alone", alone, panel)
@@ -149,31 +147,80 @@ local function make_axes(panel)
   panel.y = axis.new(y[1], y[2], math.max(2, panel.height // 55), panel.logy)
   -- an axis whose name is a blank has no numbers, as that of a map without rows; one without a
   -- name, as of several columns, has
+  panel.x.hidden, panel.y.hidden = panel.hidex, panel.hidey
   panel.x.bare, panel.y.bare = (panel.xlabel or ""):find "^%s+$", (panel.ylabel or ""):find "^%s+$"
 end
 
--- how many rows the legend needs above the panel; gnuplot counts 9 pixels a letter (pngcairo, 11
--- points)
-local function legend_rows(add, panel)
-  if not panel.legend then return 0 end
+-- how many rows and columns the legend has above the panel; gnuplot counts 9 pixels a letter
+-- (pngcairo, 11 points)
+local function lay_out_legend(panel)
+  panel.legend_rows = 0
+  if not panel.legend then return end
   local widest = 0
   for _, s in ipairs(panel.series) do widest = math.max(widest, utf8.len(s.name) or #s.name) end
-  local columns = math.max(1, math.min(#panel.series, (panel.width - 85) // (9 * widest + 45)))
-  add("set key maxcols " .. columns)
-  return math.ceil(#panel.series / columns)
+  local room = panel.box and (panel.box[2] - panel.box[1]) * panel.whole or panel.width - 85
+  local columns = math.max(1, math.min(#panel.series, room // (9 * widest + 45)))
+  panel.legend_columns, panel.legend_rows = columns, math.ceil(#panel.series / columns)
+end
+
+-- triangles of slopes: three sides, and the number beside the upright one; added to the plots
+local function add_triangles(add, panel, number, plots)
+  for k, t in ipairs(#panel.slopes > 0 and notes_.triangles(panel) or {}) do
+    local block = ("$slope_%d_%d"):format(number, k)
+    add_data(add, block, { x = t.x, y = t.y, style = "lines" }, panel)
+    plots[#plots + 1] = block .. " using 1:2 with lines lw 1 lc rgb '#505050' notitle"
+    add(("set label %s at %.10g,%.10g left offset 0.3,0 front textcolor rgb '#505050'")
+      :format(caption(t.text), t.at[1], t.at[2]))
+  end
+end
+
+-- marked points with their texts
+local function add_marks(add, panel)
+  local fx, fy = scaled(panel.x), scaled(panel.y)
+  for _, mark in ipairs(panel.marks) do
+    local side = notes_.side(panel, mark)
+    add(("set label %s at %.10g,%.10g %s offset %s,0.5 front point pt 7 ps 0.6 lc rgb '#303030'")
+      :format(caption(mark[3] or "", panel.plain), fx(mark[1]), fy(mark[2]),
+      side == "right" and "left" or "right", side == "right" and "0.6" or "-0.6"))
+  end
+end
+
+-- Rows that stand above a panel: those of the legend, the title.
+local function add_head(add, panel)
+  local rows = panel.legend_rows
+  if rows > 0 then add(("set key maxcols %d"):format(panel.legend_columns)) end
+  add(("set title %s offset 0,%g"):format(caption(panel.title or "", panel.plain), 1.1 * rows))
+  if not panel.box then
+    add(("set tmargin %g"):format(1 + 1.4 * rows + (panel.title and 2 or 0)))
+  end
+end
+
+-- where the panels of a figure stand, as parts of the picture
+local function add_box(add, panel)
+  local b = panel.box
+  if not b then return end
+  add(("set lmargin at screen %.6f"):format(b[1]))
+  add(("set rmargin at screen %.6f"):format(b[2]))
+  add(("set bmargin at screen %.6f"):format(b[3]))
+  add(("set tmargin at screen %.6f"):format(b[4]))
 end
 
 local function add_panel(add, panel, number)
-  make_axes(panel)
   local x, y = panel.x, panel.y
-  local rows = legend_rows(add, panel)
-  add(("set title %s offset 0,%g"):format(caption(panel.title or ""), 1.1 * rows))
-  add(("set tmargin %g"):format(1 + 1.4 * rows + (panel.title and 2 or 0)))
-  set_axis(add, "x", x, axis.caption(x, panel.xlabel, panel.xunit), panel.notes)
-  set_axis(add, "y", y, axis.caption(y, panel.ylabel, panel.yunit), {})
-  add(panel.equal and ("set size ratio %.9g"):format((y.hi - y.lo) / (x.hi - x.lo))
-    or "set size noratio")
+  add "unset label"
+  add_head(add, panel)
+  add_box(add, panel)
+  set_axis(add, panel, "x", axis.caption(x, panel.xlabel, panel.xunit), panel.notes)
+  set_axis(add, panel, "y", axis.caption(y, panel.ylabel, panel.yunit), {})
+  add(panel.equal and not panel.box
+    and ("set size ratio %.9g"):format((y.hi - y.lo) / (x.hi - x.lo)) or "set size noratio")
+  if panel.letter then
+    add(("set label %s at graph 0,1 right offset -1,0.6 font ',%g'"):format(caption(panel.letter),
+      1.1 * panel.points))
+  end
+  add_marks(add, panel)
   local plots = add_series(add, panel, number, "data")
+  add_triangles(add, panel, number, plots)
   add("plot " .. table.concat(plots, ", \\\n     "))
 end
 
@@ -186,32 +233,44 @@ local function kind_of(file)
 end
 
 local function add_look(add, figure)
+  local points = figure.look.points
   add "set encoding utf8"
   add "set border 3 lc rgb '#808080'"
   add "set tics out nomirror textcolor rgb '#303030'"
   add "set grid lt 1 lc rgb '#e4e4e4' lw 0.7"
-  add "set title font ',12' textcolor rgb '#101010'"
+  add(("set title font ',%g' textcolor rgb '#101010'"):format(points * 12 / 11))
   add("set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb "
     .. "'#303030'")
   if #figure.panels > 1 then
-    local title = figure.title and (" title %s font ',14'"):format(caption(figure.title)) or ""
+    local title = figure.title and (" title %s font ',%g'"):format(caption(figure.title,
+      figure.plain), points * 14 / 11) or ""
     add(("set multiplot layout %d,%d%s"):format(figure.rows, figure.columns, title))
   end
 end
 
 --- The gnuplot script for a figure, data included.
--- @param figure { panels, rows, columns, width, height (pixels), title }
+-- @param figure { panels, rows, columns, look (dm.show.look), title }
 -- @param file the name to draw to; its ending chooses the format
 function M.script(figure, file)
   local lines = {}
   local function add(line) lines[#lines + 1] = line end
-  add("set terminal " .. TERMINALS[kind_of(file)](figure.width, figure.height))
+  add("set terminal " .. TERMINALS[kind_of(file)](figure.look))
   add("set output " .. quote(output_name(file)))
   add_look(add, figure)
-  for i, panel in ipairs(figure.panels) do
-    panel.width, panel.height = figure.width // figure.columns, figure.height // figure.rows
-    add_panel(add, panel, i)
+  for _, panel in ipairs(figure.panels) do
+    panel.width = figure.look.width // figure.columns
+    panel.height = figure.look.height // figure.rows
+    panel.whole = figure.look.width
+    panel.linewidth, panel.points = figure.linewidth, figure.look.points
+    make_axes(panel)
+    lay_out_legend(panel)
   end
+  if #figure.panels > 1 then
+    boxes.place(figure)
+    for _, panel in ipairs(figure.panels) do lay_out_legend(panel) end -- equal ones are narrower
+    boxes.place(figure)
+  end
+  for i, panel in ipairs(figure.panels) do add_panel(add, panel, i) end
   if #figure.panels > 1 then add "unset multiplot" end
   add "unset output"
   return table.concat(lines, "\n") .. "\n"
@@ -247,7 +306,8 @@ end
 
 --- The first lines of a script that draws to `file`: width and height in pixels.
 function M.head(file, width, height)
-  return "set terminal " .. TERMINALS[kind_of(file)](width, height) .. "\nset output "
+  local look = look_.of({}, width, height)
+  return "set terminal " .. TERMINALS[kind_of(file)](look) .. "\nset output "
     .. quote(output_name(file)) .. "\nset encoding utf8\n"
 end
 

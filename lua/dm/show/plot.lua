@@ -4,12 +4,16 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local axis, series_ = require "dm.show.axis", require "dm.show.series"
 local inline = require "dm.show.inline"
+local look = require "dm.show.look"
+local notes = require "dm.show.notes"
 local option = require "dm.base.options"
 
 local M = {}
 
 local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style", "names",
-  "legend", "equal", "xrange", "yrange", "width", "height", "size", entries = true }
+  "legend", "equal", "xrange", "yrange", "slopes", "marks", "minor", "text", "ascii",
+  entries = true }
+table.move(look.KNOWN, 1, #look.KNOWN, #KNOWN + 1, KNOWN)
 -- of a series also "cells": rectangles xlow..xhigh, ylow..yhigh
 local STYLES = { "lines", "points", "linespoints" }
 
@@ -35,17 +39,14 @@ local function check_range(options, key)
   end
 end
 
-local function check_size(options)
-  local size = options.size or {}
-  if type(size) ~= "table" then fail "option 'size' must be {width, height}" end
-  local w, h = options.width or size[1], options.height or size[2]
-  for name, n in pairs { width = w or 100, height = h or 100 } do
-    if type(n) ~= "number" or not (n >= 4 and n <= 20000) then
-      fail("option '%s' must be a number from 4 to 20000 (pixels in a file, characters in a "
-        .. "terminal)", name)
-    end
+-- what a panel and a figure both take
+local function check_look(options)
+  look.check(options)
+  option.one_of(options, "text", WHERE, { "plain" })
+  for _, key in ipairs { "ascii", "minor" } do
+    option.passing(options, key, WHERE, function(x) return type(x) == "boolean" end,
+      "true or false")
   end
-  return w and math.floor(w), h and math.floor(h)
 end
 
 local function check_options(options)
@@ -55,7 +56,8 @@ local function check_options(options)
   option.one_of(options, "style", WHERE, STYLES)
   check_range(options, "xrange")
   check_range(options, "yrange")
-  check_size(options)
+  check_look(options)
+  notes.read(options)
 end
 
 ---- from arguments to series ----
@@ -87,7 +89,7 @@ local function make_series(given, options, i)
   if given.style ~= "cells" then option.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
   local names = type(options.names) == "table" and options.names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
-    colour = given.colour, pattern = given.pattern,
+    colour = given.colour,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }
   for _, edge in ipairs(out.style == "cells" and { "xlow", "xhigh", "ylow", "yhigh" } or {}) do
     out[edge] = series_.numbers(given[edge] or {}, what .. ": " .. edge)
@@ -192,6 +194,8 @@ local function make_panel(given, options)
   for _, s in ipairs(list) do rising = rising and s.style == "lines" and series_.rises(s.x) end
   set_range(panel, "x", rising and 0 or 0.04)
   set_range(panel, "y", 0.04)
+  panel.slopes, panel.marks = notes.read(options)
+  panel.minor, panel.plain = options.minor, options.text == "plain"
   panel.legend = (#list > 1 or list[1].style == "cells") and options.legend ~= false
   panel.equal = decide_equal(panel, list, options)
   for _, name in ipairs { "xrange", "yrange" } do
@@ -212,14 +216,39 @@ local function default_pixels(panel)
   return math.floor(math.max(380, math.min(1100, w))), 560
 end
 
+-- panels of a column, or of a row, that share an axis: one range, and texts on the last one alone
+local function share_axis(figure, name)
+  local panels, columns = figure.panels, figure.columns
+  local range = { math.huge, -math.huge }
+  for _, panel in ipairs(panels) do
+    local own = panel[name .. "range"]
+    range = { math.min(range[1], own[1]), math.max(range[2], own[2]) }
+    if panel["log" .. name] ~= panels[1]["log" .. name] then
+      fail("share = %q: all axes must be logarithmic, or none", name)
+    end
+  end
+  for i, panel in ipairs(panels) do
+    panel[name .. "range"] = range
+    local last = i + columns > #panels
+    if name == "y" then last = (i - 1) % columns == 0 end
+    panel["hide" .. name] = not last
+  end
+end
+
 local function to_file(panels, options)
-  local figure = { panels = panels, title = options.title, columns = options.columns
-    or math.min(2, #panels) }
-  figure.rows = math.ceil(#panels / figure.columns)
+  local columns = math.min(options.columns or math.min(2, #panels), #panels)
+  local figure = { panels = panels, title = options.title, columns = columns,
+    plain = options.text == "plain", rows = math.ceil(#panels / columns) }
+  for name in (options.share or ""):gmatch "." do share_axis(figure, name) end
+  for i, panel in ipairs(panels) do
+    if options.letters and #panels > 1 then
+      panel.letter = ("(%s)"):format(string.char(97 + (i - 1) % 26))
+    end
+  end
   local w, h = default_pixels(panels[1])
   if #panels > 1 then w, h = 560 * figure.columns, 430 * figure.rows end
-  local asked_w, asked_h = check_size(options)
-  figure.width, figure.height = asked_w or w, asked_h or h
+  figure.look = look.of(options, w, h)
+  figure.linewidth = options.linewidth and options.linewidth * 96 / 72
   require "dm.show.gnuplot".write(figure, options.file)
   return options.file
 end
@@ -231,11 +260,12 @@ end
 
 local function to_terminal(panels, options)
   local here = terminal()
-  local w, h = check_size(options)
-  local text = require "dm.show.characters".here().text
+  local w, h = look.pixels(options)
+  local signs = require "dm.show.characters".here(options.ascii)
+  local text = signs.text
   if options.title and #panels > 1 then io.write(text(options.title), "\n") end
   local room = { colour = here.colour, width = math.max(20, math.min(w or here.width, 400)),
-    height = math.max(8, math.min(h or 24, 200)) }
+    height = math.max(8, math.min(h or 24, 200)), signs = signs }
   for _, panel in ipairs(panels) do
     io.write(table.concat(require "dm.show.braille".lines(panel, room), "\n"), "\n")
   end
@@ -263,14 +293,19 @@ local function show(panels, options)
 end
 
 local doc_plot = "dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, log=, style=, "
-  .. "names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing\n" .. [[
+  .. "names=, legend=, equal=, xrange=, yrange=, width=, height=, size=, dpi=, font=, fontsize=, "
+  .. "linewidth=, slopes=, marks=, minor=, text=, ascii=}) -> file name or nothing\n" .. [[
 Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a
 list of series { x =, y =, name =, style =, colour = } (then the options come second; a colour is
 "#rrggbb" or a name). Without `file` in the terminal, in ASCII where the locale is not UTF-8; with
 it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines", "points" or
 "linespoints"; names: texts of the legend (legend = false: none); equal: one length per unit on both
 axes; xrange, yrange: {least, largest}; width, height (or size = {width, height}): pixels in a file,
-characters in a terminal. Points that are not finite, or not positive on a logarithmic axis, leave
+characters in a terminal. For print: size = {8.5, 6, "cm"} ("mm", "in"), dpi (300 then), font,
+fontsize and linewidth in points. slopes = {2, 4}: triangles of these powers (log = "xy"); marks =
+{ {x, y, "text"} }: points with a text; minor = true: minor ticks. Texts of files know q_1, p_theta,
+10^{-3} and Greek names; text = "plain": as they stand. ascii = true: no other signs in the
+terminal. Points that are not finite, or not positive on a logarithmic axis, leave
 gaps and are counted below the plot. Long columns are thinned to what the picture can show, extremes
 kept.]]
 
@@ -280,20 +315,34 @@ M.plot = blame.caller(function(a, b, c)
 end)
 
 local doc_figure = [[
-dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} -> file or nothing
+dm.figure{panel, panel, ..., file=, title=, columns=, share=, letters=, width=, height=, size=,
+  dpi=, font=, fontsize=, linewidth=, text=, ascii=} -> file or nothing
 Several plots in one picture. Each panel is a list of series { x =, y =, name = } (path:series makes
 them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal = true, title =
-"orbit" }.]]
+"orbit" }. Panels stand in `columns`, their edges in line; share = "x", "y" or "xy": one range for
+all, with texts on the last panels alone; letters = true: (a), (b), ...]]
 
 -- of the whole picture, not of one panel
-local OF_FIGURE = { "file", "width", "height", "size" }
+local OF_FIGURE = { "file", "ascii", table.unpack(look.KNOWN) }
 
-local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size", entries = true }
+local FIGURE_KNOWN = { "file", "title", "columns", "share", "letters", "text", "ascii",
+  entries = true }
+table.move(look.KNOWN, 1, #look.KNOWN, #FIGURE_KNOWN + 1, FIGURE_KNOWN)
+
+-- a panel as it was given, with what the figure says of texts
+local function with_text(panel, text)
+  local out = {}
+  for key, value in pairs(panel) do out[key] = value end
+  out.text = text
+  return out
+end
 
 M.figure = blame.caller(function(given)
   option.check(given, FIGURE_KNOWN, "dm.figure", "of panels")
   check_text(given, { "file", "title" })
   option.whole(given, "columns", WHERE, 1, 100)
+  option.one_of(given, "share", WHERE, { "x", "y", "xy" })
+  check_look(given)
   local panels = {}
   for i, panel in ipairs(given) do
     if type(panel) ~= "table" then
@@ -304,6 +353,7 @@ M.figure = blame.caller(function(given)
         fail("panel %d: '%s' belongs to the figure, behind its panels", i, key)
       end
     end
+    if given.text and panel.text == nil then panel = with_text(panel, given.text) end
     panels[i] = make_panel(is_column(panel[1]) and { panel } or panel, panel)
   end
   if #panels == 0 then fail "a figure needs at least one panel: a list of series" end

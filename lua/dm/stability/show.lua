@@ -4,14 +4,7 @@ local cells = require "dm.stability.cells"
 local characters = require "dm.show.characters"
 local class = require "dm.base.class"
 local option = require "dm.base.options"
-
--- What is right is blue, what is wrong or on its way there orange, what is lost grey; classes of
--- one hue differ by lightness or by pattern, so that nobody needs to tell red from green.
-local COLOURS = { bounded = { "#2c7fb8" }, wrong = { "#f28e2b" }, chaotic = { "#7f2704" },
-  drifting = { "#fdae6b", 4 }, off = { "#bdbdbd" }, ["blow-up"] = { "#636363" },
-  ["no convergence"] = { "#111111" }, left = { "#737373", 5 },
-  ["constraint lost"] = { "#252525", 6 }, ["no value"] = { "#969696", 7 },
-  ["no start"] = { "#cccccc", 2 }, ["not run"] = { "#ffffff" } }
+local palette = require "dm.show.palette"
 
 -- how many cells there are of each class
 local function counts(map)
@@ -204,7 +197,7 @@ local function panel_of(map, panel, along)
     local box = by_class[k]
     if box then
       box.name, box.style = class.name, "cells"
-      box.colour, box.pattern = table.unpack(COLOURS[class.name])
+      box.colour = palette.CLASSES[class.name]
       out[#out + 1] = box
     end
   end
@@ -326,10 +319,11 @@ step).]])
 
 class.method("dm.stability_map", "plot", plot, [[
 map:plot{file=, title=, ...} -> file name or nothing
-The classes as colours and patterns (blue: right, orange: wrong, chaotic or drifting, grey: lost)
-over the last row parameter (across) and the columns (up), one panel for every rule and every value
-of the first of two row parameters (at most 12), with the measured and the theoretical limits and
-the resonances; without a file as letters in the terminal. Other options as in dm.plot.]])
+The classes as colours (dm.palette "classes"; blue: right, yellow to red: wrong, drifting or
+chaotic, grey: lost) over the last row parameter (across) and the columns (up), one panel for every
+rule and every value of the first of two row parameters (at most 12), with the measured and the
+theoretical limits and the resonances; without a file as letters in the terminal. Other options as
+in dm.plot.]])
 
 --- What tostring gives for a map.
 local function text(map)
@@ -339,4 +333,4 @@ local function text(map)
   return table.concat(lines, "\n")
 end
 
-return { text = text, colours = COLOURS }
+return { text = text }

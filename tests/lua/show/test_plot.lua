@@ -186,7 +186,7 @@ dm.figure { { path:series("q1", "q2"), equal = true }, { path:series("t", "energ
 ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "several panels in one picture")
 dm.plot({ 1, 2, 3 }, { 0.8, 0.8 + 1e-16, 0.8 }, { file = base .. ".png" })
 ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "a column that wanders by round-off can be drawn")
-local script = gnuplot.script({ panels = {}, columns = 1, rows = 1, width = 99, height = 99 }, "|rm -rf x.png")
+local script = gnuplot.script({ panels = {}, columns = 1, rows = 1, look = require "dm.show.look".of({}, 99, 99) }, "|rm -rf x.png")
 ok(script:find('set output "./|rm -rf x.png"', 1, true) ~= nil, "a name is never a command")
 
 ---- text of a user is text: no command of a shell or of gnuplot, no element of a page ----

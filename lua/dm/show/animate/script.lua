@@ -2,11 +2,12 @@
 -- no network. It reads the JSON of the page (dm.animate.page says what is in it) and draws frame
 -- after frame; #t=1.5 in the address starts there, standing still. What is drawn is always a
 -- recorded row: nothing is interpolated.
-return [==[
+local palette = require "dm.show.palette"
+
+local text = [==[
 "use strict";
 const scene = JSON.parse(document.getElementById("data").textContent);
-const COLOURS = ["#0b62a4", "#d1495b", "#2a9d5c", "#8f5bc4", "#d98324", "#2b9eb3", "#8a6d3b",
-  "#555555"];
+const COLOURS = [@COLOURS@];
 const colour = i => COLOURS[i % COLOURS.length];
 const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
 const element = id => document.getElementById(id);
@@ -393,3 +394,4 @@ function open() {
 }
 open();
 ]==]
+return (text:gsub("@COLOURS@", '"' .. table.concat(palette.LINES, '", "') .. '"'))
