@@ -1,5 +1,5 @@
---- Where the panels of a figure stand: columns have one left edge and rows one lower edge, with room
--- for the widest ticks, labels, titles and legends of each.
+--- Where the panels of a figure stand: columns have one left edge and rows one lower edge, with
+-- room for the widest ticks, labels, titles and legends of each.
 local M = {}
 
 -- pixels of the layout (letters of 11 points at 96 dots per inch)
@@ -42,7 +42,8 @@ local function shaped(panel, box, width, height)
   return { box[1] + free, box[2] - free, box[3], box[4] }
 end
 
---- Give every panel its box { left, right, bottom, top } in parts of the picture; its axes are made.
+--- Give every panel its box { left, right, bottom, top } in parts of the picture; its axes are
+-- made.
 function M.place(figure)
   local columns, rows, width, height = figure.columns, figure.rows, figure.look.width,
     figure.look.height

@@ -20,7 +20,8 @@ local function given_size(options)
   if type(size) ~= "table" then fail "option 'size' must be {width, height} or {8.5, 6, \"cm\"}" end
   local unit = size[3]
   if unit ~= nil and unit ~= "px" and not INCHES[unit] then
-    fail("option 'size': the unit must be \"cm\", \"mm\", \"in\" or \"px\" (got %s)", option.got(unit))
+    fail("option 'size': the unit must be \"cm\", \"mm\", \"in\" or \"px\" (got %s)",
+      option.got(unit))
   end
   return options.width or size[1], options.height or size[2], INCHES[unit]
 end
@@ -61,8 +62,8 @@ function M.pixels(options)
   return w and math.floor(w), h and math.floor(h)
 end
 
---- { inches = {w, h}, dpi, font, points, linewidth (points, or nil), printed, width, height }; w, h:
--- pixels of one that has no size. width and height are those of the layout.
+--- { inches = {w, h}, dpi, font, points, linewidth (points, or nil), printed, width, height }; w
+-- and h: pixels of one that has no size. width and height are those of the layout.
 function M.of(options, w, h)
   local asked_w, asked_h, inch = given_size(options)
   local look = { printed = inch ~= nil, font = options.font or "DejaVu Sans",
@@ -85,8 +86,8 @@ local TERMINALS = {}
 
 function TERMINALS.png(look)
   local scale = look.dpi / SCREEN
-  return ("pngcairo enhanced size %d,%d font '%s,%g' fontscale %g linewidth %g background rgb 'white'")
-    :format(round(look.inches[1] * look.dpi), round(look.inches[2] * look.dpi), look.font,
+  return ("pngcairo enhanced size %d,%d font '%s,%g' fontscale %g linewidth %g background rgb "
+    .. "'white'"):format(round(look.inches[1] * look.dpi), round(look.inches[2] * look.dpi), look.font,
     look.points, scale, scale)
 end
 

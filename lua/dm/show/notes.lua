@@ -25,7 +25,8 @@ local function check_slopes(options)
     end
   end
   if options.log ~= "xy" then
-    fail "option 'slopes' draws powers, which are lines where both axes are logarithmic: log = \"xy\""
+    fail("option 'slopes' draws powers, which are lines where both axes are logarithmic: log = "
+      .. '"xy"')
   end
   return slopes
 end
