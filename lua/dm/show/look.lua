@@ -86,9 +86,9 @@ local TERMINALS = {}
 
 function TERMINALS.png(look)
   local scale = look.dpi / SCREEN
+  local w, h = round(look.inches[1] * look.dpi), round(look.inches[2] * look.dpi)
   return ("pngcairo enhanced size %d,%d font '%s,%g' fontscale %g linewidth %g background rgb "
-    .. "'white'"):format(round(look.inches[1] * look.dpi), round(look.inches[2] * look.dpi), look.font,
-    look.points, scale, scale)
+    .. "'white'"):format(w, h, look.font, look.points, scale, scale)
 end
 
 function TERMINALS.svg(look)
