@@ -82,19 +82,30 @@ end
 ---- both ----
 
 local doc_load = [[
-dm.load(file) -> table
+dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
 names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
 semicolons, tabs or blanks stand between the fields; blank lines and those that begin with # are
 skipped. Names are in the first line, or in the last comment above the numbers; without names the
-columns are c1, c2, ... Raises with the line and the column of what is not a number. Of the journal
-of a sweep (dm.sweep, solver:ensemble) these are the members that ended well, by their number in
-column member.]]
+columns are c1, c2, ... A decimal comma is seen where the fields show it ("1,5;2,5"). Given:
+separator = ",", ";", "tab" or "blank", decimal = "," or ".", names = a list, skip = lines to leave
+out. Raises with the line and the column of what is not a number. Of the journal of a sweep
+(dm.sweep, solver:ensemble) these are the members that ended well, by their number in column member.]]
 
-M.load = blame.caller(function(file)
+local GIVEN = { "separator", "decimal", "names", "skip" }
+
+local function check_given(given)
+  option.check(given, GIVEN, "dm.load")
+  option.one_of(given, "decimal", "dm.load", { ",", "." })
+  option.one_of(given, "separator", "dm.load", { ",", ";", "tab", "blank", "\t", " " })
+  option.whole(given, "skip", "dm.load", 0, 1e9)
+end
+
+M.load = blame.caller(function(file, given)
   if type(file) ~= "string" then
     option.fail("dm.load", "a file name is needed (got %s)", option.got(file))
   end
+  if given ~= nil then check_given(given) end
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
   if not handle then option.fail("dm.load", "cannot open %s", why) end
@@ -106,7 +117,7 @@ M.load = blame.caller(function(file)
   elseif is_npy then
     fine, names, columns, counts = pcall(load_npy, file, handle)
   else
-    fine, names, columns = pcall(text_table.read, handle, "dm.load: " .. file)
+    fine, names, columns = pcall(text_table.read, handle, "dm.load: " .. file, given)
   end
   handle:close()
   if not fine then error(names, 0) end

@@ -1,5 +1,5 @@
---- Columns of numbers from a text: fields between commas, semicolons, tabs or blanks; names in the
--- first line or in a comment above the numbers, or none.
+--- Columns of numbers from a text: fields between commas, semicolons, tabs or blanks; numbers with
+-- a decimal point or comma; names in the first line or in a comment above the numbers, or none.
 local option = require "dm.base.options"
 
 local M = {}
@@ -49,27 +49,31 @@ end
 
 local WORDS = { nan = 0 / 0, ["-nan"] = 0 / 0, inf = math.huge, ["-inf"] = -math.huge }
 
-local function number_of(field)
+local function number_of(field, comma)
+  if comma then field = field:gsub(",", ".", 1) end
   local x = tonumber(field) or WORDS[field:lower()]
   if x == 0 and field:find "^-" then return -0.0 end
   return x and x + 0.0
 end
 
 -- numbers, some of which may be missing: no names of columns
-local function are_numbers(fields)
+local function are_numbers(fields, comma)
   local count = 0
   for _, field in ipairs(fields) do
-    if number_of(field) then count = count + 1 elseif field ~= "" then return false end
+    if number_of(field, comma) then count = count + 1 elseif field ~= "" then return false end
   end
   return count > 0
 end
 
 ---- lines ----
 
--- a function that gives number and text of the next line that says something, and a table whose
--- `comment` is the last comment above the first such line
-local function lines_of(handle, fail)
+-- a function that gives number and text of the next line that says something, the first `skip`
+-- lines left out, and a table whose `comment` is the last comment above the first such line
+local function lines_of(handle, skip, fail)
   local number, seen = 0, {}
+  for _ = 1, skip do
+    if handle:read "l" then number = number + 1 end
+  end
   local function next_line()
     for line in handle:lines "l" do
       number = number + 1
@@ -89,10 +93,10 @@ local function lines_of(handle, fail)
 end
 
 -- names in a comment, if there are as many words as numbers
-local function names_in(comment, count, separator)
+local function names_in(comment, count, separator, comma)
   for _, sign in ipairs { separator == BLANKS and "[%s,;]+" or separator, "[%s,;]+" } do
     local names = comment and fields_of(comment, sign)
-    if names and #names == count and not are_numbers(names) then return names end
+    if names and #names == count and not are_numbers(names, comma) then return names end
   end
 end
 
@@ -110,44 +114,116 @@ local function check_names(names, fail)
   end
 end
 
---- Names and columns (lists of numbers) of an open file; `where` names it in messages.
-function M.read(handle, where)
-  local fail = option.failing(where)
-  local next_line, seen = lines_of(handle, fail)
+local SIGNS = { tab = "\t", blank = BLANKS, [" "] = BLANKS, ["\t"] = "\t", [";"] = ";",
+  [","] = "," }
+
+-- Is the comma of this line a decimal one? Where another sign stands between the fields, and every
+-- field with a comma is a number with it; of blanks only where no comma ends a field.
+local function has_decimal_comma(line, separator)
+  if not line or separator == "," or not line:find(",", 1, true) then return false end
+  local found = false
+  for _, field in ipairs(fields_of(line, separator) or {}) do
+    if field:find "^[-+]?%d*,%d+[eE]?[-+]?%d*$" then
+      found = true
+    elseif field:find(",", 1, true) then
+      return false
+    end
+  end
+  return found
+end
+
+-- what stands between the fields, and whether numbers have a comma, from a line of numbers
+local function look_at(line, given, fail)
+  local separator = given.separator and (SIGNS[given.separator]
+    or fail("separator must be \",\", \";\", \"tab\" or \"blank\" (got %s)",
+      option.got(given.separator)))
+  separator = separator or separator_of(line)
+  if not given.separator and separator == "," and given.decimal == "," then separator = BLANKS end
+  if not given.separator and separator == "," and has_decimal_comma(line, BLANKS)
+    and line:find "%d%s+[-+]?%d" then
+    separator = BLANKS -- "0 1,5": blanks between numbers with a comma
+  end
+  local comma = given.decimal == "," or given.decimal == nil and has_decimal_comma(line, separator)
+  return separator, comma
+end
+
+-- Reads the lines of a text: names, columns as they grow.
+local function reader(handle, given, fail)
+  local next_line, seen = lines_of(handle, given.skip or 0, fail)
   local number, line = next_line()
   if not number then fail "is empty; a line of column names is needed" end
   local second_number, second = next_line()
-  local function fields_at(at, text, separator)
-    return fields_of(text, separator) or fail("line %d: a quote is not closed", at)
+  local separator, comma = look_at(line, given, fail)
+  if second then comma = comma or select(2, look_at(second, given, fail)) end
+  return { next_line = next_line, seen = seen, number = number, line = line, second = second,
+    second_number = second_number, separator = separator, comma = comma }
+end
+
+local function fields_at(r, at, text, fail)
+  return fields_of(text, r.separator) or fail("line %d: a quote is not closed", at)
+end
+
+-- fields of the first line; names may have blanks or commas in them, the numbers below tell what
+-- stands between
+local function first_fields(r, given, fail)
+  local fields = fields_at(r, r.number, r.line, fail)
+  if not r.second or are_numbers(fields, r.comma) then return fields end
+  local kept = r.separator
+  r.separator, r.comma = look_at(r.second, given, fail)
+  local others = fields_at(r, r.number, r.line, fail)
+  if #fields == #fields_at(r, r.second_number, r.second, fail) and kept == r.separator then
+    return fields
   end
-  local separator = separator_of(line)
-  local names, columns, rows = fields_at(number, line, separator), {}, 0
-  if second and not are_numbers(names) then  -- names may have blanks or commas in them
-    separator = separator_of(second)
-    local others = fields_at(number, line, separator)
-    if #names ~= #fields_at(second_number, second, separator) then names = others end
+  if #others ~= #fields_at(r, r.second_number, r.second, fail) then
+    r.separator = kept
+    local same = #fields == #fields_at(r, r.second_number, r.second, fail)
+    if same then return fields end
+    r.separator = (look_at(r.second, given, fail))
   end
+  return others
+end
+
+-- the names that were given for so many columns
+local function given_names(names, count, fail)
+  if type(names) ~= "table" then fail "names must be a list of texts" end
+  for c = 1, math.max(count, #names) do
+    if type(names[c]) ~= "string" then
+      fail("names must be %d texts, one for each column (got %d)", count, #names)
+    end
+  end
+  return table.move(names, 1, count, 1, {})
+end
+
+--- Names and columns (lists of numbers) of an open file; `where` names it in messages. given: {
+-- separator, decimal, names, skip (lines) }, what is left out is seen from the text.
+function M.read(handle, where, given)
+  local fail = option.failing(where)
+  given = given or {}
+  local r = reader(handle, given, fail)
+  local names, columns, rows = first_fields(r, given, fail), {}, 0
   local function add(at, fields)
     if #fields ~= #names then
       fail("line %d has %d fields, the first line has %d", at, #fields, #names)
     end
     rows = rows + 1
     for c, field in ipairs(fields) do
-      columns[c][rows] = number_of(field)
+      columns[c][rows] = number_of(field, r.comma)
         or fail("line %d, column %s: not a number: %q", at, names[c], field)
     end
   end
   for c in ipairs(names) do columns[c] = {} end
-  if are_numbers(names) then
-    local first = names
-    names = names_in(seen.comment, #first, separator) or numbered(#first)
-    add(number, first)
+  local first = names
+  if given.names then names = given_names(given.names, #first, fail) end
+  if are_numbers(first, r.comma) then
+    names = given.names and names or names_in(r.seen.comment, #first, r.separator, r.comma)
+      or numbered(#first)
+    add(r.number, first)
   end
   check_names(names, fail)
-  number, line = second_number, second
+  local number, line = r.second_number, r.second
   while number do
-    add(number, fields_at(number, line, separator))
-    number, line = next_line()
+    add(number, fields_at(r, number, line, fail))
+    number, line = r.next_line()
   end
   return names, columns
 end

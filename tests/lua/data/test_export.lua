@@ -128,4 +128,42 @@ if full then
   raises("cannot write /dev/full", path.csv, path, "/dev/full")
 end
 for _, name in ipairs { base, csv, npy } do os.remove(name) end
+
+---- texts of others: what stands between fields, decimal commas, names ----
+
+local function loaded(text, given)
+  local name = os.tmpname()
+  local f <close> = assert(io.open(name, "w"))
+  f:write(text)
+  f:flush()
+  local fine, data = pcall(dm.load, name, given)
+  os.remove(name)
+  return fine and data, data
+end
+for what, case in pairs {
+  ["blanks"] = { "0 1.5\n2 -300\n", "c1 c2" }, ["a comment"] = { "# made by hand\n# t  x\n0 1.5\n\n2 -3e2\n", "t x" },
+  ["tabs"] = { "t\tx\n0\t1.5\n2\t-300\n", "t x" }, ["semicolons and commas"] = { "t;x\n0;1,5\n2;-300\n", "t x" },
+  ["blanks and commas"] = { "0 1,5\n2 -300,0\n", "c1 c2" }, ["tabs and commas"] = { "0\t1,5\n2\t-3e2\n", "c1 c2" },
+  ["names with blanks"] = { "the t,x\n0,1.5\n2,-300\n", "the t x" }, ["commas"] = { "0,1.5\n2,-300\n", "c1 c2" },
+  ["commas and blanks"] = { "0, 1.5\n2, -300\n", "c1 c2" }, ["quotes"] = { '"t";"x"\n"0";"1,5"\n"2";"-300,0"\n', "t x" },
+} do
+  local data, why = loaded(case[1])
+  local c = data and data.columns
+  ok(data and table.concat(c, " ") == case[2] and data[c[1]][2] == 2 and data[c[2]][1] == 1.5 and data[c[2]][2] == -300, "dm.load: " .. what, why)
+end
+local data = loaded("head\nmore\n1;2,5\n", { skip = 2, names = { "a", "b" } })
+ok(data and data.a[1] == 1 and data.b[1] == 2.5, "skip and names")
+data = loaded("x y\n1 2\n", { names = { "a", "b" } })
+ok(data and data.a[1] == 1 and not data.x, "names in place of those of the file")
+data = loaded("1,5 2\n3 4,5\n", { decimal = "," })
+ok(data and data.c1[1] == 1.5 and data.c2[2] == 4.5, "decimal comma, given")
+data = loaded("1,5\n2,5\n", { separator = "," })
+ok(data and data.c2[2] == 5 and data.c1[2] == 2, "separator, given")
+for wrong, case in pairs { ["line 3"] = { "0 1\n1 2\n3\n" }, ["must be 2 texts"] = { "0 1\n", { names = { "a" } } }, ["separator"] = { "1", { separator = "x" } },
+  ["decimal"] = { "1", { decimal = ";" } }, ["skip"] = { "1", { skip = -1 } }, ["unknown option 'sep'"] = { "1", { sep = "," } },
+  ["line 2, column c1: not a number"] = { "0 1\nx 2\n" } } do
+  local fine, why = loaded(case[1], case[2])
+  ok(not fine and why:find(wrong, 1, true), "refused: " .. wrong, why)
+end
+
 tap.done()
