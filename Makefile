@@ -130,9 +130,10 @@ lint: $(B)/config.mk
 	@.ci/lint $(C_SOURCES) -- $(LUA_CFLAGS)
 
 docs: all
-	@mkdir -p docs/completion docs/images
+	@mkdir -p docs/completion docs/images docs/meta
 	$(B)/dmlua -e 'require "dm.session.man".write "docs"' \
-	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.session.reference".text(dm))'
+	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.session.reference".text(dm))' \
+	  -e 'require "dm.session.meta".write "docs/meta"'
 	for example in $(EXAMPLES); do $(B)/dmlua $$example docs/images >/dev/null || exit 1; done
 
 # the gallery of work-precision charts, measured again: two minutes of a quiet machine
@@ -150,6 +151,7 @@ install: all
 	install -m 755 $(wildcard $(B)/dm/*.so) $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	@for file in $(LUA_FILES); do install -D -m 644 $$file $(SHARE)/dmlua/$$file || exit 1; done
 	install -D -m 644 -t $(SHARE)/dmlua/lua/python $(wildcard lua/python/*.py)
+	install -D -m 644 -t $(SHARE)/dmlua/meta docs/meta/dm.lua
 	install -m 644 $(EXAMPLES) $(SHARE)/dmlua/examples
 	@ln -sfn ../../dmlua/lua/dm $(SHARE)/lua/5.4/dm
 	install -m 644 docs/dmlua.1 $(SHARE)/man/man1/dmlua.1

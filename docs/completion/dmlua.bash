@@ -10,7 +10,7 @@ _dmlua() {
     elif [[ $before == -e || $before == -l ]]; then
         COMPREPLY=()
     elif [[ $word == -* ]]; then
-        COMPREPLY=($(compgen -W "-e -i -l -v -E -W -q -n --color= --demo= --part= --join= --jupyter= --machine= --help --version" -- "$word"))
+        COMPREPLY=($(compgen -W "-e -i -l -v -E -W -q -n --color= --demo= --part= --join= --where= --jupyter= --machine= --help --version" -- "$word"))
         [[ ${COMPREPLY[0]-} == *= ]] && compopt -o nospace 2>/dev/null
     else
         compopt -o filenames 2>/dev/null

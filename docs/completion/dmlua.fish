@@ -11,6 +11,7 @@ complete -c dmlua -l color -d 'colour the output: auto, always or never' -x -a '
 complete -c dmlua -l demo -d 'run a guided demonstration; without a name: list them' -x -a 'lagrangian noether symplectic order chart curve constraint rolling stiff chaos ensemble chain drift routh frame elastica stability wrong scene top polhode forms holes sweep'
 complete -c dmlua -l part -d 'run part k of n of every sweep that has a journal' -x
 complete -c dmlua -l join -d 'write the journals that follow as one file' -r
+complete -c dmlua -l where -d 'print the folder of meta, lua, python or examples' -x
 complete -c dmlua -l jupyter -d 'install the kernel of Jupyter notebooks' -x
 complete -c dmlua -l machine -d 'answer a program: frames of JSON on two descriptors' -x
 complete -c dmlua -l help -d 'show this help and exit'

@@ -98,6 +98,7 @@ static void set_globals(lua_State *L) {
 static int do_options(lua_State *L, char **argv, int n) {
     int set = 0;
     for (int i = 1; i < n; i++) {
+        if (argv[i][0] != '-') continue; /* what belongs to --part or --where */
         const char option = argv[i][1];
         if (option == 'W') lua_warning(L, "@on", 0);
         if (option != 'e' && option != 'l') continue;
@@ -164,6 +165,14 @@ static int do_part(lua_State *L, const char *part) {
     return dml_report(L, status);
 }
 
+/* --where name */
+static int do_where(lua_State *L, const char *name) {
+    int status = dml_push_function(L, "dm.session.where", "command");
+    lua_pushstring(L, name);
+    if (status == LUA_OK) status = dml_call(L, 1, 0);
+    return dml_report(L, status);
+}
+
 /* --jupyter=PREFIX */
 static int do_jupyter(lua_State *L, const char *prefix) {
     int status = dml_push_function(L, "dm.notebook.install", "command");
@@ -204,7 +213,7 @@ static void open_libraries(lua_State *L, const dml_command *c) {
 static int session_follows(const dml_command *c, int argc) {
     if (c->flags & DML_INTERACTIVE) return 1;
     const int nothing_given =
-        !(c->flags & (DML_EXECUTE | DML_VERSION_LINE | DML_JUPYTER)) && !c->machine;
+        !(c->flags & (DML_EXECUTE | DML_VERSION_LINE | DML_JUPYTER)) && !c->machine && !c->where;
     return c->script == argc && nothing_given && isatty(STDIN_FILENO);
 }
 
@@ -218,6 +227,7 @@ static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
     if (!do_options(L, argv, c->script)) return 0;
     if (c->flags & DML_JOIN) return do_join(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->flags & DML_DEMO) return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
+    if (c->where) return do_where(L, c->where) == LUA_OK;
     if (c->flags & DML_JUPYTER) return do_jupyter(L, c->prefix) == LUA_OK;
     if (c->machine) return dml_machine(L, c->machine);
     if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;

@@ -60,6 +60,15 @@ static const char *value_of(const char *option, const char *name) {
     return option[length] == '=' ? option + length + 1 : NULL;
 }
 
+/* --where name or --where=name */
+static int where_option(dml_command *c, char **argv, int *i) {
+    const char *name = value_of(argv[*i], "--where");
+    if (!name) return 0;
+    if (!*name && argv[*i + 1]) name = argv[++*i];
+    c->where = name;
+    return 1;
+}
+
 /* --machine=in,out and --jupyter or --jupyter=PREFIX */
 static int notebook_option(dml_command *c, const char *option) {
     const char *prefix = value_of(option, "--jupyter");
@@ -116,7 +125,7 @@ dml_command dml_command_read(char **argv) {
         }
         const int is_long = argv[i][1] == '-';
         const int fine = is_long ? long_option(&c, argv[i]) || part_option(&c, argv, &i) ||
-                                       notebook_option(&c, argv[i])
+                                       where_option(&c, argv, &i) || notebook_option(&c, argv[i])
                                  : short_option(&c, argv, &i);
         if (!fine) {
             c.flags |= DML_BAD_OPTION;

@@ -29,6 +29,7 @@ typedef struct {
     const char *part;    /* behind --part, or NULL */
     const char *machine; /* behind --machine=, or NULL */
     const char *prefix;  /* behind --jupyter=, or NULL */
+    const char *where;   /* behind --where, or NULL */
 } dml_command;
 
 /* Read argv; runs nothing. */

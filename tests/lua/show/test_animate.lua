@@ -259,5 +259,43 @@ local fine, message = pcall(function() orbit:animate(html, { dim = 4 }) end)
 ok(not fine and message:find "test_animate.lua:%d+: animate:", "an error names the line of the script", message)
 
 os.remove(base)
+---- films ----
+
+local flat = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+  :solver { rule = "verlet", h = 0.05 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 100 }
+tap.raises("'plots' is of pages", flat.animate, flat, html .. ".mp4", { plots = {} })
+tap.raises("'fps' is of films", flat.animate, flat, html, { fps = 3 })
+tap.raises("fps", flat.animate, flat, html .. ".gif", { fps = 0 })
+tap.raises("frames", flat.animate, flat, html .. ".gif", { fps = 100, seconds = 1e4 })
+tap.raises("in pixels", flat.animate, flat, html .. ".gif", { size = { 8, 6, "cm" } })
+tap.raises(".html, .mp4 or .gif", flat.animate, flat, html .. ".avi")
+local function holds(name)
+  local f <close> = io.open(name, "rb")
+  return f and f:read "a"
+end
+if os.execute "command -v ffmpeg >/dev/null && command -v gnuplot >/dev/null" then
+  flat:animate(html .. ".mp4", { fps = 10, seconds = 1, size = { 160, 121 } })
+  tap.ok((holds(html .. ".mp4") or ""):sub(5, 8) == "ftyp", "an MP4")
+  local pipe = io.popen("ffprobe -v error -count_frames -select_streams v -show_entries stream=width,height,nb_read_frames -of csv=p=0 '" .. html .. ".mp4'")
+  local told = pipe:read "l"
+  pipe:close()
+  tap.ok(told == "160,122,10", "ten frames of an even size", told)
+  local body = dm.system { Q = dm.SO(3), L = function(_, w) return w:dot(dm.vector { w[1], 2 * w[2], 3 * w[3] }) / 2 end }
+    :solver { rule = "lie(2)", h = 0.05 }:run { q = dm.matrix { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, v = { 0.1, 2, 0 }, steps = 40 }
+  dm.animate({ body, body }, html .. ".gif", { fps = 5, seconds = 1, size = { 160, 120 } })
+  tap.ok((holds(html .. ".gif") or ""):sub(1, 6) == "GIF89a", "a GIF of two bodies")
+  tap.raises("does the folder exist", flat.animate, flat, "/no/such/folder/a.gif", { fps = 2, seconds = 1 })
+  os.remove(html .. ".mp4")
+  os.remove(html .. ".gif")
+else
+  print "# skipped: films (ffmpeg)"
+end
+local without = io.popen(("D=%q; PATH=/nonexistent \"$D\" -e '%s' 2>&1"):format(os.getenv "DMLUA" or arg[-1],
+  "dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 end }:solver { rule = \"verlet\", h = 1 }:run "
+  .. "{ q = { 1, 0 }, v = { 0, 1 }, steps = 9 }:animate(\"" .. html .. ".mp4\")"))
+local complaint = without:read "a"
+without:close()
+tap.ok(complaint:find "ffmpeg is not installed" and not holds(html .. ".mp4"), "without ffmpeg: what to install, no file", complaint)
+
 os.remove(html)
 tap.done()

@@ -3,6 +3,7 @@
 -- dm.animate.script runs in it.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local film = require "dm.show.animate.film"
 local inline = require "dm.show.inline"
 local option = require "dm.base.options"
 local points_, plots_ = require "dm.show.animate.points", require "dm.show.animate.plots"
@@ -18,6 +19,7 @@ local fail = option.failing(WHERE)
 
 local KNOWN = { "points", "dim", "draw", "rods", "bodies", "trail", "plots", "title", "names",
   "frames", "t" }
+table.move(film.KNOWN, 1, #film.KNOWN, #KNOWN + 1, KNOWN)
 
 local DRAW = "(q, t) that returns { points = { {x, y}, ... } }"
 
@@ -47,8 +49,8 @@ local function check_options(options)
 end
 
 local function check_file(file)
-  if type(file) ~= "string" or not file:find "%.html?$" then
-    fail("a file name that ends in .html is needed (got %s)", tostring(file))
+  if type(file) ~= "string" or not (file:find "%.html?$" or film.is_film(file)) then
+    fail("a file name that ends in .html, .mp4 or .gif is needed (got %s)", tostring(file))
   end
 end
 
@@ -226,6 +228,18 @@ local function pack(scene, names)
   return page.text(scene)
 end
 
+-- a film of what the page would show
+local function write_film(paths, file, options)
+  return film.write(file, options, function(frames)
+    local own = {}
+    for key, value in pairs(options) do own[key] = value end
+    own.frames, own.plots = frames, {}
+    local scene, names = scene_of(paths, own)
+    for i, s in ipairs(scene.paths) do s.name = #paths > 1 and names[i] or scene.title end
+    return scene
+  end)
+end
+
 local make
 function make(paths, file, options)
   if file == nil and inline.show then
@@ -233,12 +247,16 @@ function make(paths, file, options)
   end
   check_file(file)
   check_options(options)
+  if film.is_film(file) then return write_film(paths, file, options) end
+  for _, key in ipairs(film.KNOWN) do
+    if options[key] ~= nil then fail("option '%s' is of films (.mp4, .gif), not of pages", key) end
+  end
   return require "dm.base.text_file".write(file, pack(scene_of(paths, options)), "animate")
 end
 
 local doc_animate =
   "dm.animate({path, path, ...}, file, {points=, dim=, draw=, rods=, bodies=, trail=, plots=, "
-  .. "names=, title=, frames=, t=}) -> file name\n" .. [[
+  .. "names=, title=, frames=, t=, fps=, seconds=, size=}) -> file name\n" .. [[
 A page for a browser (no network, nothing to install) in which several paths move side by side on
 one clock and one scale: with trails, energy and momentum over time, a slider, speed, and, in space,
 a camera that the mouse turns. names: one for each path; the other options are those of
@@ -252,8 +270,8 @@ M.animate = blame.caller(function(paths, file, options)
 end)
 
 local doc_path = [[
-path:animate(file, {points=, dim=, draw=, rods=, bodies=, trail=, plots=, title=, frames=, t=})
-  -> file name
+path:animate(file, {points=, dim=, draw=, rods=, bodies=, trail=, plots=, title=, frames=, t=,
+  fps=, seconds=, size=}) -> file name
 Write a page (.html, of its own: no network) with the moving system, its trail, energy and momentum
 over time, a slider and a speed. In a notebook it stands there without a file.
 Points are coordinates by name (x, y, z; x1, y1, x2, ...), else pairs or triples of q (dim = 2 or
@@ -268,7 +286,10 @@ a trail, joints = without }, ... } says otherwise; of other systems with pose = 
 return R, {x, y, z} end. Points of bodies follow those of draw in the numbers that rods have.
 trail: how much time it shows; plots: {
 "energy", "theta", dm.SO(2), { name, numbers } }; t = {from, to} and frames: which rows (default: as
-many as move smoothly, at most 1500).]]
+many as move smoothly, at most 1500).
+A file .mp4 or .gif is a film, drawn by gnuplot and joined by ffmpeg: fps = 25 frames a second for
+seconds = 10, size = {640, 480} pixels; each frame is the recorded row that is nearest to its
+time.]]
 
 M.path = blame.caller(function(path, file, options) return make({ path }, file, options or {}) end)
 
