@@ -17,11 +17,13 @@ BIND = $(call below,src/bind,*.c)
 CLI = $(call below,src/cli,*.c)
 SPARSE = $(call below,src/sparse,*.c)
 DELAUNAY = $(call below,src/delaunay,*.c)
+FFT = $(call below,src/fft,*.c)
 MPI = $(call below,src/mpi,*.c)
-KERNEL = $(filter-out $(BIND) $(CLI) $(SPARSE) $(DELAUNAY) $(MPI),$(call below,src,*.c))
+KERNEL = $(filter-out $(BIND) $(CLI) $(SPARSE) $(DELAUNAY) $(FFT) $(MPI),$(call below,src,*.c))
 LUA_FILES = $(call below,lua/dm,*.lua)
 EXAMPLES = $(sort $(wildcard examples/*.lua))
 C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(if $(SPARSE_LIBS),$(SPARSE)) $(if $(QHULL_LIBS),$(DELAUNAY)) \
+  $(if $(FFTW_LIBS),$(FFT)) \
   $(call below,tests/c,*.c)
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
 export B
@@ -50,7 +52,7 @@ COMPILE = $(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -MP -Isrc -D_POSIX_C_SOURC
 READLINE_FLAGS = $(if $(filter yes,$(READLINE)),-DDM_READLINE,-UDM_READLINE)
 # what asks Lua calls it through its address: math.sqrt takes 1.16 of lua5.4's time, not 1.21
 CALLS_LUA = -fno-plt $(LUA_CFLAGS)
-SAME = $(COMPILE) $(READLINE_FLAGS) $(CALLS_LUA) $(LUA_LIBS) $(SPARSE_LIBS) $(QHULL_LIBS)
+SAME = $(COMPILE) $(READLINE_FLAGS) $(CALLS_LUA) $(LUA_LIBS) $(SPARSE_LIBS) $(QHULL_LIBS) $(FFTW_LIBS)
 $(B)/flags: always
 	@mkdir -p $(B)
 	@echo '$(SAME)' | cmp -s - $@ || echo '$(SAME)' >$@
@@ -72,13 +74,18 @@ $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
 
 # modules of libraries that not everybody has: the core opens them at first use
-modules: $(if $(SPARSE_LIBS),$(B)/dm/sparse.so) $(if $(QHULL_LIBS),$(B)/dm/delaunay.so)
+modules: $(if $(SPARSE_LIBS),$(B)/dm/sparse.so) $(if $(QHULL_LIBS),$(B)/dm/delaunay.so) \
+  $(if $(FFTW_LIBS),$(B)/dm/fft.so)
 $(B)/dm/sparse.so: $(call objects,$(SPARSE)) $(B)/libdm.a
 	@mkdir -p $(@D)
 	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-z,now -o $@ $^ $(SPARSE_LIBS) -lm
 $(B)/dm/delaunay.so: $(call objects,$(DELAUNAY)) $(B)/libdm.a
 	@mkdir -p $(@D)
 	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-z,now -o $@ $^ $(QHULL_LIBS) -lm
+
+$(B)/dm/fft.so: $(call objects,$(FFT)) $(B)/libdm.a
+	@mkdir -p $(@D)
+	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(FFTW_LIBS) -lm
 
 # for runs under mpirun, asked for by name: `make mpi`
 mpi: all $(B)/dm/mpi.so

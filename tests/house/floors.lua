@@ -14,15 +14,17 @@ floors.src = {
   "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
   "integ/multiscale", "integ/trial", "integ/sem", "integ/lie", "integ",
+  "wave", "fft",
   "run", "run/ensemble",
   "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/rule",
-  "bind/trial", "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
+  "bind/trial", "bind/wave", "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
   "cli",
 }
 
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
+  "wave", "elements",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures", "dec/flow",
   "dec/dynamics", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "trial", "stability",

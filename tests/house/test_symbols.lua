@@ -21,12 +21,13 @@ for _, row in ipairs(require "exceptions".calls) do exceptions[row[1] .. " " .. 
 local rows = tree.symbols(".", house.build)
 local function room(row) return row[1]:match "^[^/]+" end
 local function kernel(row) return room(row) ~= "bind" and room(row) ~= "cli" end
--- what src/sparse and src/delaunay, modules of their own, call besides: their libraries, and the
+-- what src/sparse, src/fft and src/delaunay, modules of their own, call besides: their libraries, and the
 -- file in memory that qhull writes its errors to
 local function of_library(row)
   if room(row) == "delaunay" then
     return row[3]:find "^qh_" or row[3] == "fmemopen" or row[3] == "fclose"
   end
+  if room(row) == "fft" then return row[3]:find "^fftw_" end
   return room(row) == "sparse"
     and (row[3]:find "^cholmod_" or row[3]:find "^umfpack_di_" or row[3]:find "^ds[ae]upd_c$"
       or row[3] == "SuiteSparse_config" or row[3] == "__tls_get_addr")

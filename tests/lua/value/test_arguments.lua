@@ -53,6 +53,10 @@ local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps 
   start = function(n) return dm.zeros(n), dm.zeros(n) end }
 local rows = solver:section { g = function(q) return q[2] end, starts = { { q = { 1, 0 }, v = { 0, 1.1 } } }, t = 40, x = "q1", y = "p1" }
 
+local wave = dm.schroedinger { x = { 0, 1, 8 } }
+local waves = wave:solver { rule = "strang", h = 0.1 }
+local waved = waves:run { psi = math.sin, steps = 4 }
+local rod = dm.msfem { a = math.exp, f = math.sin, x = { 0, 0.5, 1 } }
 local upright = dm.SO(3):identity()
 local rotor = dm.discrete_lagrangian { Q = dm.SO(3), h = 0.1,
   Ld = function(q0, q1) return -(q0:transpose() * q1)[1][1] - 2 * (q0:transpose() * q1)[2][2] end }
@@ -112,6 +116,12 @@ local calls = {
     { reduced, reconstruct = {} } },
   ["dm.ensemble"] = { { members, path = { 1 }, summary = { "energy" } } },
   ["dm.journal_file"] = { { assert(require "dm.core".journal_file(os.tmpname(), true)), read = { 0, 8 }, append = { "" }, truncate = { 0 } } },
+  ["dm.wave_equation"] = { { wave:equation(), eigen = { 2 }, slope = { wave.x, wave.x }, observe = { wave.x, wave.x } } },
+  ["dm.wave_stepper"] = { { waves.stepper, start = { wave.x, wave.x }, run = { 0, 0, 1, 1 } } },
+  ["dm.schroedinger"] = { { wave, eigen = { 2 }, stability_limit = { "two-step" }, current = { math.sin }, observe = { math.sin }, resume = { waved } } },
+  ["dm.wave_path"] = { { waved, column = { "x" }, drift = { "norm" } } },
+  ["dm.complex_vector"] = { { waved.psi[1], dot = { waved.psi[2] }, times = { 0, 1 } } },
+  ["dm.msfem_solution"] = { { rod, value = { 0.3 }, exact = { 0.3 }, shape = { 2, 0.3 }, plot = { {} } } },
   ["dm.worker"] = { { require "dm.core".worker(function(channel) while channel:receive() do end end), send = { "x" } } },
   ["dm.sweep"] = { { dm.sweep { members = 2, workers = 1, run = function(i) return i end }, plot = { "member", "value", {} } } },
   ["dm.group_lagrangian"] = { { rotor, legendre_minus = { upright, upright },
