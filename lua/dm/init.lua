@@ -46,6 +46,7 @@ local rows = {
   simplicial_map = "dm.dec.homology.map",
   smith = "dm.dec.homology.smith",
   journal = "dm.sweep",
+  lab = "dm.show.animate.lab",
   part = "dm.sweep",
   stability = "dm.stability",
   stability_limit = "dm.stability.linear",

@@ -186,7 +186,7 @@ local function names_of(paths, options)
   return names
 end
 
-local function scene_of(paths, options)
+local function scene_of(paths, options, width)
   local shown = {}
   local function which(i) return #paths > 1 and "path " .. i or "the path" end
   for i, path in ipairs(paths) do check_path(path, which(i)) end
@@ -201,7 +201,7 @@ local function scene_of(paths, options)
   return { title = options.title or (#paths == 1 and names[1] or table.concat(names, "; ")),
     note = note_of(paths, shown), dim = shown[1].dim,
     axes = shown[1].axes, trail = (options.trail or span / 5) * 1.0, paths = shown,
-    plots = plots_.all(paths, shown, options, names) }, names
+    plots = plots_.all(paths, shown, options, names, width or 600) }, names
 end
 
 -- a body as the page has it
@@ -212,7 +212,7 @@ local function packed(body, page)
 end
 
 -- numbers to text, and only what the page needs
-local function pack(scene, names)
+local function packed_scene(scene, names)
   local page = require "dm.show.animate.page"
   for i, s in ipairs(scene.paths) do
     local bodies = {}
@@ -225,7 +225,14 @@ local function pack(scene, names)
       plot.lines[i] = { name = line.name, t = page.doubles(line.t), y = page.floats(line.y) }
     end
   end
-  return page.text(scene)
+  return scene
+end
+
+--- What the page's script shows of some paths, its numbers as text; options as of dm.animate; width
+-- of the plots in pixels, by default 600.
+function M.scene(paths, options, width)
+  check_options(options)
+  return packed_scene(scene_of(paths, options, width))
 end
 
 -- a film of what the page would show
@@ -251,7 +258,8 @@ function make(paths, file, options)
   for _, key in ipairs(film.KNOWN) do
     if options[key] ~= nil then fail("option '%s' is of films (.mp4, .gif), not of pages", key) end
   end
-  return require "dm.base.text_file".write(file, pack(scene_of(paths, options)), "animate")
+  local text = require "dm.show.animate.page".text(M.scene(paths, options))
+  return require "dm.base.text_file".write(file, text, "animate")
 end
 
 local doc_animate =

@@ -7,7 +7,7 @@ local json = require "dm.base.json"
 
 local M = { json = json.encode }
 
-local STYLE = [[
+M.STYLE = [[
 body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
 h1 { font-size: 1.15em; margin: 0.2em 0; }
 p { margin: 0.2em 0 0.6em; color: #666; }
@@ -24,6 +24,20 @@ figcaption { text-align: center; color: #444; }
 button { width: 5em; font: inherit; }
 #time { font-variant-numeric: tabular-nums; min-width: 8em; }]]
 
+--- What the script draws on and listens to.
+M.VIEWER = [[
+<div id="paths"></div>
+<div id="controls">
+<button id="play" type="button">pause</button>
+<input id="scrub" type="range" min="0" max="1" step="any" value="0" aria-label="time">
+<span id="time"></span>
+<label>speed <input id="speed" type="range" min="-5" max="4" step="0.5" value="0"></label>
+<span id="rate"></span>
+<label>trail <input id="trail" type="range" min="0" max="1" step="any"></label>
+</div>
+<div id="plots"></div>
+]]
+
 local PAGE = [[
 <!DOCTYPE html>
 <html lang="en">
@@ -38,17 +52,7 @@ local PAGE = [[
 <body>
 <h1>@TITLE@</h1>
 <p>@NOTE@</p>
-<div id="paths"></div>
-<div id="controls">
-<button id="play" type="button">pause</button>
-<input id="scrub" type="range" min="0" max="1" step="any" value="0" aria-label="time">
-<span id="time"></span>
-<label>speed <input id="speed" type="range" min="-5" max="4" step="0.5" value="0"></label>
-<span id="rate"></span>
-<label>trail <input id="trail" type="range" min="0" max="1" step="any"></label>
-</div>
-<div id="plots"></div>
-<script type="application/json" id="data">@DATA@</script>
+@VIEWER@<script type="application/json" id="data">@DATA@</script>
 <script>
 @SCRIPT@</script>
 </body>
@@ -78,9 +82,11 @@ M.escaped = escaped
 
 --- The whole page of a scene, as text.
 function M.text(scene)
-  local parts = { TITLE = escaped(scene.title), NOTE = escaped(scene.note), STYLE = STYLE,
+  local parts = { TITLE = escaped(scene.title), NOTE = escaped(scene.note), STYLE = M.STYLE,
+    VIEWER = M.VIEWER,
     DATA = json.encode(scene),
-    SCRIPT = require "dm.show.animate.script" }
+    SCRIPT = require "dm.show.animate.script"
+      .. 'open(JSON.parse(element("data").textContent));\n' }
   return (PAGE:gsub("@(%u+)@", parts))
 end
 

@@ -69,7 +69,7 @@ end
 
 -- floats hold seven digits: lines that change little are shown as their change from the start; and
 -- no more points than pixels
-local function settle(lines)
+local function settle(lines, width)
   local change, size = 0, 0
   for _, line in ipairs(lines) do
     change, size = max(change, line.hi - line.lo), max(size, abs(line.y[1]))
@@ -80,7 +80,7 @@ local function settle(lines)
     for k = 1, #y do y[k] = y[k] - base end
     local start, span = t[1], max(t[#t] - t[1], 1e-300)
     local thin = require "dm.show.series".thin(line,
-      { width = 600, height = 200, fx = function(x) return (x - start) / span end,
+      { width = width, height = 200, fx = function(x) return (x - start) / span end,
       fy = function() return 0 end })
     lines[i] = { name = line.name, base = base, t = thin.x, y = thin.y }
   end
@@ -88,7 +88,7 @@ local function settle(lines)
 end
 
 -- the lines of all paths for the k-th quantity, one plot of the page
-local function plot_of(paths, shown, wants, k, names)
+local function plot_of(paths, shown, wants, k, names, width)
   local title, lines = nil, {}
   for i, path in ipairs(paths) do
     local name, columns = quantity(path, wants[i][k])
@@ -99,7 +99,7 @@ local function plot_of(paths, shown, wants, k, names)
     end
   end
   if #lines == 0 then return nil end
-  local from_start = settle(lines)
+  local from_start = settle(lines, width)
   if from_start and #lines == 1 then
     title = ("%s %s %.10g"):format(title, lines[1].base > 0 and "-" or "+", abs(lines[1].base))
   elseif from_start then
@@ -109,13 +109,13 @@ local function plot_of(paths, shown, wants, k, names)
 end
 
 --- The plots of a page: a list of { name, lines = { { name, t, y } } }, one for each quantity, the
--- lines of all paths in it.
-function M.all(paths, shown, options, names)
+-- lines of all paths in it; width: how many pixels of time they must serve.
+function M.all(paths, shown, options, names, width)
   local wants, out = {}, {}
   for i, path in ipairs(paths) do wants[i] = options.plots or default_plots(path, shown[i].dim) end
   local count = math.huge
   for i = 1, #paths do count = min(count, #wants[i]) end
-  for k = 1, count do out[#out + 1] = plot_of(paths, shown, wants, k, names) end
+  for k = 1, count do out[#out + 1] = plot_of(paths, shown, wants, k, names, width) end
   return out
 end
 

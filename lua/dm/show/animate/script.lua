@@ -1,38 +1,49 @@
 --- The script of an animated page (dm.animate), as text: plain JavaScript on canvases, no library,
--- no network. It reads the JSON of the page (dm.animate.page says what is in it) and draws frame
--- after frame; #t=1.5 in the address starts there, standing still. What is drawn is always a
+-- no network. open(scene) shows the JSON of the page (dm.animate.page says what is in it) and draws
+-- frame after frame, show(scene) goes on with another; #t=1.5 in the address starts there, standing still. What is drawn is always a
 -- recorded row: nothing is interpolated.
 local palette = require "dm.show.palette"
 
 local text = [==[
 "use strict";
-const scene = JSON.parse(document.getElementById("data").textContent);
 const COLOURS = [@COLOURS@];
 const colour = i => COLOURS[i % COLOURS.length];
 const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
 const element = id => document.getElementById(id);
 
+let scene, first, last, seconds, box;
+const state = { t: NaN, playing: true, speed: 1, trail: 0, azimuth: -0.6, height: 0.35, zoom: 1 };
+
 // numbers back from base64: times are doubles, positions and quantities floats
-for (const path of scene.paths) {
-  path.t = new Float64Array(bytes(path.t));
-  path.xyz = new Float32Array(bytes(path.xyz));
-  for (const body of path.bodies) {
-    body.vertices = new Float32Array(bytes(body.vertices));
-    body.poses = new Float32Array(bytes(body.poses));
+function unpack(data) {
+  for (const path of data.paths) {
+    path.t = new Float64Array(bytes(path.t));
+    path.xyz = new Float32Array(bytes(path.xyz));
+    for (const body of path.bodies) {
+      body.vertices = new Float32Array(bytes(body.vertices));
+      body.poses = new Float32Array(bytes(body.poses));
+    }
   }
-}
-for (const plot of scene.plots) {
-  for (const line of plot.lines) {
-    line.t = new Float64Array(bytes(line.t));
-    line.y = new Float32Array(bytes(line.y));
+  for (const plot of data.plots) {
+    for (const line of plot.lines) {
+      line.t = new Float64Array(bytes(line.t));
+      line.y = new Float32Array(bytes(line.y));
+    }
   }
+  return data;
 }
-const first = Math.min(...scene.paths.map(p => p.t[0]));
-const last = Math.max(...scene.paths.map(p => p.t[p.t.length - 1]));
-const state = { t: first, playing: true, speed: 1, trail: scene.trail, azimuth: -0.6, height: 0.35,
-  zoom: 1 };
-// what the whole takes at speed 1
-const seconds = Math.max(4, Math.min(20, scene.paths[0].t.length / 30));
+
+// what is shown from now on; the clock and the camera stay
+function load(data) {
+  scene = unpack(data);
+  first = Math.min(...scene.paths.map(p => p.t[0]));
+  last = Math.max(...scene.paths.map(p => p.t[p.t.length - 1]));
+  // what the whole takes at speed 1
+  seconds = Math.max(4, Math.min(20, scene.paths[0].t.length / 30));
+  box = extent();
+  state.trail = scene.trail;
+  state.t = state.t >= first && state.t <= last ? state.t : first;
+}
 
 // the last row at or before t
 function row(times, t) {
@@ -48,7 +59,7 @@ function row(times, t) {
 // ---- from space to the canvas ----
 
 // middle and half width of everything that is shown, the same in all panels
-const box = (() => {
+function extent() {
   const lo = [Infinity, Infinity, Infinity], hi = [-Infinity, -Infinity, -Infinity];
   for (const path of scene.paths) {
     for (let i = 0; i < path.xyz.length; i++) {
@@ -82,7 +93,7 @@ const box = (() => {
   }
   const least = 0.02 * Math.max(...half) || 1;
   return { middle, half: half.map(h => Math.max(h, least)) };
-})();
+}
 
 // (x, y, z) -> [right, up, towards the eye] in units of space, as the camera sees it
 function turned(x, y, z) {
@@ -359,39 +370,56 @@ function watchKeys(e) {
   e.preventDefault();
 }
 
-function open() {
-  for (const path of scene.paths) {
-    path.canvas = figure("paths", path.name, "panel");
-    watchMouse(path.canvas);
+// canvases of paths and plots; those that are there are used again
+const canvases = { paths: [], plots: [] };
+function canvas(holder, i, name, kind) {
+  const all = canvases[holder];
+  if (!all[i]) {
+    all[i] = figure(holder, name, kind);
+    if (kind === "panel") watchMouse(all[i]); else watchPlot(all[i]);
   }
-  for (const plot of scene.plots) {
-    plot.canvas = figure("plots", "", "plot");
+  return all[i];
+}
+
+// a click on a plot is a time
+function watchPlot(canvas) {
+  canvas.addEventListener("pointerdown", e => {
+    const inside = (e.offsetX - LEFT) / (canvas.clientWidth - LEFT - 10);
+    play(false);
+    go(first + inside * (last - first));
+  });
+}
+
+function show(data) {
+  load(data);
+  scene.paths.forEach((path, i) => { path.canvas = canvas("paths", i, path.name, "panel"); });
+  scene.plots.forEach((plot, i) => {
+    plot.canvas = canvas("plots", i, "", "plot");
     plot.range = range(plot);
-    plot.canvas.addEventListener("pointerdown", e => {
-      const inside = (e.offsetX - LEFT) / (plot.canvas.clientWidth - LEFT - 10);
-      play(false);
-      go(first + inside * (last - first));
-    });
-  }
+  });
+  element("trail").value = last > first ? Math.min(1, state.trail / (last - first)) : 0;
+  showSpeed();
+  drawAll();
+}
+
+function open(data) {
+  show(data);
   element("play").addEventListener("click", () => play(!state.playing));
   element("scrub").addEventListener("input", e => {
     play(false);
     go(first + Number(e.target.value) * (last - first));
   });
   element("speed").addEventListener("input", showSpeed);
-  element("trail").value = last > first ? Math.min(1, state.trail / (last - first)) : 0;
   element("trail").addEventListener("input", e => {
     state.trail = Number(e.target.value) * (last - first);
     drawAll();
   });
   window.addEventListener("keydown", watchKeys);
   window.addEventListener("resize", drawAll);
-  showSpeed();
   const asked = /^#t=(.+)$/.exec(window.location.hash);
   play(!asked);
   go(asked && isFinite(Number(asked[1])) ? Number(asked[1]) : first);
   requestAnimationFrame(tick);
 }
-open();
 ]==]
 return (text:gsub("@COLOURS@", '"' .. table.concat(palette.LINES, '", "') .. '"'))
