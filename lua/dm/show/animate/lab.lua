@@ -91,7 +91,8 @@ local function range_of(name, given)
     fail("slider '%s' is { from, to, count } or { from, to, count, \"log\" }, from < to, count from "
       .. "2, or a list of texts", name)
   end
-  if scale ~= nil and scale ~= "log" then fail("slider '%s': the scale is \"log\" or left out", name)
+  if scale ~= nil and scale ~= "log" then
+    fail("slider '%s': the scale is \"log\" or left out", name)
   end
   if scale and from <= 0 then fail("slider '%s' is logarithmic: from must be positive", name) end
   local values = {}
