@@ -57,7 +57,8 @@ const lab = JSON.parse(element("data").textContent);
 const inputs = lab.sliders.map(s => document.querySelector(`input[name="${s.name}"]`));
 
 // the last slider runs fastest
-const position = () => lab.sliders.reduce((k, s, i) => k * s.labels.length + Number(inputs[i].value), 0);
+const position = () =>
+  lab.sliders.reduce((k, s, i) => k * s.labels.length + Number(inputs[i].value), 0);
 
 function present(begin) {
   lab.sliders.forEach((s, i) => {
@@ -88,8 +89,8 @@ local function range_of(name, given)
     and from - from == 0 and to - to == 0
   n = math.tointeger(n)
   if not fine or not n or n < 2 or n > MOST_POSITIONS then
-    fail("slider '%s' is { from, to, count } or { from, to, count, \"log\" }, from < to, count from "
-      .. "2, or a list of texts", name)
+    fail("slider '%s' is { from, to, count } or { from, to, count, \"log\" }, from < to, count "
+      .. "from 2, or a list of texts", name)
   end
   if scale ~= nil and scale ~= "log" then
     fail("slider '%s': the scale is \"log\" or left out", name)
@@ -175,8 +176,8 @@ local function position(run, sliders, k, options)
 end
 
 local function too_large(count, bytes)
-  fail("%d positions of %.1f kB would be a page of %.1f MB, at most 4 MB: take fewer positions of a "
-    .. "slider, or lower frames (%d a position by default)", count, bytes / 1024,
+  fail("%d positions of %.1f kB would be a page of %.1f MB, at most 4 MB: take fewer positions of "
+    .. "a slider, or lower frames (%d a position by default)", count, bytes / 1024,
     count * bytes / 2 ^ 20, FRAMES)
 end
 
@@ -207,8 +208,8 @@ end
 
 local function input_of(slider)
   local most = #slider.values - 1
-  return ('<label><span id="value_%s"></span><input type="range" name="%s" min="0" max="%d" step="1" '
-    .. 'value="%d"></label>\n'):format(slider.name, slider.name, most, most // 2)
+  return ('<label><span id="value_%s"></span><input type="range" name="%s" min="0" max="%d" '
+    .. 'step="1" value="%d"></label>\n'):format(slider.name, slider.name, most, most // 2)
 end
 
 local function text_of(title, sliders, positions)
