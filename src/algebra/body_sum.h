@@ -32,6 +32,7 @@ typedef struct dm_sum {
     /* of sums over cells: entries of q that no step moves, kept by the caller; NULL: none */
     const uint8_t *held; /* [coordinates] */
     uint32_t coordinates;
+    uint32_t sphere; /* of those: q is cut into unit vectors of so many entries; 0: it is not */
     uint32_t input;      /* of the graph that stands for the sum */
     uint32_t call;       /* which of all sums that were asked for while it was traced */
     struct dm_sum *next; /* of the graph, newest first */

@@ -32,7 +32,7 @@ void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const d
                       uint32_t first, uint32_t count, double *work);
 
 /* the gradient of factor_1 S_1 + factor_2 S_2 + ... by x_0 .. x_(m - 1) */
-typedef struct {
+typedef struct dm_cells {
     dm_cell_loop *loop; /* [loops] slopes; no two outputs are equal, or of opposite sign */
     uint32_t loops, m;
     size_t *slot; /* [loops]: slopes of output k of cell i are at slot + k * cells + i */

@@ -394,3 +394,15 @@ dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_
                        .backend = w->outer.backend};
     return DM_OK;
 }
+
+const dm_cells *dm_loops_cells(const dm_kernel *gradient) {
+    if (gradient->eval != eval_gradient) return NULL;
+    const whole *w = gradient->pool;
+    return w->direct || w->slopes ? NULL : w->cells;
+}
+
+const double *dm_loops_factors(const dm_kernel *gradient, const double *x) {
+    const whole *w = gradient->pool;
+    if (w->outer.eval) eval_outer(w, x, w->y);
+    return w->y;
+}

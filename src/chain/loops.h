@@ -25,4 +25,10 @@ const dm_kernel *dm_loops_outer(const dm_kernel *value, const double **x);
 dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_node *nodes,
                             uint32_t m, dm_compile *compile, dm_arena *arena);
 
+/* Of a gradient that is made of sums over cells of a mesh alone: these, else NULL; and the factors
+ * of them at x. */
+struct dm_cells;
+const struct dm_cells *dm_loops_cells(const dm_kernel *gradient);
+const double *dm_loops_factors(const dm_kernel *gradient, const double *x);
+
 #endif

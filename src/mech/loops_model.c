@@ -172,12 +172,6 @@ static dm_status read_cyclic(const builder *b) {
     return DM_OK;
 }
 
-/* the entries of q that a field holds */
-static const uint8_t *held_by(const dm_graph *g) {
-    const dm_sum *s = dm_sum_over_cells(g);
-    return s ? s->held : NULL;
-}
-
 /* as a diagonal model has it: 1/m, m, no shift */
 static dm_status keep_mass(const builder *b) {
     const uint32_t n = b->m->n;
@@ -185,8 +179,12 @@ static dm_status keep_mass(const builder *b) {
     if (!inverse) return DM_NO_MEMORY;
     double *shift = inverse + n;
     memset(shift, 0, n * sizeof *shift);
-    b->m->held = held_by(b->g);
-    if (dm_sum_over_cells(b->g)) b->m->mass_matrix = b->mass; /* also where it is singular */
+    const dm_sum *cells = dm_sum_over_cells(b->g);
+    if (cells) {
+        b->m->held = cells->held;
+        b->m->sphere = cells->sphere;
+        b->m->mass_matrix = b->mass; /* also where it is singular */
+    }
     for (uint32_t i = 0; i < n; i++) {
         const int held = b->m->held && b->m->held[i];
         if (held) b->mass[i] = inverse[i] = 0.0; /* whatever its momentum, it stays */

@@ -78,6 +78,7 @@ typedef struct {
     const double *mass_matrix;    /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
     const uint8_t *cyclic;        /* [n]: 1 where L does not depend on q_i */
+    uint32_t sphere; /* q is cut into unit vectors of so many entries (DM_CELLS); 0: it is not */
     const uint8_t *held;          /* [n]: 1 where no step moves q_i (DM_CELLS); NULL: nowhere */
     uint32_t operations;          /* of L itself */
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */

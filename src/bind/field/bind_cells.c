@@ -296,7 +296,7 @@ static int give(lua_State *L, request *r, dml_given *given, const dm_sum *s, int
     return 1;
 }
 
-/* core.cell_sum(cells, n, f, held, q, v) */
+/* core.cell_sum(cells, n, f, held, q, v, sphere) */
 static int cell_sum(lua_State *L) {
     dml_state *state = dml_getstate(L);
     double in[DM_SUM_COLUMNS];
@@ -305,8 +305,11 @@ static int cell_sum(lua_State *L) {
                  .in = in};
     const int fn = 3;
     luaL_checktype(L, fn, LUA_TFUNCTION);
-    lua_settop(L, 6);
-    dm_sum s = {.bodies = r.cells, .cells = 1, .coordinates = r.n};
+    lua_settop(L, 7);
+    dm_sum s = {.bodies = r.cells,
+                .cells = 1,
+                .coordinates = r.n,
+                .sphere = (uint32_t)luaL_optinteger(L, 7, 0)};
     if (!lua_isnil(L, 4)) s.held = lua_touserdata(L, 4);
     luaL_checkstack(L, 20, NULL);
     if (!lua_isnil(L, 5)) {
@@ -337,7 +340,7 @@ static const dml_row functions[] = {
     {"entries", entries, "core.entries(matrix) -> dm.vector\nIts entries, row by row."},
     {"marks", marks_new, "core.marks(vector) -> userdata\nA byte an entry: 1 where it is not 0."},
     {"cell_sum", cell_sum,
-     "core.cell_sum(cells, n, f, held, q, v) -> number\n"
+     "core.cell_sum(cells, n, f, held, q, v, sphere) -> number\n"
      "The sum of f(column) over cells; column(source, first, step, table) is an entry of q (source "
      "1), v (2) or a vector. In a trace (q = nil) it stays a loop."},
     {NULL, NULL, NULL}};

@@ -261,13 +261,14 @@ static const dml_row methods[] =
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"solver", dml_solver_new,
-      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=} -> "
-      "dm.solver\n"
+      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, "
+      "threads=} -> dm.solver\n"
       "A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian "
       "(which has its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
       "stops, 4e-15 unless a looser one is asked for. sums = \"plain\": kicks and drifts without "
       "compensation, for wide ensembles and long chains: fewer operations, and round-off that "
-      "grows faster (default \"compensated\")."},
+      "grows faster (default \"compensated\"). threads: of a step, of fields on meshes by kicks "
+      "and drifts and rattle; the bits are those of one."},
      {"resume", dml_resume,
       "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> "
       "dm.solver\n"

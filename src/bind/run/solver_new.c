@@ -126,7 +126,7 @@ static int has_map(lua_State *L) {
 
 /* solver options at 1, system at 2 */
 static int new_solver(lua_State *L) {
-    static const char *const known[] = {"rule", "h", "newton", "backend", "sums", NULL};
+    static const char *const known[] = {"rule", "h", "newton", "backend", "sums", "threads", NULL};
     dml_options(L, 1, known);
     if (dml_checksystem(L, 2)->ruled) dml_unfoldruled(L);
     const dml_system *system = dml_checksystem(L, 2);
@@ -148,6 +148,9 @@ static int new_solver(lua_State *L) {
     read_step(L, s, system);
     read_newton(L, s);
     read_sums(L, s);
+    const long threads = dml_count(L, 1, "threads", 1, 1);
+    if (threads > 1024) luaL_error(L, "field 'threads' must be at most 1024");
+    s->threads = (int)threads;
     lua_getfield(L, 1, "backend");
     if (!lua_isnil(L, -1)) dml_findbackend(L, luaL_tolstring(L, -1, NULL)), lua_pop(L, 1);
     lua_setiuservalue(L, 3, DML_SOLVER_BACKEND);

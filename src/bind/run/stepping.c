@@ -105,6 +105,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .params = r->inputs ? r->given + 2 * s->n + 1 : NULL,
                               .rule = s->nodes,
                               .plain = s->plain,
+                              .threads = r->apart ? 1 : s->threads,
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
     if (s->method->traits & DM_OF_FUNCTIONS) r->stepper.brought = bring(L, r);

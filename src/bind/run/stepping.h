@@ -20,7 +20,8 @@ typedef struct {
     const dm_method *method;
     double h, tolerance;
     int max_iterations;
-    int plain; /* sums = "plain" */
+    int plain;   /* sums = "plain" */
+    int threads; /* of a step */
     uint32_t n;
     int pair; /* steps a discrete Lagrangian */
     dml_last_run last;

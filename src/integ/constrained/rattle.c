@@ -1,5 +1,6 @@
 /* rattle.c - RATTLE and SHAKE: the loop around the kernels of rattle_kernels.c. */
 #include "integ/constrained/rattle.h"
+#include "integ/constrained/rattle_cells.h"
 
 #include "integ/constrained/constrained.h"
 #include "linalg/solve/newton.h"
@@ -281,6 +282,7 @@ static const dm_engine engine = {
 
 static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
     (void)rule;
+    if (m->structure & DM_CELLS) return &dm_engine_rattle_cells;
     return m->structure & DM_SADDLE ? &dm_engine_constrained : &engine;
 }
 

@@ -57,6 +57,7 @@ typedef struct {
  * (method.h). Of the functions only wants, work, open and step must be there. */
 typedef struct dm_engine {
     int hamiltonian; /* it steps DM_HAMILTONIAN models, too */
+    int spheres;     /* it steps fields of unit vectors (sphere of a model), too */
     /* the engine that steps such a model: this one, or another that serves it better */
     const struct dm_engine *(*choose)(const dm_rule *rule, const dm_model *m);
     /* NULL when the rule can step the model, else a static sentence */
@@ -123,7 +124,8 @@ struct dm_stepper {
     const dm_rule *rule;
     /* q1[n] that the first step leads to, of a start from two positions; NULL: not known */
     const double *toward;
-    int plain; /* sums without compensation are asked for; report.plain: they are had */
+    int threads; /* of one step, where the engine has such; 0: one */
+    int plain;   /* sums without compensation are asked for; report.plain: they are had */
     /* the caller's promise, for the next call alone: the state is what the last one left, and
      * this stepper has done nothing else since */
     int goes_on;

@@ -1,5 +1,6 @@
 #include "integ/split/splitting.h"
 
+#include "integ/split/cells_split.h"
 #include "integ/split/chain.h"
 #include "integ/split/splitting_loop.h"
 #include "numbers/compensated.h"
@@ -13,11 +14,12 @@ typedef struct {
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
     dm_splitting_loop *loop;           /* NULL: none */
     dm_chain *chain;                   /* NULL: no loops along arrays */
+    dm_cells_split *cells;             /* NULL: no field on a mesh */
 } layout;
 
 int dm_splitting_fits(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
-    return (m->structure & simple) == simple && m->inverse_mass && !m->constraints;
+    return (m->structure & simple) == simple && m->inverse_mass && !m->constraints && !m->sphere;
 }
 
 /* The row tells with its arguments, the model with its structure. */
@@ -56,7 +58,9 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 /* Either kind of loop behind what plain C needs. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    const size_t loops = m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
+    const size_t loops = m->structure & DM_CELLS   ? dm_cells_split_work(m)
+                         : m->structure & DM_LOOPS ? dm_chain_work(m)
+                                                   : dm_splitting_loop_work(m);
     return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
 }
 
@@ -82,11 +86,13 @@ static dm_status open(dm_stepper *s) {
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
     /* without them the loop below serves */
-    if (m->structure & DM_LOOPS)
+    if (m->structure & DM_CELLS)
+        l->cells = dm_cells_split_open(m, table, s->plain, s->threads, loop_work(s));
+    else if (m->structure & DM_LOOPS)
         l->chain = dm_chain_open(m, table, s->plain, loop_work(s));
     else
         l->loop = dm_splitting_loop_open(m, table, s->plain);
-    s->report.plain = s->plain && (l->loop || l->chain);
+    s->report.plain = s->plain && (l->loop || l->chain || l->cells);
     return DM_OK;
 }
 
@@ -147,6 +153,10 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
         const dm_splitting_burst burst = burst_of(s, t, h, count);
         dm_splitting_loop_run(l->loop, m, state, &burst, loop_work(s));
         s->report.evaluations += 1 + count * evaluations(&l->table);
+        return;
+    }
+    if (l->cells) {
+        s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count);
         return;
     }
     const dm_splitting *table = &l->table;
@@ -215,6 +225,13 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return advance(s, state, t, h, 1, &done);
 }
 
+/* Threads end. */
+static void close(dm_stepper *s) {
+    layout *l = (layout *)(void *)s->work;
+    if (l->cells) dm_cells_split_close(l->cells);
+    l->cells = NULL;
+}
+
 const dm_engine dm_engine_splitting = {
     .fits = fits,
     .wants = wants,
@@ -224,4 +241,5 @@ const dm_engine dm_engine_splitting = {
     .advance = advance,
     .widen = widen,
     .advance_lanes = advance_lanes,
+    .close = close,
 };

@@ -2,6 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
+local small
 local cos, sqrt, sin, pi = math.cos, math.sqrt, math.sin, math.pi
 
 local function wave(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end
@@ -71,6 +72,50 @@ local function bits(backend)
   return p.q[21]
 end
 ok(bits "tape" == bits "jit", "tape and machine code give the same bits")
+-- threads of a step, also with sums without compensation, with time in factors, and on spheres
+local sphere = dm.mesh { icosphere = 4 }
+local function threaded(what, L, rule, options, q, v)
+  options.L = L
+  local field = sphere:field(options)
+  local function last(threads, sums)
+    local p = field:solver { rule = rule, h = 0.01, threads = threads, sums = sums }:run { q = q, v = v, steps = 20, every = 7 }
+    return p.q[#p], p.p[#p]
+  end
+  local q1, p1 = last(1)
+  for threads = 2, 3 do
+    local q2, p2 = last(threads)
+    ok(q1 == q2 and p1 == p2, what .. (": %d threads give the same bits"):format(threads))
+  end
+  return (q1 - last(2, "plain")):norm()
+end
+local function pulse(x, y, z) return math.exp(4 * z) / 50 end
+small = threaded("0-form", function(u, v) return wave(u, v) - sphere:sum(0, function(a, cell) return cell.star * (1 - cos(a)) end, u) end, "verlet", {}, pulse, zero)
+ok(small < 1e-13, "plain sums differ by round-off", small)
+threaded("1-form, time in factors", function(u, v, t) return v:dot(v) / 2 - cos(t) * u:d():dot(u:d()) end, "yoshida(4)", { form = 1 },
+  function(x, y, z) return { z, x, y } end, function() return { 0, 0, 0 } end)
+local function along(x, y, z) local c, s = cos(3 * z), sin(3 * z) return { c * x - s * y, s * x + c * y, z } end
+local function across(x, y, z) local a = along(x, y, z) return { -a[2], a[1], 0 } end
+threaded("wave map", wave, "rattle", { values = 3, on = dm.S(2) }, along, across)
+-- wave maps: order 2, unit vectors, energy, reversibility, angular momentum (target rotations)
+local maps = dm.mesh { icosphere = 1 }:field { values = 3, on = dm.S(2), L = wave }
+near(order(maps, "rattle", along, across), 2, 0.1, "a wave map by rattle has order 2")
+near(order(maps, "yoshida(4, rattle)", along, across), 4, 0.2, "compositions of rattle have theirs")
+path = maps:solver { rule = "rattle", h = 0.02 }:run { q = along, v = across, steps = 500 }
+ok(path:drift "energy".largest < 1e-2 * path:energy()[1], "energy of a wave map", path:drift "energy".largest)
+local off, J = 0, {}
+for _, i in ipairs { 1, 501 } do
+  local x, p, sum = path.q[i], path.p[i], 0
+  for c = 0, #x - 1, 3 do
+    off = math.max(off, math.abs(x[c + 1] ^ 2 + x[c + 2] ^ 2 + x[c + 3] ^ 2 - 1), math.abs(x[c + 1] * p[c + 1] + x[c + 2] * p[c + 2] + x[c + 3] * p[c + 3]))
+    sum = sum + x[c + 1] * p[c + 2] - x[c + 2] * p[c + 1]
+  end
+  J[#J + 1] = sum
+end
+ok(off < 1e-14, "unit vectors with tangent momenta", off)
+near(J[1], J[2], 1e-12, "rotations of the target keep their momentum")
+local back = maps:solver { rule = "rattle", h = 0.02 }:run { q = path.q[501], p = -path.p[501], steps = 500, every = 500 }
+ok((back.q[2] - path.q[1]):norm() < 1e-11, "rattle is reversible", (back.q[2] - path.q[1]):norm())
+
 -- a member of an ensemble has the bits of a run; a checkpoint goes on
 local cloud = map:solver { rule = "verlet", h = 0.01 }:ensemble { members = 2, steps = 20, q = function() return function(x, y) return { x + 0.1 * y, y } end end,
   v = function() return function(x) return { 0, x } end end }
@@ -95,6 +140,13 @@ raises("unknown option 'fixd'", function() cavity:field { L = wave, fixd = "boun
 raises("must be the number of a cell", function() cavity:field { L = wave, fixed = { 1000 } } end)
 raises("primal 1-form", function() solver:run { q = cavity:form(0, zero), v = 0 * first, steps = 1 } end)
 raises("no Gauss's law", function() cavity:field { L = wave }:solver { rule = "verlet", h = 0.01 }:run { q = zero, v = zero, steps = 3 }:column "gauss" end)
+raises("unit vector", function() maps:solver { rule = "rattle", h = 0.1 }:run { q = function() return { 1, 1, 0 } end, v = across, steps = 1 } end)
+raises("tangent", function() maps:solver { rule = "rattle", h = 0.1 }:run { q = along, v = along, steps = 1 } end)
+raises("unit vectors; take rattle", function() maps:solver { rule = "verlet", h = 0.1 }:run { q = along, v = across, steps = 1 } end)
+raises("take verlet", function() solver.system:solver { rule = "rattle", h = 0.1 }:run { q = first, v = 0 * first, steps = 1 } end)
+raises("must be a sphere", function() cavity:field { L = wave, on = dm.R(2) } end)
+raises("and a point of S(2) has 3", function() cavity:field { L = wave, on = dm.S(2), values = 2 } end)
+raises("list of 3 numbers", function() maps:solver { rule = "rattle", h = 0.1 }:run { q = zero, v = across, steps = 1 } end)
 raises("no field", function() dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 end }:modes(1) end)
 
 tap.done()

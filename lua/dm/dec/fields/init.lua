@@ -83,12 +83,24 @@ local function check_mass(f, masses)
   end
 end
 
+-- A unit vector of values with different masses would need another equation for its multiplier.
+local function check_sphere(f, masses)
+  for i = 1, f.n do
+    local first = masses[(i - 1) // f.values * f.values + 1]
+    if math.abs(masses[i] - first) > 1e-14 * math.abs(first) then
+      fail("on a sphere all values of a cell must have one mass (cell %d has %g and %g)",
+        (i - 1) // f.values + 1, first, masses[i])
+    end
+  end
+end
+
 ---- the system ----
 
 -- L of vectors q, v: nil while it is traced, numbers while it is compared
 local function lagrangian(f, L)
   return function(q, v, t, params)
-    local around = { n = f.n, held = f.marks, data = f.data, q = q, v = v }
+    local around = { n = f.n, held = f.marks, data = f.data, q = q, v = v,
+      sphere = f.sphere and f.values }
     local A = cochain.leaf(f.mesh, f.degree, f.values, 1, around)
     local V = cochain.leaf(f.mesh, f.degree, f.values, 2, around)
     local value = L(A, V, t, params)
@@ -101,7 +113,7 @@ end
 
 class.method("dm.mesh", "field", function(K, options)
   option.check(options, KNOWN, WHERE)
-  for _, key in ipairs { "absorbing", "massless", "force", "on" } do
+  for _, key in ipairs { "absorbing", "massless", "force" } do
     if options[key] ~= nil then fail("option '%s' is not known yet", key) end
   end
   local k = degree_of(K, options)
@@ -124,6 +136,7 @@ class.method("dm.mesh", "field", function(K, options)
       .. "as v:dot(v) / 2 is")
   end
   check_mass(f, f.masses)
+  if f.sphere then check_sphere(f, f.masses) end
   return system
 end, [[
 K:field{form=, L=, values=, on=, fixed=, data=, massless=, params=, name=} -> dm.system

@@ -45,9 +45,63 @@ local function of_forms(f, list, key)
   return out
 end
 
+---- values on a sphere ----
+
+local OFF = 1e-8 -- as far from the sphere, or across it, a start may be; it is then moved there
+
+-- unit vectors, to round-off
+local function normalized(f, x, key)
+  local out = core.constant(f.n, 0)
+  for i = 0, f.n - 1, f.values do
+    local square = 0
+    for c = 1, f.values do square = square + x[i + c] ^ 2 end
+    local r = math.sqrt(square)
+    if not (math.abs(r - 1) <= OFF) then
+      option.fail(("field '%s'"):format(key), "the values of cell %d must be a unit vector (its "
+        .. "length is %g)", i // f.values + 1, r)
+    end
+    for c = 1, f.values do out[i + c] = x[i + c] / r end
+  end
+  return out
+end
+
+-- vectors across q have no business in a rate
+local function tangent(f, x, q, key)
+  local out = core.constant(f.n, 0)
+  for i = 0, f.n - 1, f.values do
+    local across, size = 0, 0
+    for c = 1, f.values do
+      across, size = across + x[i + c] * q[i + c], size + math.abs(x[i + c])
+    end
+    if math.abs(across) > OFF * size then
+      option.fail(("field '%s'"):format(key), "the values of cell %d must be tangent to the sphere "
+        .. "(%g of them points along its position)", i // f.values + 1, across)
+    end
+    for c = 1, f.values do out[i + c] = x[i + c] - across * q[i + c] end
+  end
+  return out
+end
+
+-- q is read before v and p
+local function on_sphere(f, x, key)
+  if type(x) ~= "userdata" and type(x) ~= "table" or #x ~= f.n then return x end
+  if key == "q" or key == "q0" or key == "q1" then
+    f.last = normalized(f, x, key)
+    return f.last
+  end
+  return f.last and tangent(f, x, f.last, key) or x
+end
+
+local plain
+
 --- What solver:run takes in the place of x: a form (a list of forms where there are several
--- values), a function, or a list, which is left alone.
+-- values), a function, or a list.
 function M.read(f, x, key)
+  x = plain(f, x, key)
+  return f.sphere and on_sphere(f, x, key) or x
+end
+
+function plain(f, x, key)
   if form.is_form(x) then return of_form(f, x, key) end
   if type(x) == "function" then
     return f.values == 1 and integrated(f, x) or sampled(f, x, key)

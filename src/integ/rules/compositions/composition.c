@@ -178,8 +178,14 @@ static size_t memory(dm_stepper *s, double **place) {
     return dm_stepper_memory(base_of(s), place);
 }
 
+/* What the base has outside of its workspace. */
+static void close(dm_stepper *s) {
+    dm_stepper_close(base_of(s));
+}
+
 const dm_engine dm_engine_composition = {
     .hamiltonian = 1,
+    .spheres = 1,
     .choose = choose,
     .fits = fits,
     .keeps_quadratic = keeps_quadratic,
@@ -189,4 +195,5 @@ const dm_engine dm_engine_composition = {
     .start = start,
     .step = step,
     .memory = memory,
+    .close = close,
 };

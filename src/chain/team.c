@@ -1,0 +1,113 @@
+/* team.c - a team is a mutex, two conditions and a counting barrier. */
+#include "chain/team.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+
+enum { SPINS = 2000 };
+
+typedef struct {
+    dm_team *team;
+    uint32_t part;
+} member;
+
+struct dm_team {
+    pthread_mutex_t lock;
+    pthread_cond_t begin, end;
+    pthread_t thread[DM_TEAM_MOST];
+    member of[DM_TEAM_MOST];
+    uint32_t parts;
+    uint32_t burst; /* number of the work that is to be done */
+    uint32_t left;  /* threads that have not finished it */
+    int closing;
+    dm_team_work *work;
+    void *context;
+    atomic_uint waiting, phase; /* of the barrier */
+};
+
+size_t dm_team_size(void) {
+    return (sizeof(dm_team) + sizeof(double) - 1) / sizeof(double);
+}
+
+uint32_t dm_team_parts(const dm_team *t) {
+    return t ? t->parts : 1;
+}
+
+void dm_team_meet(dm_team *t) {
+    if (!t || t->parts < 2) return;
+    const unsigned phase = atomic_load(&t->phase);
+    if (atomic_fetch_add(&t->waiting, 1) + 1 == t->parts) {
+        atomic_store(&t->waiting, 0);
+        atomic_store(&t->phase, phase + 1);
+        return;
+    }
+    for (int spins = 0; atomic_load(&t->phase) == phase; spins++)
+        if (spins >= SPINS) sched_yield();
+}
+
+/* a thread of the team, until it is closed */
+static void *serve(void *of) {
+    const member *m = of;
+    dm_team *t = m->team;
+    uint32_t done = 0;
+    pthread_mutex_lock(&t->lock);
+    for (;;) {
+        while (t->burst == done && !t->closing) pthread_cond_wait(&t->begin, &t->lock);
+        if (t->closing) break;
+        done = t->burst;
+        pthread_mutex_unlock(&t->lock);
+        t->work(t->context, m->part, t->parts);
+        pthread_mutex_lock(&t->lock);
+        if (--t->left == 0) pthread_cond_signal(&t->end);
+    }
+    pthread_mutex_unlock(&t->lock);
+    return NULL;
+}
+
+dm_team *dm_team_open(double *memory, int threads) {
+    dm_team *t = (dm_team *)(void *)memory;
+    if (threads > DM_TEAM_MOST) threads = DM_TEAM_MOST;
+    *t = (dm_team){.parts = 1};
+    atomic_init(&t->waiting, 0);
+    atomic_init(&t->phase, 0);
+    pthread_mutex_init(&t->lock, NULL);
+    pthread_cond_init(&t->begin, NULL);
+    pthread_cond_init(&t->end, NULL);
+    while ((int)t->parts < threads) {
+        t->of[t->parts] = (member){t, t->parts};
+        if (pthread_create(t->thread + t->parts, NULL, serve, t->of + t->parts) != 0) break;
+        t->parts++;
+    }
+    return t;
+}
+
+void dm_team_close(dm_team *t) {
+    if (!t) return;
+    pthread_mutex_lock(&t->lock);
+    t->closing = 1;
+    pthread_cond_broadcast(&t->begin);
+    pthread_mutex_unlock(&t->lock);
+    for (uint32_t k = 1; k < t->parts; k++) pthread_join(t->thread[k], NULL);
+    pthread_cond_destroy(&t->begin);
+    pthread_cond_destroy(&t->end);
+    pthread_mutex_destroy(&t->lock);
+}
+
+void dm_team_run(dm_team *t, dm_team_work *work, void *context) {
+    if (!t || t->parts < 2) {
+        work(context, 0, 1);
+        return;
+    }
+    pthread_mutex_lock(&t->lock);
+    t->work = work;
+    t->context = context;
+    t->left = t->parts - 1;
+    t->burst++;
+    pthread_cond_broadcast(&t->begin);
+    pthread_mutex_unlock(&t->lock);
+    work(context, 0, t->parts);
+    pthread_mutex_lock(&t->lock);
+    while (t->left) pthread_cond_wait(&t->end, &t->lock);
+    pthread_mutex_unlock(&t->lock);
+}

@@ -1,0 +1,219 @@
+/* cells_split.c - a burst of steps: every thread goes through the same stages, and all meet before
+ * slopes are added up and before they are made anew. */
+#include "integ/split/cells_split.h"
+
+#include "chain/cells.h"
+#include "chain/loops.h"
+#include "chain/team.h"
+#include "numbers/compensated.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BLOCK = 64 }; /* entries at once: forces, then kicks and drifts */
+
+struct dm_cells_split {
+    const dm_model *m;
+    const dm_cells *cells;
+    dm_splitting table;
+    double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
+    int plain;
+    dm_team *team;   /* NULL: one thread */
+    double *x;       /* (q, v, t): v is not read by forces */
+    double *force;   /* [n] of the last evaluation */
+    double *slope;   /* [slots] */
+    double *scratch; /* [threads][cells->work] */
+    const double *factor;
+    /* of the burst */
+    double *state, t, h;
+    long count;
+};
+
+/* what happens to an entry once its force is there: the kick hb, then with `begins` the kick that
+ * begins the next step, then the drift ha; 0: none */
+typedef struct {
+    double kick, begin, drift;
+    int kicks, begins;
+} move;
+
+static size_t struct_size(void) {
+    return (sizeof(struct dm_cells_split) + sizeof(double) - 1) / sizeof(double);
+}
+
+size_t dm_cells_split_work(const dm_model *m) {
+    const dm_cells *cells = m->has & DM_WANT_FORCE ? dm_loops_cells(&m->force) : NULL;
+    if (!(m->structure & DM_CELLS) || !cells) return 0;
+    return struct_size() + dm_team_size() + 3 * (size_t)m->n + 1 + cells->slots +
+           DM_TEAM_MOST * cells->work + 8;
+}
+
+dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table, int plain,
+                                    int threads, double *work) {
+    dm_cells_split *s = (dm_cells_split *)(void *)work;
+    if (!dm_cells_split_work(m)) return NULL;
+    const dm_cells *cells = dm_loops_cells(&m->force);
+    *s = (dm_cells_split){.m = m, .cells = cells, .table = *table, .plain = plain};
+    for (int k = 0; k < table->stages; k++) s->c[k + 1] = s->c[k] + table->a[k];
+    s->c[table->stages] = 1.0;
+    work += struct_size();
+    if (threads > 1 && cells->shared) s->team = dm_team_open(work, threads);
+    s->x = work + dm_team_size();
+    s->force = s->x + 2 * (size_t)m->n + 1;
+    s->slope = s->force + m->n;
+    s->scratch = s->slope + cells->slots;
+    memset(s->x, 0, (2 * (size_t)m->n + 1) * sizeof *s->x);
+    return s;
+}
+
+void dm_cells_split_close(dm_cells_split *s) {
+    if (s->team) dm_team_close(s->team);
+    s->team = NULL;
+}
+
+/* ---- entries ---- */
+
+/* kicks and drift of `count` entries */
+static void move_block(const dm_cells_split *s, const move *v, uint32_t i, uint32_t count) {
+    const uint32_t n = s->m->n;
+    double *x = s->x + i, *p = s->state + n + i, *force = s->force + i;
+    double *low_q = s->state + 2 * (size_t)n + i, *low_p = s->state + 3 * (size_t)n + i;
+    const double *w = s->m->inverse_mass + i;
+    for (uint32_t k = 0; v->kicks && k < count; k++)
+        dm_sum_add(p + k, low_p + k, v->kick * force[k]);
+    if (v->begins) {
+        for (uint32_t k = 0; k < count; k++) {
+            const double kicked = p[k] + v->begin * force[k];
+            low_p[k] += v->begin * force[k];
+            dm_sum_add(x + k, low_q + k, (v->drift * w[k]) * kicked);
+        }
+        return;
+    }
+    for (uint32_t k = 0; v->drift != 0.0 && k < count; k++)
+        dm_sum_add(x + k, low_q + k, (v->drift * w[k]) * p[k]);
+}
+
+/* the same without low parts */
+static void move_plainly(const dm_cells_split *s, const move *v, uint32_t i, uint32_t count) {
+    const uint32_t n = s->m->n;
+    double *x = s->x + i, *p = s->state + n + i, *force = s->force + i;
+    const double *w = s->m->inverse_mass + i;
+    for (uint32_t k = 0; v->kicks && k < count; k++) p[k] += v->kick * force[k];
+    for (uint32_t k = 0; v->begins && k < count; k++) p[k] += v->begin * force[k];
+    for (uint32_t k = 0; v->drift != 0.0 && k < count; k++) x[k] += (v->drift * w[k]) * p[k];
+}
+
+static double dot(const double *a, const double *b, uint32_t n) {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+/* RATTLE on one unit vector q of m entries of one mass: q1 = a - s q with |q1| = 1, a = q + h w p;
+ * p loses s q / (h w). NaN where no such s is there: the step is longer than the sphere is wide. */
+static void turn(double *q, double *p, double hw, uint32_t m) {
+    double along = 0.0, square = 0.0;
+    if (hw == 0.0) return;
+    for (uint32_t i = 0; i < m; i++) {
+        const double d = hw * p[i]; /* a = q + d, |q| = 1 */
+        along += q[i] * d;
+        square += d * d;
+    }
+    const double b = 1.0 + along, gap = 2.0 * along + square;
+    const double s = gap / (b + sqrt(b * b - gap));
+    for (uint32_t i = 0; i < m; i++) {
+        const double old = q[i];
+        q[i] = (old + hw * p[i]) - s * old;
+        p[i] -= s * old / hw;
+    }
+}
+
+/* kick, projection to the tangent, kick, turn of whole cells */
+static void move_on_spheres(const dm_cells_split *s, const move *v, uint32_t i, uint32_t count) {
+    const uint32_t n = s->m->n, m = s->m->sphere;
+    for (uint32_t end = i + count; i < end; i += m) {
+        double *q = s->x + i, *p = s->state + n + i;
+        const double *force = s->force + i;
+        if (v->kicks) {
+            for (uint32_t k = 0; k < m; k++) p[k] += v->kick * force[k];
+            const double out = dot(q, p, m) / dot(q, q, m);
+            for (uint32_t k = 0; k < m; k++) p[k] -= out * q[k];
+        }
+        if (v->begins)
+            for (uint32_t k = 0; k < m; k++) p[k] += v->begin * force[k];
+        turn(q, p, v->drift * s->m->inverse_mass[i], m);
+    }
+}
+
+/* the part of a thread, block by block: forces where new ones are there, then the move */
+static void entries(const dm_cells_split *s, const move *v, int fresh, uint32_t part,
+                    uint32_t parts) {
+    const uint32_t n = s->m->n, m = s->m->sphere, unit = m ? m * BLOCK : BLOCK;
+    const uint32_t blocks = (n + unit - 1) / unit;
+    const uint32_t from = (uint32_t)((uint64_t)blocks * part / parts);
+    const uint32_t to = (uint32_t)((uint64_t)blocks * (part + 1) / parts);
+    for (uint32_t b = from; b < to; b++) {
+        const uint32_t i = b * unit, count = n - i < unit ? n - i : unit;
+        for (uint32_t k = i; fresh && k < i + count; k++)
+            s->force[k] = dm_cells_entry(s->cells, s->slope, k);
+        if (m)
+            move_on_spheres(s, v, i, count);
+        else if (s->plain)
+            move_plainly(s, v, i, count);
+        else
+            move_block(s, v, i, count);
+    }
+}
+
+/* ---- steps ---- */
+
+/* all slopes at the time t; everybody has moved his entries before */
+static void slopes(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
+    dm_team_meet(s->team);
+    if (part == 0) {
+        s->x[2 * (size_t)s->m->n] = t;
+        s->factor = dm_loops_factors(&s->m->force, s->x);
+    }
+    dm_team_meet(s->team);
+    dm_cells_slopes(s->cells, s->slope, s->factor, s->x, s->scratch + part * s->cells->work, part,
+                    parts);
+    dm_team_meet(s->team);
+}
+
+/* dm_team_work: all steps of the burst */
+static void run(void *context, uint32_t part, uint32_t parts) {
+    dm_cells_split *s = context;
+    const dm_splitting *table = &s->table;
+    const int kicks = table->b[0] != 0.0;
+    const double h = s->h;
+    const move first = {.begins = kicks, .begin = h * table->b[0], .drift = h * table->a[0]};
+    if (kicks) slopes(s, s->t, part, parts);
+    entries(s, &first, kicks, part, parts);
+    for (long step = 0; step < s->count; step++) {
+        const double now = s->t + (double)step * h;
+        for (int k = 0; k < table->stages; k++) {
+            const int last = k + 1 == table->stages;
+            const int more = !last || step + 1 < s->count;
+            const int fresh = table->b[k + 1] != 0.0 || (kicks && last);
+            move v = {.kicks = table->b[k + 1] != 0.0, .kick = h * table->b[k + 1]};
+            if (more) v.drift = h * table->a[last ? 0 : k + 1];
+            if (more && last && kicks) v.begins = 1, v.begin = first.begin;
+            if (fresh) slopes(s, now + s->c[k + 1] * h, part, parts);
+            entries(s, &v, fresh, part, parts);
+        }
+    }
+}
+
+long dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count) {
+    const size_t bytes = s->m->n * sizeof *state;
+    long forces = s->table.b[0] != 0.0;
+    for (int k = 0; k < s->table.stages; k++)
+        forces += (s->table.b[k + 1] != 0.0 || (forces && k + 1 == s->table.stages)) * count;
+    memcpy(s->x, state, bytes);
+    s->state = state;
+    s->t = t;
+    s->h = h;
+    s->count = count;
+    dm_team_run(s->team, run, s);
+    memcpy(state, s->x, bytes);
+    return forces;
+}
