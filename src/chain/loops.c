@@ -1,7 +1,9 @@
 /* loops.c - sums as loops over their rounds. A block of 64 rounds is evaluated at once, in 8 or
  * 4 lanes as far as whole groups go, and then added in the order of the rounds; values of sums
  * are added with compensation in eight partial sums that do not wait for each other. So the
- * size of a block and the number of partial sums are part of the bits, lanes are not. */
+ * size of a block and the number of partial sums are part of the bits, lanes are not.
+ *
+ * Long because values, gradients and the kernels that join them share one record. */
 #include "chain/loops.h"
 
 #include "algebra/derive.h"

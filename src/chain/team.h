@@ -1,5 +1,5 @@
-/* team.h - threads that wait for work between the bursts of a run. All parts of a piece of work meet
- * at barriers, which spin a while and then give way: a step has a few, microseconds apart. */
+/* team.h - threads that wait for work between the bursts of a run. All parts of a piece of work
+ * meet at barriers, which spin a while and then give way: a step has a few, microseconds apart. */
 #ifndef DM_TEAM_H
 #define DM_TEAM_H
 
