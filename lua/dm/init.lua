@@ -121,6 +121,7 @@ local rows = {
   ["mesh:skeleton"] = "dm.dec.parts",
   ["mesh:subcomplex"] = "dm.dec.parts",
   ["mesh:vector_field"] = "dm.dec.field",
+  ["mesh:levi_civita"] = "dm.dec.curvature",
   ["mesh:generators"] = "dm.dec.homology",
   ["mesh:homology"] = "dm.dec.homology",
   ["mesh:potential"] = "dm.dec.homology.potential",

@@ -8,7 +8,7 @@ floors.src = {
   "base", "numbers", "linalg", "linalg/solve", "linalg/sparse", "sparse", "graph", "algebra",
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec", "dec/homology",
-  "dec/named", "dec/transfer", "delaunay",
+  "dec/named", "dec/levi_civita", "dec/transfer", "delaunay",
   "field/flow",
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",
@@ -25,7 +25,8 @@ floors.src = {
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
   "wave", "elements",
-  "dec/files", "dec", "dec/homology", "dec/equations", "dec/fields", "dec/pictures", "dec/flow",
+  "dec/files", "dec", "dec/homology", "dec/equations", "dec/curvature", "dec/fields",
+  "dec/pictures", "dec/flow",
   "dec/dynamics", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "trial", "stability",
   "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run",
