@@ -1,6 +1,6 @@
-/* deficit.h - curvature of a simplicial manifold as angles: at a cell of codimension 2 the top cells
- * fill the angle sum theta, and 2 pi - sum is what is missing (Regge). On a surface
- * that is the curvature of a vertex, which sums to 2 pi chi (Gauss-Bonnet). */
+/* deficit.h - curvature of a simplicial manifold as angles: at a cell of codimension 2 the top
+ * cells have angles, and what their sum lacks of 2 pi is the curvature there (Regge). On a surface
+ * that of the vertices sums to 2 pi chi (Gauss-Bonnet). */
 #ifndef DM_DEFICIT_H
 #define DM_DEFICIT_H
 

@@ -83,7 +83,7 @@ local calls = {
     holonomy = { { a, b, a }, at_a }, hor = { at_a, at_b }, horizontal_splitting = { a, b }, join = { turning:split { at_a, at_b } }, lift = { a, b, at_a },
     local_form = { a, b }, multi_lift = { { a, b }, at_a }, one_form = { at_a, at_b }, relative = { at_a, at_b }, representative = { { at_a, at_b }, { a, 1 } },
     split = { { at_a, at_b } }, splitting = { at_a, at_b }, variation = { at_a, at_b, { a, { 1 } } }, ver = { at_a, at_b } } },
-  ["dm.levi_civita"] = { { triangle:levi_civita(), holonomy = { { 1, 1 } }, transport = { { 1 }, a }, frame = { 1 } } },
+  ["dm.levi_civita"] = { { dm.mesh { icosphere = 0 }:levi_civita(), holonomy = { { 1, 1 } }, transport = { { 1 }, a }, frame = { 1 } } },
   ["dm.bundle_class"] = { { turning:splitting(at_a, at_b), at = { { a, 1 } } } },
   ["dm.discrete_lagrangian"] = { { Ld, legendre_minus = { a, b }, legendre_plus = { a, b }, momentum = { dm.SO(2), a, b },
     two_form = { a, b }, value = { a, b, 0 } }, { staged, hamilton_pontryagin = { a, b, 0 } }, { staged, momentum = { turn, a, b } } },

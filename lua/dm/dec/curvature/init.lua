@@ -120,7 +120,9 @@ M.path_of = path_of
 -- the product of the rotations along a path
 local function along(c, path)
   local R = core.identity(c.mesh.dimension)
-  for k = 1, #path - 1 do R = c:rotation(path[k], path[k + 1]) * R end
+  for k = 1, #path - 1 do
+    if path[k] ~= path[k + 1] then R = c:rotation(path[k], path[k + 1]) * R end
+  end
   return R
 end
 M.along = along
