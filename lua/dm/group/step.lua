@@ -203,22 +203,22 @@ end
 
 ---- the state ----
 
--- what the functions of a step get as y
+-- what the functions of a step get as y; flat: the coordinates of q on a group
 local function state_of(system, parts, q, p, t, list)
   local own = system.place
-  return spread({ q = own and own.element(q) or q, p = p, t = t }, parts, list)
+  return spread({ q = own and own.element(q) or q, flat = own and q, p = p, t = t }, parts, list)
 end
 
-local STATE, NOTHING = { q = true, p = true, t = true }, {}
+local STATE, NOTHING = { q = true, flat = true, p = true, t = true }, {}
 
--- the numbers of what `next` returned: q, near those before, p, t, parts
+-- the numbers of what `next` returned: q, near those before, or its coordinates `flat`; p, t, parts
 local function flattened(system, parts, before, value, h)
-  if type(value) ~= "table" or value.q == nil or value.p == nil then
+  if type(value) ~= "table" or (value.q or value.flat) == nil or value.p == nil then
     error("'next' must return a table { q =, p = }", 0)
   end
   check_fields(value, STATE, parts, "'next'")
   local own, out = system.place, {}
-  local q = own and own.follow(own.flat(own.kit.element(value.q)), before.q)
+  local q = value.flat or own and own.follow(own.flat(own.kit.element(value.q)), before.q)
     or core.vector(value.q)
   for i = 1, #q do out[i] = q[i] end
   local p = core.vector(value.p)

@@ -23,6 +23,9 @@ local function is_known(rule, system)
   return known
 end
 
+--- A rule whose order is known by other means on this system is not measured.
+function M.trust(rule, system) is_known(rule, system) end
+
 -- q and p behind `steps` steps of h
 local function finish(solver, options, h, steps)
   local system = solver.system

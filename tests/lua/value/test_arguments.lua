@@ -48,6 +48,8 @@ local chords = dm.invariant_problem { frame = rho, invariants = { lambda = { 2, 
 local curves = dm.differential_invariants { action = dm.action { group = dm.SE(2), on = dm.R(2) }, independent = 1,
   invariants = { kappa = 4 }, cross_section = function(z) return { z[1], z[2], z[3] } end }
 local function bending(I) return I.kappa[1] ^ 2 / 2 end
+local spinning = dm.lagrange_poincare { group = dm.SO(3), h = 0.1, l = function(w, h) return dm.SO(3):cayleyinv(w):dot(dm.SO(3):cayleyinv(w)) / h end }
+local spun = spinning:solver():run { mu = { 0.1, 0.2, 1 }, steps = 3 }
 local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps = 10, repeats = 1,
   system = function(n) return dm.system { Q = dm.R(n), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end } end,
   start = function(n) return dm.zeros(n), dm.zeros(n) end }
@@ -136,6 +138,9 @@ local calls = {
     extremal = { { L = bending, start = { kappa = { 1, 0 } }, length = 1, steps = 2 } } } },
   ["dm.formula"] = { { curves:iota(6), value = { { kappa = { 1, 0, 0 } } } } },
   ["dm.invariant_operator"] = { { (curves:operator()), coefficient = { 1, 1, 0 } } },
+  ["dm.lagrange_poincare"] = { { spinning, residual = { { {}, {}, {} }, { dm.SO(3):exp { 0.1, 0, 0 }, dm.SO(3):exp { 0.1, 0, 0.1 } } } } },
+  ["dm.reduced_solver"] = { { spinning:solver() } },
+  ["dm.reduced_path"] = { { spun } },
   ["dm.section"] = { { rows, plot = { {} } } },
   ["dm.chart"] = { { chart, cheapest = { 0.1 }, order = { "verlet" } } },
   ["dm.stability_map"] = { { map, at = { 1, 1 }, limit = { 1 }, theory = { 1 }, table = { 3 } } },

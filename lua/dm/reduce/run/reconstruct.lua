@@ -91,6 +91,7 @@ function phases_class.__tostring(p)
 end
 
 M.phases = blame.caller(function(path)
+  if path.system.place then return require "dm.reduce.run.phases".of_path(path) end
   local info = info_of(path, "path:phases")
   local rest = {}
   for j = 1, info.d do rest[j] = 0 end
@@ -158,7 +159,12 @@ that begins at the element g0.]])
 
 class.method("dm.path", "phases", M.phases, [[
 path:phases() -> {total, dynamic, geometric}
-How far the group variable has come along a path of a reduced system, each a dm.matrix, #path x dim
+How far the group variable has come along a path of a reduced system. On SO(3) (dm.euler_poincare,
+dm.lagrange_poincare): dm.vectors of a number a row, about the spatial momentum J and not wrapped.
+total is the turn of g_k S g_0^-1 about J, S the shortest rotation from the first body momentum to
+that of row k; dynamic sums what turn a step has beyond the shortest rotation between its body
+momenta; geometric is minus the area of their geodesic polygon, closed to the start; the sum is
+exact for the rows that are kept. Of an abelian group each is a dm.matrix, #path x dim
 G: dynamic, h sum_j b_j I^-1 (mu - c) over the stages, what the momentum alone would turn, and
 geometric, -h sum_j b_j A x', the holonomy of the mechanical connection along the shapes (Marsden,
 Montgomery & Ratiu 1990).]])

@@ -1,0 +1,149 @@
+--- Where the action of a reduced step comes from: a formula l(x0, x1, f, h), or a system and a rule
+-- lie(s) (Leok 5.3). Both give S(q0, V, h) of the stage velocities V in a chart tau.
+local core = require "dm.core"
+local bound = require "dm.base.bound"
+local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
+local place = require "dm.group.place"
+local space = require "dm.reduce.lagrange_poincare.space"
+
+local M = {}
+
+local part = lists.part
+
+---- a formula ----
+
+--- S = l(x0, x0 + h v, tau(h w), h), V = (v, w): one stage, weight 1.
+function M.of_formula(S, P, l, where)
+  local kit = S.kit
+  local tau = kit.cayley and "cayley" or "exp"
+  local function value(x0, x1, f, h)
+    local out
+    if S.single then out = l(f, h) else out = l(x0, x1, f, h) end
+    if not kits.is_scalar(out) then
+      option.fail(where, "l must return a number (got %s)", kits.class_of(out))
+    end
+    return out
+  end
+  local function action(q0, V, h)
+    local x0 = space.split(S, P.element(q0))
+    local v, w = space.parts(S, V)
+    local x1 = S.d > 0 and x0 + v * h or x0
+    return value(x0, x1, kit[tau](w * h), h)
+  end
+  return { action = action, beta = { 1 }, tau = tau, value = value }
+end
+
+--- A Lagrangian of Q that has the formula's motion as h goes to 0, for energies and starts from
+-- velocities: l about the middle of a step, divided by h.
+function M.lagrangian_of(S, l, h)
+  return function(q, v)
+    local x = space.split(S, q)
+    local rate, xi = space.parts(S, v)
+    local half = S.d > 0 and rate * (h / 2) or x
+    local f = S.kit.exp(xi * h)
+    if S.single then return l(f, h) / h end
+    return l(x - half, x + half, f, h) / h
+  end
+end
+
+---- a system and a rule ----
+
+-- s, quadrature and map of a rule's name
+local function rule_of(name, S, where)
+  local text = tostring(name):gsub("%s", "")
+  local flat = S.kit.euclidean or S.kit.abelian
+  if text == "midpoint" and flat then text = "lie(1)" end
+  if text == "trapezoidal" and flat then text = "lie(1,lobatto(2))" end
+  local stages = flat and text:match "^gauss%((%d+)%)$"
+  if stages then text = ("lie(%s)"):format(stages) end
+  local inside = text:match "^lie%((.*)%)$"
+  if not inside then
+    option.fail(where, "the rule must be lie(s [, quadrature] [, exp | cayley])%s (got %s)",
+      flat and ", gauss(s), midpoint or trapezoidal" or ", on a group that is not abelian",
+      tostring(name))
+  end
+  local tau = inside:match ",(%a+)$"
+  if tau then inside = inside:gsub(",%a+$", "") end
+  local s, quadrature = inside:match "^(%d+),(.+)$"
+  s = math.tointeger(tonumber(s or inside))
+  if not s or tau and tau ~= "exp" and tau ~= "cayley" then
+    option.fail(where, "the rule must be lie(s [, quadrature] [, exp | cayley]) (got %s)",
+      tostring(name))
+  end
+  return s, quadrature or ("gauss(%d)"):format(s), tau or "exp", text
+end
+
+-- a, d, b, beta of the curves: those of galerkin on R^n
+local function curves(s, quadrature)
+  local line = core.system { Q = core.R(1), L = function(_, v) return v[1] * v[1] / 2 end }
+  return core.discrete_lagrangian(line, { rule = ("galerkin(%d, %s)"):format(s, quadrature),
+    h = 1 })
+    :coefficients()
+end
+
+local function order_of(s, quadrature)
+  local points = math.tointeger(tonumber(quadrature:match "%((%d+)%)"))
+  if quadrature:find "^gauss" and points == s then return 2 * s end
+  if quadrature:find "^lobatto" and points == s + 1 then return 2 * s end
+  return 1
+end
+
+--- S = h sum_i b_i L(q0 tau(xi_i), dtau_L(xi_i) xi'_i) with the identity in the place of g.
+function M.of_rule(S, P, system, name, where)
+  local s, quadrature, tau, text = rule_of(name, S, where)
+  local c, N, D = curves(s, quadrature), P.size, S.D
+  local chart = place.chart(P, tau)
+  if not chart then option.fail(where, "%s has no map '%s'", tostring(S.Q), tau) end
+  local L = bound(system.given.L, system.given.params)
+  local function combined(row, V, factor)
+    local sum = core.zeros(D)
+    for j = 1, s do sum = sum + part(V, (j - 1) * D, D) * (row[j] * factor) end
+    return sum
+  end
+  local function action(q0, V, h)
+    local sum = 0
+    for i = 1, #c.b do
+      local y = chart(q0, nil, combined(c.a[i], V, h), combined(c.d[i], V, 1))
+      local q = space.at_identity(S, P.element(part(y, 0, N)))
+      sum = sum + L(q, part(y, N, D), 0) * c.b[i]
+    end
+    return sum * h
+  end
+  return { action = action, beta = lists.entries(c.beta), tau = tau, name = text,
+    order = order_of(s, quadrature) }
+end
+
+---- invariance ----
+
+local TRIES, ENOUGH, SLACK = 60, 8, 1e-9
+
+--- Raises where L(h g, xi) is not L(g, xi), at the first of some random points.
+function M.check_invariance(S, system, where)
+  local L, stream = bound(system.given.L, system.given.params), core.random(4710)
+  local kit, whole, tested = S.kit, kits.of(S.Q), 0
+  for i = 1, TRIES do
+    local x = kits.normals(stream, 4 * i, math.max(S.d, 1), 0.5)
+    local v = kits.normals(stream, 4 * i + 1, whole.dimension, 1)
+    local g = kit.exp(kits.normals(stream, 4 * i + 2, S.r, 0.5))
+    local h = kit.exp(kits.normals(stream, 4 * i + 3, S.r, 0.7))
+    local fine, a, b = pcall(function()
+      return L(space.element(S, x, g), v, 0), L(space.element(S, x, kit.compose(h, g)), v, 0)
+    end)
+    if fine and math.abs(a) < math.huge and math.abs(b) < math.huge then
+      tested = tested + 1
+      if math.abs(a - b) > SLACK * (1 + math.abs(a)) then
+        option.fail(where, "L is not invariant under %s: it goes from %.9g to %.9g at x = %s, g "
+          .. "= %s "
+          .. "when h = %s moves g; what breaks the symmetry may be carried along by "
+          .. "dm.euler_poincare, advected =", tostring(S.group), a, b, tostring(x),
+          (tostring(g):gsub("%s+", " ")), (tostring(h):gsub("%s+", " ")))
+      end
+    end
+    if tested == ENOUGH then return end
+  end
+  if tested == 0 then option.fail(where, "L is finite at none of %d random points", TRIES) end
+end
+
+return M

@@ -1,0 +1,192 @@
+-- discrete Lagrange-Poincare equations: reduced runs against unreduced ones, the operators Ver and
+-- Hor, the level of a spatial momentum, phases of rigid bodies, refusals
+local tap = require "tap"
+local dm = require "dm"
+local space = require "dm.reduce.lagrange_poincare.space"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local abs, cos, max, sin, pi = math.abs, math.cos, math.max, math.sin, math.pi
+
+---- reduced and unreduced steps are the same ----
+
+local R1 = dm.R(1)
+local cases = {
+  { name = "SO(2)", Q = dm.product(R1, dm.SO(2)), G = dm.SO(2), x = { 1.2 }, p = { 0.1 },
+    mu = { 0.8 },
+    L = function(q, v)
+      local x = q[1][1]
+      return (v[1] ^ 2 + x ^ 2 * v[2] ^ 2 + 0.2 * v[1] * v[2]) / 2 - x ^ 2
+    end },
+  { name = "SE(2)", Q = dm.product(R1, dm.SE(2)), G = dm.SE(2), x = { 0.4 }, p = { 0.1 },
+    mu = { 0.03, -0.02, 0.8 },
+    L = function(q, v)
+      local x = q[1][1]
+      return ((1 + 0.3 * x ^ 2) * v[2] ^ 2 + 1.5 * v[3] ^ 2 + (2 + x ^ 2) * v[4] ^ 2 + v[1] ^ 2) / 2
+        + 0.2 * v[1] * v[3] - x ^ 2 + 0.3 * v[2] * v[4]
+    end },
+  { name = "SO(3), the shape behind", Q = dm.product(dm.SO(3), dm.T(2)), G = dm.SO(3),
+    x = { 0.4, 0.2 }, p = { 0.1, -0.1 }, mu = { 0.6, -0.4, 1.1 },
+    L = function(q, w)
+      local x = q[2]
+      return (2 * w[1] ^ 2 + 3 * w[2] ^ 2 + 4 * w[3] ^ 2 + w[4] ^ 2 + w[5] ^ 2) / 2
+        + 0.3 * w[1] * w[4] + 0.2 * w[3] * w[5] + 0.5 * (cos(x[1]) + cos(x[2]))
+    end },
+  { name = "SE(3)", Q = dm.product(R1, dm.SE(3)), G = dm.SE(3), x = { 0.4 }, p = { 0.1 },
+    mu = { 0.6, -0.4, 1.1, 0.03, 0.02, -0.01 },
+    L = function(q, w)
+      local x = q[1][1]
+      return ((1 + x ^ 2) * w[2] ^ 2 + (1.75 + x ^ 2) * w[3] ^ 2 + 2.25 * w[4] ^ 2
+        + (1 + 0.1 * x ^ 2) * w[5] ^ 2 + 1.3 * w[6] ^ 2 + 0.8 * w[7] ^ 2 + w[1] ^ 2) / 2
+        + 0.1 * w[2] * w[6] - w[1] / 2 * w[3] - x ^ 2
+    end },
+}
+for _, c in ipairs(cases) do
+  for _, rule in ipairs { "lie(1)", "lie(2)", "lie(1, cayley)", "lie(2, lobatto(3))" } do
+    local name = c.name .. ", " .. rule
+    local system = dm.system { Q = c.Q, L = c.L }
+    local lp = system:reduce { group = c.G, rule = rule, h = 0.05 }
+    local run = lp:solver():run { x = c.x, p = c.p, mu = c.mu, steps = 300 }
+    local S, e = lp.space, c.G:identity()
+    local full = system:solver { rule = rule, h = 0.05 }:run {
+      q = space.element(S, dm.vector(c.x), e), p = space.joined(S, c.p, c.mu), steps = 300 }
+    local back, worst, drift = run:reconstruct {}, 0, 0
+    local J = c.G:coAd(e, c.mu)
+    for k = 1, 301 do
+      local x, g = space.split(S, full.q[k])
+      local p, mu = space.parts(S, full.p[k])
+      worst = max(worst, (x - run.x[k]):norm(), (p - run.p[k]):norm(), (mu - run.mu[k]):norm(),
+        c.G:distance(g, back.g[k]))
+      drift = max(drift, (c.G:coAd(back.g[k], run.mu[k]) - J):norm())
+    end
+    ok(worst < 1e-11, name .. ": the reduced run is the unreduced one", worst)
+    ok(drift < 1e-12, name .. ": spatial momentum", drift)
+    local ver, hor = lp:residual({ run.x[50], run.x[51], run.x[52] }, { run.f[50], run.f[51] })
+    ok(ver:norm() < 1e-12 and hor:norm() < 1e-12, name .. ": Ver and Hor vanish", ver:norm())
+  end
+end
+
+---- a formula: Ver and Hor with a connection, starts, members ----
+
+local G = dm.SO(3)
+local function bead(a, b, f, h)
+  local x, v, w = (a[1] + b[1]) / 2, (b[1] - a[1]) / h, G:cayleyinv(f) / h
+  return h * (((1 + x ^ 2) * w[1] ^ 2 + (1.75 + x ^ 2) * w[2] ^ 2 + 2.25 * w[3] ^ 2) / 2
+    - x / 2 * w[1] * w[3] - v / 2 * w[2] + v ^ 2 / 2 - x ^ 2)
+end
+local form = dm.matrix { { 0.2 }, { -0.3 }, { 0.1 } }
+local A = dm.connection { group = G, base = R1, form = function(x) return form * (1 + x[1]) end }
+local lp = dm.lagrange_poincare { group = G, base = R1, h = 0.05, l = bead, connection = A }
+local flat = dm.lagrange_poincare { group = G, base = R1, h = 0.05, l = bead }
+local mu, g0 = dm.vector { 0.6, -0.4, 1.1 }, G:exp { 0.3, -0.2, 0.5 }
+local xs = { { 0.4 }, { 0.41 }, { 0.43 } }
+local fs = { G:exp { 0.03, 0.01, -0.02 }, G:exp { 0.02, 0.015, -0.01 } }
+-- off solutions the operators pair the Euler-Lagrange covector with vertical and horizontal vectors
+local ver, hor = lp:residual(xs, fs)
+local ver0, hor0 = flat:residual(xs, fs)
+near((ver - ver0):norm(), 0, 1e-15, "Ver does not know the connection")
+near(hor[1], hor0[1] - ver0:dot((form * 1.41):column(1)), 1e-12, "Hor takes away <Ver, A>")
+-- Gamma by differences of the action of two steps, g1 moved by exp(e eta)
+local function action(x1, g1)
+  return bead(xs[1], { x1 }, g1, 0.05)
+    + bead({ x1 }, xs[3], G:compose(G:inverse(g1), G:compose(fs[1], fs[2])), 0.05)
+end
+local e = 1e-5
+for a = 1, 3 do
+  local eta = dm.zeros(3):totable()
+  eta[a] = e
+  local plus, minus = G:compose(fs[1], G:exp(eta)), G:compose(fs[1], G:exp(dm.vector(eta) * -1))
+  near(ver[a], (action(0.41, plus) - action(0.41, minus)) / (2 * e), 1e-8,
+    "Ver is the variation of the element, " .. a)
+end
+near(hor0[1], (action(0.41 + e, fs[1]) - action(0.41 - e, fs[1])) / (2 * e), 1e-8,
+  "Hor with the trivial connection is that of the shape")
+
+local run = lp:solver():run { x = { 0.4 }, p = { 0.1 }, mu = mu, steps = 60 }
+local level = lp:solver():run { x = 0.4, p = 0.1, g = g0, momentum = G:coAd(g0, mu), steps = 60 }
+near((level.mu[61] - run.mu[61]):norm(), 0, 1e-14, "the level of J is that of its mu")
+near(G:distance(run:reconstruct { g = g0 }.g[61], level.path.q[61][2]), 0, 1e-13,
+  "and the same motion from g0")
+near(run.t[61], 3, 1e-14, "fields of the path behind")
+local every = lp:solver():run { x = 0.4, p = 0.1, mu = mu, steps = 60, every = 20 }
+near((every.mu[4] - run.mu[61]):norm(), 0, 0, "rows that are left out change nothing")
+near(G:distance(every.f[1], G:compose(G:inverse(run.path.q[1][2]), run.path.q[21][2])), 0, 1e-15,
+  "f leads from row to row")
+local cloud = lp:solver():ensemble { members = 3, x = function(i) return { 0.3 + 0.05 * i } end,
+  p = { 0.1 }, mu = mu, steps = 60, every = 30 }
+near((space.parts(lp.space, cloud:path(2).p[#cloud:path(2)]) - run.p[61]):norm(), 0, 1e-14,
+  "a member is a run")
+local half = lp:solver():run { x = 0.4, p = 0.1, mu = mu, steps = 30 }
+local event = lp:solver():run { x = 0.4, p = 0.1, mu = mu, steps = 60,
+  events = { bottom = function(q) return q[1][1] - 0.1 end } }
+ok(#half.path == 31 and #event.events > 0, "events look at Q")
+
+---- phases ----
+
+-- a symmetric top: precession about J by |J|/I1 t, closed forms
+local I1, I3, h = 1.5, 1, 0.01
+local top = dm.lagrange_poincare { group = G, h = h, l = function(f, step)
+  local w = G:cayleyinv(f) / step
+  return step * (I1 * (w[1] ^ 2 + w[2] ^ 2) + I3 * w[3] ^ 2) / 2
+end }
+local m = dm.vector { 0.6, 0, 0.8 }
+local spin = top:solver():run { mu = m, steps = 2356 }
+local phases = spin:phases()
+local worst = 0
+for k = 1, 2357, 100 do
+  worst = max(worst, abs(phases.total[k] - phases.dynamic[k] - phases.geometric[k]))
+end
+ok(worst < 1e-11, "total = dynamic + geometric", worst)
+-- mu turns about e3 by rate -mu_3 (1/I3 - 1/I1)... its cone has area rate (1 - cos a) times that
+local rate = 0.8 * (1 / I3 - 1 / I1)
+near(abs(phases.geometric[2357]), abs(rate) * 23.56 * (1 - 0.8), 5e-3,
+  "area of the cone of momenta")
+near(phases.dynamic[2357], 23.56 * (0.36 / I1 + 0.64 / I3), 5e-3, "dynamic: 2 H t/|J|")
+ok(abs(phases.total[2357]) > 2 * pi, "turns are not wrapped", phases.total[2357])
+local body = dm.euler_poincare { group = G, l = function(w)
+  return (w[1] ^ 2 + 1.6 * w[2] ^ 2 + 2.5 * w[3] ^ 2) / 2
+end }
+local p = body:solver { rule = "lie(2)", h = 15.22285740158978 / 400 }
+  :run { p = { 0.5, 0.4, 1.2 }, steps = 400 }:phases()
+near(math.atan(sin(p.total[401] - 3.140263738475), cos(p.total[401] - 3.140263738475)), 0, 1e-6,
+  "the phase of a period, by Euler-Poincare")
+near(p.total[401], p.dynamic[401] + p.geometric[401], 1e-11, "and its sum")
+
+---- what is refused ----
+
+local tilted = dm.system { Q = dm.product(R1, G),
+  L = function(q, v) return v:dot(v) / 2 - q[2][3][3] end }
+raises("L is not invariant under SO(3)", function()
+  tilted:reduce { group = G, rule = "lie(1)", h = 0.1 }
+end)
+local free = dm.system { Q = dm.product(R1, G), L = function(_, v) return v:dot(v) / 2 end }
+raises("the rule must be lie(s", function() free:reduce { group = G, rule = "verlet", h = 0.1 } end)
+raises("has no factor SE(2)", function()
+  free:reduce { group = dm.SE(2), rule = "lie(1)", h = 0.1 }
+end)
+raises("the shapes are vectors", function()
+  dm.system { Q = dm.product(G, G), L = function(_, v) return v:dot(v) / 2 end }
+    :reduce { group = G, rule = "lie(1)", h = 0.1 }
+end)
+raises("depends on the time", function()
+  dm.system { Q = dm.product(R1, G), L = function(_, v, t) return (1 + t) * v:dot(v) / 2 end }
+    :reduce { group = G, rule = "lie(1)", h = 0.1 }
+end)
+raises("field 'mu' is missing", function() lp:solver():run { x = 0.4, p = 0.1, steps = 1 } end)
+raises("give 'mu'", function()
+  lp:solver():run { x = 0.4, p = 0.1, mu = mu, momentum = mu, steps = 1 }
+end)
+raises("not from q", function() lp:solver():run { q = { 1 }, steps = 1 } end)
+raises("must be 1 numbers", function() lp:solver():run { x = { 1, 2 }, p = 0, mu = mu,
+  steps = 1 } end)
+raises("of another bundle", function()
+  dm.lagrange_poincare { group = dm.SO(2), base = R1, h = 0.1, connection = A,
+    l = function(_, _, f, step) return f ^ 2 / step end }
+end)
+raises("phases are known for SO(3)", function()
+  dm.system { Q = cases[2].Q, L = cases[2].L }:reduce { group = dm.SE(2), rule = "lie(1)", h = 0.1 }
+    :solver():run { x = 0.1, p = 0, mu = { 1, 0, 1 }, steps = 2 }:phases()
+end)
+raises("momentum is zero", function()
+  top:solver():run { mu = { 0, 0, 0 }, steps = 2 }:phases()
+end)
+
+tap.done()
