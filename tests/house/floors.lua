@@ -29,7 +29,7 @@ floors.lua = {
   "dec/pictures", "dec/flow",
   "dec/dynamics", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "trial", "stability",
-  "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run",
+  "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run", "reduce/lagrange_poincare",
   "reduce", "scene", "demos", "session", "notebook",
   "cite",
 }

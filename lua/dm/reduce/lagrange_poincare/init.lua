@@ -252,16 +252,16 @@ system:solver.]])
 
 method("residual", residual.residual, [[
 lp:residual({x0, x1, x2}, {f0, f1}) -> Ver, Hor
-The discrete Lagrange-Poincare operators (Leok 4.7.1) at x1: Ver = mu1(x0, x1, f0) - mu0(x1, x2, f1),
-dim G numbers, and Hor = p1(x0, x1, f0) - p0(x1, x2, f1) - <Ver, A(x1)>, dim S numbers, with the
-continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.]])
+The discrete Lagrange-Poincare operators (Leok 4.7.1) at x1: Ver = mu1(x0, x1, f0) - mu0(x1, x2,
+f1), dim G numbers, and Hor = p1(x0, x1, f0) - p0(x1, x2, f1) - <Ver, A(x1)>, dim S numbers, with
+the continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.]])
 
 class.method("dm.system", "reduce", M.reduce, [[
 system:reduce{group=, rule=, h=, factor=, connection=} -> dm.lagrange_poincare
 The discrete Lagrange-Poincare equations of a system on a product with the group as a factor (of
 equal ones the first, or number `factor`), whose other factors are shapes: dm.R(n), dm.T(n) or
-dm.SO(2). rule: "lie(s [, quadrature] [, exp | cayley])" (abelian groups: also gauss(s), midpoint,
-trapezoidal): its steps are those of the unreduced rule, to round-off, without the group elements in
+dm.SO(2). rule: "lie(s [, quadrature] [, exp | cayley])" (abelian groups: also gauss(s)):
+its steps are those of the unreduced rule, to round-off, without the group elements in
 the equations. Raises where L is not invariant under the group.]])
 
 return M

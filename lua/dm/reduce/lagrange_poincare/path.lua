@@ -9,9 +9,9 @@ local M = {}
 
 local class = core.class({ __name = "dm.reduced_path" }, [[
 dm.reduced_path: a run of a reduced system, of solver:run{x=, p=, mu=} of dm.lagrange_poincare
-fields: x, p, mu (a dm.vector a row: shape, its momentum, body momentum), f (f[k] leads from row k to
-the next, f = g_k^-1 g_(k+1)), t, path (the dm.path on Q, for functions that take one), #run rows;
-after reconstruct{g=} also g, elements. Other fields and methods are those of path.]])
+fields: x, p, mu (a dm.vector a row: shape, its momentum, body momentum), f (f[k] leads from row k
+to the next, f = g_k^-1 g_(k+1)), t, path (the dm.path on Q, for functions that take one), #run
+rows; after reconstruct{g=} also g, elements. Other fields and methods are those of path.]])
 
 -- rows made when they are asked for, then kept
 local function rows(self, make)

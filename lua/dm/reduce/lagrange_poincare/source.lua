@@ -54,14 +54,12 @@ end
 local function rule_of(name, S, where)
   local text = tostring(name):gsub("%s", "")
   local flat = S.kit.euclidean or S.kit.abelian
-  if text == "midpoint" and flat then text = "lie(1)" end
-  if text == "trapezoidal" and flat then text = "lie(1,lobatto(2))" end
   local stages = flat and text:match "^gauss%((%d+)%)$"
   if stages then text = ("lie(%s)"):format(stages) end
   local inside = text:match "^lie%((.*)%)$"
   if not inside then
     option.fail(where, "the rule must be lie(s [, quadrature] [, exp | cayley])%s (got %s)",
-      flat and ", gauss(s), midpoint or trapezoidal" or ", on a group that is not abelian",
+      flat and " or gauss(s)" or ", on a group that is not abelian",
       tostring(name))
   end
   local tau = inside:match ",(%a+)$"
