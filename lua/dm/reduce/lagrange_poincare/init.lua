@@ -254,7 +254,8 @@ method("residual", residual.residual, [[
 lp:residual({x0, x1, x2}, {f0, f1}) -> Ver, Hor
 The discrete Lagrange-Poincare operators (Leok 4.7.1) at x1: Ver = mu1(x0, x1, f0) - mu0(x1, x2,
 f1), dim G numbers, and Hor = p1(x0, x1, f0) - p0(x1, x2, f1) - <Ver, A(x1)>, dim S numbers, with
-the continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.]])
+the continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.
+]])
 
 class.method("dm.system", "reduce", M.reduce, [[
 system:reduce{group=, rule=, h=, factor=, connection=} -> dm.lagrange_poincare
