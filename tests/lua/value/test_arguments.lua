@@ -66,6 +66,17 @@ local rotor = dm.discrete_lagrangian { Q = dm.SO(3), h = 0.1,
 local turning = dm.connection { group = dm.SO(2), base = dm.R(2), local_form = function(x0, x1) return (x0[1] + x1[1]) * (x1[2] - x0[2]) end }
 local at_a, at_b = { a, 0.3 }, { b, 0.4 }
 
+-- fields on lines
+local cable = dm.field { x = { 0, 1, 4 }, absorbing = 1, L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end }
+local cable_solver = cable:solver { h = 0.1 }
+local cable_run = cable_solver:run { u = 0, ut = 1, steps = 4 }
+local cable_strip = cable_run.level.strip
+local five, nought = dm.vector { 1, 2, 3, 4, 5 }, dm.zeros(5)
+local boxes = dm.multisymplectic { names = { "u", "p", "q" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+  S = function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 + 2 * z[1] ^ 2 end, x = { 0, 6, 5, periodic = true } }
+local box_solver = boxes:solver { h = 0.1 }
+local box_run = box_solver:run { z = { u = math.sin, p = math.cos }, steps = 4 }
+
 -- class -> method -> a list of calls that are right: { object, arguments }
 local calls = {
   ["dm.vector"] = { { dm.vector { 1, 2, 3 }, cross = { xi }, dot = { xi }, map = { math.sin }, outer = { xi }, slice = { 1, 2 } } },
@@ -130,6 +141,16 @@ local calls = {
   ["dm.group_lagrangian"] = { { rotor, legendre_minus = { upright, upright },
     legendre_plus = { upright, upright }, momentum = { dm.SO(3), upright, upright },
     two_form = { upright, upright }, value = { upright, upright } } },
+  ["dm.line_field"] = { { cable, solver = { { h = 0.1 } }, stability_limit = { "cell(gauss(2))", {} }, reflection = { {} } } },
+  ["dm.line_solver"] = { { cable_solver, run = { { u = 0, steps = 2 } } } },
+  ["dm.line_run"] = { { cable_run, column = { "energy" }, drift = { "energy" }, multisymplectic = { {} }, conservation = { "t" } } },
+  ["dm.strip"] = { { cable_strip, momenta = { five, five, 0, 0.1 }, cells = { five, five, 0, 0.1, "value" }, limit = { nought, 1e-6, 10 },
+    energies = { { u = cable_run.u, t = cable_run.t } }, vary = { { u = cable_run.u, t = cable_run.t, v = five, dp = five } },
+    residual = { { u = cable_run.u, t = cable_run.t, v = cable_run.u, w = cable_run.p, leave = nought, area = 1 } },
+    run = { { u = five, p = five, h = 0.1, steps = 1 } } } },
+  ["dm.boxes"] = { { boxes, solver = { { h = 0.1 } } } },
+  ["dm.box_solver"] = { { box_solver, run = { { z = { u = math.sin, p = math.cos }, steps = 1 } } } },
+  ["dm.box_run"] = { { box_run, balance = { "energy" } } },
   ["dm.branch"] = { { branch, series = { "mu", "energy" } } },
   ["dm.solver"] = { { dm.solver { Ld }, step = { a, b } } },
   ["dm.scaling"] = { { scaling, exponent = { "verlet" } } },

@@ -1,0 +1,257 @@
+--- dm.adapt: the least integral of W(u') - f u over the values and the knots of a broken line (Leok
+-- 5.6): free knots go where they are needed.
+local blame = require "dm.base.blame"
+local blocks = require "dm.line.blocks"
+local core = require "dm.core"
+local option = require "dm.base.options"
+local rules = require "dm.line.rule"
+
+local M = {}
+
+local fail = option.failing "dm.adapt"
+local KNOWN = { "W", "f", "x", "ends" }
+local MOST = 400          -- iterations
+local POINTS = { 10, 20, 40 }  -- of Gauss's rule on an element, until f is integrated to round-off
+local LEAST = 0.2         -- of its length an element keeps in one iteration
+
+---- the energy of an element ----
+
+-- e(X0, u0, X1, u1) with r points for f
+local function element(W, f, r)
+  local points, weights = rules.gauss(r)
+  return function(w)
+    local length = w[3] - w[1]
+    local energy = length * W((w[4] - w[2]) / length)
+    if not f then return energy end
+    local load = 0
+    for q, xi in ipairs(points) do
+      load = load + weights[q] * f(w[1] + xi * length) * (w[2] + xi * (w[4] - w[2]))
+    end
+    return energy - length * load
+  end
+end
+
+-- { value, slope, hessian } of it
+local function derivatives(W, f, r)
+  local e = element(W, f, r)
+  local slope = core.derivative(e, 4)
+  return { value = core.trace(e, 4), slope = slope,
+    hessian = core.derivative(function(w) return slope(w) end, 4) }
+end
+
+---- sums over elements: z = X_1, u_1, X_2, u_2, ... ----
+
+local function part(z, e)
+  local k = 2 * e - 2
+  return { z[k + 1], z[k + 2], z[k + 3], z[k + 4] }
+end
+
+local function energy_of(p, z)
+  local sum = 0
+  for e = 1, p.elements do sum = sum + p.of.value(part(z, e)) end
+  return sum
+end
+
+local function slope_of(p, z)
+  local out = {}
+  for k = 1, 2 * p.elements + 2 do out[k] = 0 end
+  for e = 1, p.elements do
+    local slope = p.of.slope(part(z, e))
+    for k = 1, 4 do out[2 * e - 2 + k] = out[2 * e - 2 + k] + slope[k] end
+  end
+  return out
+end
+
+-- the gradient without what is held, and the blocks of the Hessian, the rows of 1 there
+local function system_of(p, z, held)
+  local slope = slope_of(p, z)
+  local H = blocks.zeros(p.elements + 1)
+  for e = 1, p.elements do blocks.add(H, e, p.of.hessian(part(z, e))) end
+  for k = 1, #slope do
+    if held[k] then
+      slope[k] = 0
+      blocks.hold(H, k)
+    end
+  end
+  return slope, H
+end
+
+---- Newton's method with a shift, downhill ----
+
+local function norm(x)
+  local largest = 0
+  for k = 1, #x do largest = math.max(largest, math.abs(x[k])) end
+  return largest
+end
+
+-- the part of dz that keeps every element LEAST of its length
+local function in_order(p, z, dz)
+  local t = 1
+  for e = 1, p.elements do
+    local length, change = z[2 * e + 1] - z[2 * e - 1], dz[2 * e + 1] - dz[2 * e - 1]
+    if length + t * change < LEAST * length then t = (LEAST - 1) * length / change end
+  end
+  return t
+end
+
+local function moved(z, dz, t)
+  local out = {}
+  for k = 1, #z do out[k] = z[k] + t * dz[k] end
+  return out
+end
+
+-- a shift of the Hessian that makes it positive definite, and the step; scale: of its entries
+local function downhill(slope, H, shift, scale)
+  for _ = 1, 60 do
+    local dz = blocks.solve(H, slope, shift)
+    if dz then return dz, shift end
+    shift = math.max(10 * shift, 1e-10 * scale)
+  end
+  fail("the second derivative of the energy is not finite")
+end
+
+-- z moves until the gradient is round-off; held: marks of what stays
+local function minimize(p, z, held)
+  local shift, energy, last = 0, energy_of(p, z), math.huge
+  if energy ~= energy then fail("W or f is NaN on the first knots") end
+  for k = 1, MOST do
+    local slope, H = system_of(p, z, held)
+    local size, scale = norm(slope), blocks.largest(H)
+    local dz
+    dz, shift = downhill(slope, H, shift, scale)
+    local step, t = norm(dz), in_order(p, z, dz)
+    if shift <= 1e-9 * scale and step <= 1e-9 * norm(z) and size >= 0.5 * last then
+      return z, k, size
+    end
+    local trial, now, accepted = nil, nil, false
+    for _ = 1, 40 do
+      trial = moved(z, dz, t)
+      now = energy_of(p, trial)
+      accepted = now <= energy + 1e-15 * math.abs(energy)
+      if accepted then break end
+      t = t / 2
+    end
+    if not accepted then
+      if size <= 1e-7 * (1 + math.abs(energy)) then return z, k, size end
+      shift = math.max(10 * shift, 1e-8 * scale)
+    else
+      z, energy, last = trial, now, size
+      shift = t == 1 and shift / 10 or shift
+      if shift < 1e-14 * scale then shift = 0 end
+    end
+  end
+  fail("the energy has no least value that %d iterations find: is W convex and f finite? (largest "
+    .. "derivative left %.2g)", MOST, last)
+end
+
+---- knots ----
+
+-- knots that nothing moves: both slopes beside them are equal
+local function affine(z, elements)
+  local out, slopes, largest = {}, {}, 0
+  for e = 1, elements do
+    slopes[e] = (z[2 * e + 2] - z[2 * e]) / (z[2 * e + 1] - z[2 * e - 1])
+    largest = math.max(largest, math.abs(slopes[e]))
+  end
+  for i = 2, elements do
+    if math.abs(slopes[i] - slopes[i - 1]) <= 1e-9 * largest then out[#out + 1] = i end
+  end
+  return out
+end
+
+-- marks of X alone, of the ends, or of both
+local function marks(p, ends, also_x)
+  local held = {}
+  for i = 0, p.elements do held[2 * i + 1] = also_x or i == 0 or i == p.elements end
+  held[2], held[2 * p.elements + 2] = ends[1] ~= "free", ends[2] ~= "free"
+  return held
+end
+
+-- values first, then knots with them; affine knots are frozen where they are
+local function solve(p, z, ends)
+  local held = marks(p, ends, true)
+  z = minimize(p, z, held)
+  held = marks(p, ends, false)
+  for _, i in ipairs(affine(z, p.elements)) do held[2 * i - 1] = true end
+  return minimize(p, z, held)
+end
+
+-- is f integrated to round-off on these elements?
+local function is_exact(p, z, finer)
+  local a, b = energy_of(p, z), 0
+  for e = 1, p.elements do b = b + finer.value(part(z, e)) end
+  return math.abs(a - b) <= 1e-13 * (math.abs(a) + math.abs(b)) + 1e-300
+end
+
+local function read(options)
+  option.check(options, KNOWN, "dm.adapt")
+  for _, key in ipairs { "W", "x", "ends" } do
+    option.need(options, key, "dm.adapt", "W(u'), x = { from, to, elements }, ends = { u(from), "
+      .. "u(to) }")
+  end
+  option.callable(options, "W", "dm.adapt", "s, the slope of u")
+  option.callable(options, "f", "dm.adapt", "x")
+  local grid = require "dm.line.grid".read(options.x, "dm.adapt", "elements")
+  if grid.periodic then fail("option 'x': knots of a ring have no ends") end
+  local ends = options.ends
+  for side = 1, 2 do
+    local u = type(ends) == "table" and ends[side]
+    if not (u == "free" or type(u) == "number" and u - u == 0) then
+      fail("option 'ends' must be { u(from), u(to) }, numbers or \"free\" (got %s)",
+        option.got(type(ends) == "table" and u or ends))
+    end
+  end
+  if ends[1] == "free" and ends[2] == "free" then
+    fail("option 'ends': u is determined at one end at least")
+  end
+  return grid, ends
+end
+
+local function first_guess(grid, ends)
+  local a = ends[1] == "free" and ends[2] or ends[1]
+  local b = ends[2] == "free" and ends[1] or ends[2]
+  local z = {}
+  for i = 0, grid.cells do
+    z[2 * i + 1] = i == grid.cells and grid.to or grid.from + i * grid.dx
+    z[2 * i + 2] = a + (b - a) * i / grid.cells
+  end
+  return z
+end
+
+local function result_of(p, z, iterations, exact)
+  local n = p.elements + 1
+  local x, u, force = core.zeros(n), core.zeros(n), core.zeros(n)
+  local slope = slope_of(p, z)
+  for i = 1, n do
+    x[i], u[i], force[i] = z[2 * i - 1], z[2 * i], slope[2 * i - 1]
+  end
+  return core.result { x = x, u = u, force = force, energy = energy_of(p, z),
+    frozen = core.result(affine(z, p.elements)), iterations = iterations, exact = exact }
+end
+
+M.adapt = blame.caller(function(options)
+  local grid, ends = read(options)
+  local p, iterations = { elements = grid.cells }, 0
+  local z, exact = first_guess(grid, ends), false
+  for level = 1, options.f and #POINTS - 1 or 1 do
+    p.of = derivatives(options.W, options.f, POINTS[level])
+    local count
+    z, count = solve(p, z, ends)
+    iterations = iterations + count
+    exact = not options.f or is_exact(p, z, { value = core.trace(element(options.W, options.f,
+      POINTS[level + 1]), 4) })
+    if exact then break end
+  end
+  return result_of(p, z, iterations, exact)
+end)
+
+core.docs[M.adapt] = [[
+dm.adapt{W=, f=, x = {from, to, elements}, ends = {a, b}} -> {x, u, energy, force, frozen, ...}
+The least integral of W(u') - f u over broken lines u with that many elements, over values and knots
+alike (Leok 5.6). W(s), f(x): functions; ends: u at both ends, a number or "free". x, u: knots and
+values; force: the derivative of the energy by each knot, 0 inside, so that without f W - s W_s is
+equal on all elements; frozen: numbers of the knots beside which u is affine, which nothing moves;
+exact: f is integrated to round-off (by 10 or 20 points an element); iterations. A minimum near the
+one on equal elements: energies with several are not searched. Raises where none is found.]]
+
+return M

@@ -1,0 +1,177 @@
+--- dm.line_run: the levels of a run, and what is asked of them.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local moving = require "dm.line.moving"
+local option = require "dm.base.options"
+local picture = require "dm.line.picture"
+
+local M = {}
+
+local Run = core.class({ __name = "dm.line_run" }, [[
+dm.line_run: the recorded levels of a field on a line; #run rows
+fields: u[i], p[i] (vectors, node after node), t[i], energy[i] (-dS/dh of the slab that ends at the
+row, first: of the first slab), x[i] (places of the nodes, where they move), nodes (where they are
+at the start), frozen (numbers of the nodes that stay, where others move), steps, h, rule, field,
+solver, ns_per_step]])
+
+-- where the nodes are: at the start, and at all rows
+local function places(run, y)
+  local field = run.field
+  local from = {}
+  for i = 1, field.nodes do from[i] = require "dm.line.grid".x(field.grid, i) end
+  run.nodes = core.vector(from)
+  if not y then return end
+  for j = 1, #y do
+    local row = y[j]
+    for i = 1, field.nodes do row[i] = row[i] + from[i] end
+  end
+  run.x = y
+end
+
+-- numbers of the nodes that stay although others move
+local function frozen_of(field, marks)
+  local out = {}
+  for i = 1, field.nodes do
+    local is_end = not field.periodic and (i == 1 or i == field.nodes)
+    if marks[i] ~= 0 and not is_end then out[#out + 1] = i end
+  end
+  return core.result(out)
+end
+
+-- the first row alone of a run of no steps
+local function cut(outcome)
+  for _, name in ipairs { "u", "p" } do
+    local row = core.zeros(1, #outcome[name][1])
+    for k = 1, #outcome[name][1] do row[1][k] = outcome[name][1][k] end
+    outcome[name] = row
+  end
+  outcome.t, outcome.energy = core.vector { outcome.t[1] }, core.vector { outcome.energy[1] }
+  outcome.done = 0
+end
+
+--- The run of a solver that began with `level` and ended as `outcome` tells.
+function M.new(solver, level, plan, outcome, seconds)
+  local field = solver.field
+  if plan.steps == 0 then cut(outcome) end
+  local run = { field = field, solver = solver, rule = solver.rule, h = solver.h,
+    steps = outcome.done, every = plan.every, t0 = plan.t0, until_t = plan.until_t, t = outcome.t,
+    energy = outcome.energy, u = outcome.u, p = outcome.p, level = level, levels = outcome.u,
+    ns_per_step = outcome.done > 0 and seconds * 1e9 / outcome.done or 0 }
+  local y
+  if solver.moves then
+    run.u, y = moving.apart(outcome.u, field.nodes, field.values)
+    run.p, run.px = moving.apart(outcome.p, field.nodes, field.values)
+    run.frozen = frozen_of(field, level.frozen)
+  end
+  places(run, y)
+  return setmetatable(run, Run)
+end
+
+---- failures ----
+
+-- moving nodes: those that have passed each other, or are about to
+local function tangles(run, outcome)
+  if outcome.tangled > 0 then
+    return ("the nodes of cell %d have passed each other (|D phi| <= 0): moving nodes tangle "
+      .. "there; take a smaller h, or fixed nodes"):format(outcome.tangled)
+  end
+  local x, narrow, least = run.x[#run], 1, math.huge
+  for c = 1, #x - 1 do
+    if x[c + 1] - x[c] < least then narrow, least = c, x[c + 1] - x[c] end
+  end
+  return ("moving nodes tangle: cell %d has %.3g of its width left, and the next level has no "
+    .. "solution with all cells in order; take a smaller h, or fixed nodes")
+    :format(narrow, least / run.field.dx)
+end
+
+-- what a failed level may come from, or nil: the general advice then
+local function reason(run, outcome)
+  if outcome.code == "stopped" then return nil end
+  local solver, field = run.solver, run.field
+  if solver.moves then return tangles(run, outcome) end
+  if solver.stretches and outcome.code == "no_convergence" then
+    return "no height gives this slab the energy of the first one: start where the field is less "
+      .. "smooth in time, or leave free = \"t\" out"
+  end
+  if outcome.code == "singular" and #solver.points.points == 1
+    and not (field.periodic and field.cells % 2 == 1) then
+    return "the matrix of a level is singular: one point a cell does not see u = (-1)^i; take "
+      .. "cell(gauss(2)), or a ring of an odd number of cells"
+  end
+  if outcome.code == "singular" then
+    return "the matrix of a level is singular: is L quadratic in ut to lowest order (d2L/dut2 is "
+      .. "not 0), or do moving nodes stand where u is affine?"
+  end
+  local fine, limit = pcall(field.stability_limit, field, solver.rule)
+  if fine and limit < solver.h then
+    return ("h = %.6g is beyond the limit of stability, %.6g about u = 0 (field:stability_limit)")
+      :format(solver.h, limit)
+  end
+end
+
+--- Raises the dm.failure of a run; its path is the run.
+function M.fail(run, outcome)
+  outcome.time = run.t[#run.t]
+  core.strip_fail(outcome, run.rule, run, reason(run, outcome))
+end
+
+---- text ----
+
+local function grouped(n)
+  local text = ("%d"):format(n):reverse():gsub("(%d%d%d)", "%1,"):reverse()
+  return (text:gsub("^,", ""))
+end
+
+function Run.__len(run) return #run.t end
+
+function Run.__tostring(run)
+  local E, off = run.energy, 0
+  for i = 1, #E do off = math.max(off, math.abs(E[i] - E[1])) end
+  local last = run.t[#run.t]
+  local short = run.until_t and last - run.until_t > 1e-6 * run.h
+  return ("run of %s slab%s of %s to t = %.6g%s (%.3g ns a cell): energy off by %.2g; %d row%s of "
+    .. "%d nodes%s"):format(grouped(run.steps), run.steps == 1 and "" or "s", run.rule, last,
+    short and (" (h = %.6g does not divide the way to %.6g)"):format(run.h, run.until_t) or "",
+    run.ns_per_step / run.field.cells, off, #run, #run == 1 and "" or "s", run.field.nodes,
+    run.frozen and #run.frozen > 0 and (", %d of them frozen where u is affine"):format(#run.frozen)
+    or "")
+end
+
+---- columns ----
+
+--- The numbers of a column, one a row: "t", "energy", "u7", "p7" (entry 7 of u, p).
+local function column(run, name)
+  if name == "t" or name == "time" then return run.t end
+  if name == "energy" then return run.energy end
+  local which, i = tostring(name):match "^([up])(%d+)$"
+  i = math.tointeger(tonumber(i))
+  if not i or i < 1 or i > #run.u[1] then
+    option.fail("run:column", "no column '%s'; a run has t, energy, u1 to u%d and p1 to p%d",
+      tostring(name), #run.u[1], #run.u[1])
+  end
+  local out, levels = {}, run[which]
+  for j = 1, #run do out[j] = levels[j][i] end
+  return core.vector(out)
+end
+
+core.method("dm.line_run", "column", blame.caller(column), [[
+run:column(name) -> dm.vector
+One number a row: "t", "energy", "u7" or "p7" (entry 7 of u or p).]])
+
+core.method("dm.line_run", "drift", blame.caller(function(run, of)
+  if #run < 3 then option.fail("run:drift", "needs at least 3 rows (this run has %d)", #run) end
+  local values = type(of) == "string" and column(run, of) or of
+  local fine, y = pcall(core.vector, values)
+  if values == nil or not fine or #y ~= #run then
+    option.fail("run:drift", "the name of a column or a vector of %d numbers, one a row, is needed "
+      .. "(got %s)", #run, option.got(of))
+  end
+  return core.drift(run.t, y)
+end), [[
+run:drift(name | vector) -> {per_time, error, mean, largest}
+Least squares slope against time of a column ("energy", "u7") or of a vector of #run entries, its
+standard error, the mean, and the largest distance from the first row.]])
+
+picture.give "dm.line_run"
+
+return M

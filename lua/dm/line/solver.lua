@@ -1,0 +1,229 @@
+--- Solvers of fields on a line: the strip of a rule, starts, runs; the limit of stability.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local grids = require "dm.line.grid"
+local lists = require "dm.base.lists"
+local moving = require "dm.line.moving"
+local option = require "dm.base.options"
+local rules = require "dm.line.rule"
+local runs = require "dm.line.run"
+
+local M = {}
+
+local Solver = core.class({ __name = "dm.line_solver" }, [[
+dm.line_solver: a rule and a height of slabs for a field on a line, made by field:solver
+fields: field, rule, h, free ("t", "x", "tx" or nil)]])
+
+---- strips ----
+
+-- the strip of an action, with the marks of what is held; one value more than the field's is where
+-- the nodes are
+local function strip_of(field, action, values, held, forces)
+  return core.strip(action, { values = values, cells = field.cells, ring = field.periodic,
+    held = held, absorbs = forces, place = grids.lefts(field.grid),
+    moving = values > field.values and values or 0, width = field.dx })
+end
+
+--- The strip that a run steps; held: marks of the nodes whose place is held, where nodes move.
+function M.strip(solver, held)
+  local field, n = solver.field, solver.field.values
+  if not solver.moves then
+    local action = rules.action(field.L, solver.points, n, field.dx)
+    return strip_of(field, action, n, field.held, field.forces)
+  end
+  return strip_of(field, moving.action(field.L, solver.points, n, field.dx), n + 1,
+    moving.joined(field.held, held, field.nodes, n),
+    moving.joined(field.forces, nil, field.nodes, n))
+end
+
+-- momenta of the first level: slopes by ut of the integral of L
+local function momenta(solver, u, ut, t)
+  local field, n = solver.field, solver.field.values
+  local start = solver.moves and moving.start or rules.start
+  local values = n + (solver.moves and 1 or 0)
+  local zeros = core.zeros(field.nodes * values)
+  local strip = strip_of(field, start(field.L, solver.points, n, field.dx), values, zeros, zeros)
+  return strip:momenta(u, ut, t, solver.h)
+end
+
+---- solvers ----
+
+local FREE = { t = true, x = true }
+
+local function free_of(given, where)
+  local list = type(given) == "string" and { given } or given
+  local free = {}
+  for i = 1, given == nil and 0 or lists.count(list) or 0 do free[list[i]] = true end
+  for name in pairs(free) do
+    if not FREE[name] then
+      option.fail(where, "option 'free' must be \"t\", \"x\" or { \"t\", \"x\" } (got %s)",
+        option.got(name))
+    end
+  end
+  if given ~= nil and next(free) == nil then
+    option.fail(where, "option 'free' must be \"t\", \"x\" or { \"t\", \"x\" } (got %s)",
+      option.got(given))
+  end
+  return free
+end
+
+--- field:solver{...}
+function M.new(field, options)
+  local where = "field:solver"
+  option.check(options, { "rule", "h", "free" }, where)
+  local points = rules.parse(option.text(options, "rule", where, "cell(gauss(2))"), where)
+  option.need(options, "h", where, "the height of a slab")
+  local free = free_of(options.free, where)
+  local solver = { field = field, rule = points.name, points = points,
+    h = option.positive(options, "h", where, "a height"), moves = free.x, stretches = free.t,
+    free = (free.t and "t" or "") .. (free.x and "x" or "") }
+  if solver.free == "" then solver.free = nil end
+  if solver.stretches and (field.absorbing.left or field.absorbing.right) then
+    option.fail(where, "free = \"t\" keeps the energy, which absorbing ends take away")
+  end
+  if not solver.moves then solver.strip = M.strip(solver) end
+  return setmetatable(solver, Solver)
+end
+
+function Solver.__tostring(solver)
+  return ("solver of a field on a line: %s, h = %.4g%s"):format(solver.rule, solver.h,
+    solver.free and ", free " .. solver.free or "")
+end
+
+---- runs ----
+
+local RUN = { "u", "ut", "p", "steps", "t", "t0", "every" }
+
+local function steps_of(solver, options, t0)
+  local where = "solver:run"
+  if options.t ~= nil and options.steps ~= nil then
+    option.fail(where, "give one of 't' and 'steps'")
+  end
+  if options.t == nil then
+    option.need(options, "steps", where, "a number of slabs, or t = the last time")
+    return option.whole(options, "steps", where, 0, 1 << 53)
+  end
+  local t = option.positive(options, "t", where, "a duration")
+  if solver.stretches then
+    option.fail(where, "with free = \"t\" the heights are not known before: give 'steps'")
+  end
+  local steps = math.ceil(t / solver.h - 1e-9)
+  if not (steps < 1e15) then
+    option.fail(where, "%g steps of h = %g are too many", steps, solver.h)
+  end
+  return steps, t0 + t
+end
+
+-- u, ut and p of the start, node after node, of the values of the field alone
+local function start_of(field, options)
+  local where, n, grid = "solver:run", field.values, field.grid
+  option.need(options, "u", where, "a function of x, or a number for every node")
+  if options.ut ~= nil and options.p ~= nil then option.fail(where, "give one of 'ut' and 'p'") end
+  local u = grids.values(grid, options.u, n, "u", where)
+  local ut = grids.values(grid, options.ut, n, "ut", where)
+  for i = 1, field.nodes * n do if field.held[i] ~= 0 then ut[i] = 0 end end
+  return u, ut, options.p ~= nil and grids.values(grid, options.p, n, "p", where) or nil
+end
+
+-- the first level as the strip has it: { u =, p =, guess =, strip =, frozen = }
+local function first_level(solver, options, t0)
+  local field, h = solver.field, solver.h
+  local u, ut, p = start_of(field, options)
+  if not solver.moves then
+    return { strip = solver.strip, u = u, p = p or momenta(solver, u, ut, t0), guess = u + h * ut }
+  end
+  if p then option.fail("solver:run", "with free = \"x\" a run starts from 'ut'") end
+  local n = field.values
+  local frozen = moving.affine(field.grid, u, n)
+  local from = moving.joined(u, nil, field.nodes, n)
+  local speed = moving.joined(ut, nil, field.nodes, n)
+  return { strip = M.strip(solver, frozen), u = from, p = momenta(solver, from, speed, t0),
+    guess = from + h * speed, frozen = frozen }
+end
+
+-- a run of 0 steps takes one, to know the energy
+local function go(solver, level, plan)
+  return level.strip:run { u = level.u, p = level.p, guess = level.guess, t0 = plan.t0,
+    h = solver.h, steps = math.max(plan.steps, 1), every = plan.every, free = solver.stretches }
+end
+
+core.method("dm.line_solver", "run", blame.caller(function(solver, options)
+  option.check(options, RUN, "solver:run")
+  local t0 = option.number(options, "t0", "solver:run", nil, 0)
+  local steps, until_t = steps_of(solver, options, t0)
+  local plan = { t0 = t0, steps = steps, until_t = until_t,
+    every = option.whole(options, "every", "solver:run", 1, 1 << 53, 1) }
+  local level = first_level(solver, options, t0)
+  local started = os.clock()
+  local outcome = go(solver, level, plan)
+  local run = runs.new(solver, level, plan, outcome, os.clock() - started)
+  if outcome.code ~= "ok" then runs.fail(run, outcome) end
+  return run
+end), [[
+solver:run{u=, ut= | p=, steps= | t=, every=, t0=} -> dm.line_run
+u, ut: functions of x, or lists of a number (with values = n: n numbers) for every node; ut is
+interpolated as u is, so that p_i is the integral of L_ut phi_i; p: those themselves. t: a duration.
+Rows at the start, every `every` slabs and at the end. A level that is not found raises a
+dm.failure, whose `path` is the run so far.]])
+
+---- the limit of stability, the impedance ----
+
+local function check_sign(field, points, u, h)
+  local strip = strip_of(field, rules.action(field.L, points, field.values, field.dx),
+    field.values, field.held, core.zeros(field.nodes * field.values))
+  local forth = strip:cells(u, u, 0, h, "hessian")
+  local half = 2 * field.values
+  for c = 1, #forth do
+    local row = forth[c]
+    for a = 0, half - 1 do
+      for b = 0, half - 1 do
+        local up, down = row[a * 2 * half + half + b + 1], row[(half + a) * 2 * half + b + 1]
+        if math.abs(up - down) > 1e-9 * (math.abs(up) + math.abs(down)) + 1e-300 then return nil end
+      end
+    end
+  end
+  return strip
+end
+
+function M.limit(field, rule, options)
+  local where = "field:stability_limit"
+  options = option.check(options or {}, { "u" }, where)
+  if rule ~= nil and type(rule) ~= "string" then
+    option.fail(where, "takes the text of a rule (got %s)", option.got(rule))
+  end
+  local points = rules.parse(rule or "cell(gauss(2))", where)
+  local u = grids.values(field.grid, options.u, field.values, "u", where)
+  local strip = check_sign(field, points, u, field.dx)
+  if not strip then
+    option.fail(where, "L is not the same for -ut (gyroscopic terms): oscillations (-1)^k v do "
+      .. "not tell its limit")
+  end
+  local least = 1e-6 * field.dx
+  local limit = strip:limit(u, least, 1e12 * field.dx)
+  if limit ~= limit then
+    option.fail(where, "d2L/dut2 is degenerate at this u: there is no kinetic energy to tell by")
+  end
+  return limit
+end
+
+function M.reflection(field, options)
+  local where = "field:reflection"
+  options = option.check(options or {}, { "u" }, where)
+  if field.values > 1 then option.fail(where, "is for fields of one value") end
+  local u = option.number(options, "u", where, nil, 0)
+  local out = {}
+  for side, c in pairs(field.absorbing) do
+    local x = side == "left" and field.from or field.to
+    if c then
+      local second = core.derivative(core.derivative(function(w)
+        return field.L(u, w[1], w[2], x, 0)
+      end, 2), 2)
+      local H = second { 0, 0 }
+      local Z = math.sqrt(math.max(0, -H[1][1] * H[2][2]))
+      out[side] = (Z - c) / (Z + c)
+    end
+  end
+  return core.result(out)
+end
+
+return M

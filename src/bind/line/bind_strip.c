@@ -1,0 +1,304 @@
+/* bind_strip.c - `core.strip`: levels of fields on a line, for the Lua modules that make fields of
+ * them (dm.line). */
+#include "bind/line/bind_strip.h"
+
+#include "bind/core/bind_failure.h"
+#include "bind/dec/bind_sparse.h"
+#include "bind/value/array.h"
+
+#include <math.h>
+#include <string.h>
+
+/* a vector of all nodes, an option of the table at 2; NULL: not given */
+static const double *level_of(lua_State *L, const dml_strip *d, const char *key) {
+    if (lua_getfield(L, 2, key) == LUA_TNIL) return NULL; /* the value stays on the stack */
+    return dml_numbersat(L, lua_gettop(L), key, (int32_t)dm_strip_unknowns(&d->strip));
+}
+
+/* rows of a block that is larger than what a matrix holds, or what the machine does */
+static void check_rows(lua_State *L, long rows, uint32_t n) {
+    if ((double)rows * n > 1e9)
+        luaL_error(L, "%I rows of %d numbers are too many: raise 'every'", (LUAI_UACINT)rows,
+                   (int)n);
+}
+
+/* Numbers in memory of the collector. */
+static double *block(lua_State *L, size_t count) {
+    return lua_newuserdatauv(L, (count + 1) * sizeof(double), 0);
+}
+
+/* t[key] = the first rows of a block, t being on top. */
+static void set_matrix(lua_State *L, const char *key, const double *from, long rows, uint32_t n) {
+    memcpy(dml_pushmatrix(L, (uint32_t)rows, n), from, (size_t)rows * n * sizeof *from);
+    lua_setfield(L, -2, key);
+}
+
+/* and of a column */
+static void set_vector(lua_State *L, const char *key, const double *from, long rows) {
+    memcpy(dml_pushvector(L, (uint32_t)rows), from, (size_t)rows * sizeof *from);
+    lua_setfield(L, -2, key);
+}
+
+/* The table that a run gives: matrices of the rows that there are, and how it ended. */
+static void push_outcome(lua_State *L, const dml_strip *d, const dm_strip_record *rows,
+                         const dm_strip_outcome *o, dm_status status) {
+    const uint32_t n = dm_strip_unknowns(&d->strip);
+    lua_createtable(L, 0, 12);
+    dml_setresult(L);
+    set_matrix(L, "u", rows->u, o->rows, n);
+    set_vector(L, "t", rows->t, o->rows);
+    if (rows->p) set_matrix(L, "p", rows->p, o->rows, n);
+    if (rows->energy) set_vector(L, "energy", rows->energy, o->rows);
+    lua_pushinteger(L, status), lua_setfield(L, -2, "status");
+    lua_pushstring(L, dm_status_code(status)), lua_setfield(L, -2, "code");
+    lua_pushinteger(L, o->done), lua_setfield(L, -2, "done");
+    lua_pushinteger(L, o->solve.iterations), lua_setfield(L, -2, "iterations");
+    lua_pushnumber(L, o->solve.residual), lua_setfield(L, -2, "residual");
+    lua_pushnumber(L, o->h), lua_setfield(L, -2, "h");
+    lua_pushinteger(L, o->tangled), lua_setfield(L, -2, "tangled");
+}
+
+/* Is an option of the table at 2 true? */
+static int is_on(lua_State *L, const char *key) {
+    lua_getfield(L, 2, key);
+    const int on = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    return on;
+}
+
+/* Rows in memory of the collector: nothing is left to free where a step fails. */
+static int strip_run(lua_State *L) {
+    static const char *const known[] = {"u",     "p",     "guess", "t0", "h",
+                                        "steps", "every", "free",  NULL};
+    dml_strip *d = dml_checkstrip(L);
+    lua_settop(L, 2);
+    dml_options(L, 2, known);
+    const uint32_t n = dm_strip_unknowns(&d->strip);
+    dm_strip_plan plan = {.t0 = dml_number(L, 2, "t0", 0.0),
+                          .h = dml_positive(L, 2, "h", 0.0),
+                          .steps = dml_count(L, 2, "steps", 0, -1),
+                          .every = dml_count(L, 2, "every", 1, 1),
+                          .is_free = is_on(L, "free"),
+                          .stop = &dml_stop};
+    plan.guess = level_of(L, d, "guess");
+    const long most = dm_strip_plan_rows(&plan);
+    check_rows(L, most, n);
+    const double *u = level_of(L, d, "u"), *p = level_of(L, d, "p");
+    dml_strip_wantstep(L, d);
+    dm_strip_record rows = {.u = block(L, (size_t)most * n), .t = block(L, (size_t)most)};
+    memcpy(rows.u, u, n * sizeof *u);
+    if (p) {
+        rows.p = block(L, (size_t)most * n), rows.energy = block(L, (size_t)most);
+        memcpy(rows.p, p, n * sizeof *p);
+        dml_strip_wantafter(L, d), dml_strip_wantenergy(L, d);
+        if (plan.is_free) dml_strip_wantclock(L, d);
+    }
+    dm_strip_outcome outcome;
+    const dm_status status = dm_strip_go(&d->room, &plan, &rows, &outcome);
+    if (status == DM_STOPPED) dml_stop = 0;
+    push_outcome(L, d, &rows, &outcome, status);
+    return 1;
+}
+
+/* put the levels at stack index 2 and 3, the scalars t and h at 4 and 5 */
+static void put_slab(lua_State *L, dml_strip *d) {
+    const int32_t n = (int32_t)dm_strip_unknowns(&d->strip);
+    const double t = luaL_optnumber(L, 4, 0.0), h = luaL_optnumber(L, 5, 1.0);
+    lua_settop(L, 5);
+    dm_strip_put(&d->room, 0, dml_numbersat(L, 2, "the lower level", n));
+    dm_strip_put(&d->room, dm_cell_upper(&d->strip.layout, 0),
+                 dml_numbersat(L, 3, "the upper level", n));
+    dm_strip_set(&d->room, DM_STRIP_TIME, t);
+    dm_strip_set(&d->room, DM_STRIP_HEIGHT, h);
+}
+
+/* stack: strip, lower, upper, t, h */
+static int strip_momenta(lua_State *L) {
+    dml_strip *d = dml_checkstrip(L);
+    put_slab(L, d);
+    dml_strip_wantafter(L, d);
+    dm_strip_momenta(&d->room, dml_pushvector(L, dm_strip_unknowns(&d->strip)));
+    return 1;
+}
+
+/* the outputs of a map, a row for every cell */
+static int strip_cells(lua_State *L) {
+    static const char *const whats[] = {"value", "slopes", "hessian", NULL};
+    dml_strip *d = dml_checkstrip(L);
+    const int what = luaL_checkoption(L, 6, NULL, whats);
+    const uint32_t n = d->strip.layout.values;
+    put_slab(L, d);
+    if (what == 0) dml_stripmap(L, d, &d->value, d->out, d->strip.boxes ? n : 1);
+    if (what == 1) dml_stripmap(L, d, &d->strip.slopes, d->slopes, d->strip.boxes ? n : 4 * n);
+    if (what == 2) dml_strip_wanthessian(L, d);
+    const dm_cell_map *const maps[] = {&d->value, &d->strip.slopes, &d->strip.hessian};
+    const dm_cell_map *map = maps[what];
+    double *out = dml_pushmatrix(L, d->strip.cells, map->outputs);
+    for (uint32_t c = 0; c < d->strip.cells; c += DM_CELL_BLOCK) {
+        const uint32_t left = d->strip.cells - c;
+        const uint32_t count = left < DM_CELL_BLOCK ? left : DM_CELL_BLOCK;
+        dm_cell_map_run(map, d->room.memory, d->room.scalars, d->room.buffer, c, count);
+        for (uint32_t i = 0; i < count; i++)
+            for (uint32_t k = 0; k < map->outputs; k++)
+                out[(size_t)(c + i) * map->outputs + k] =
+                    d->room.buffer[(size_t)k * DM_CELL_BLOCK + i];
+    }
+    return 1;
+}
+
+/* a matrix of levels, an option of the table at 2 */
+static const double *levels_of(lua_State *L, const dml_strip *d, const char *key, long *levels) {
+    if (lua_getfield(L, 2, key) == LUA_TNIL) return NULL;
+    const dml_array *a = dml_checkarray(L, lua_gettop(L), 2);
+    if (a->columns != dm_strip_unknowns(&d->strip) || !dml_numbersof(a))
+        luaL_error(L, "option '%s' must have a column for every number of a level", key);
+    if (*levels && a->rows != *levels) luaL_error(L, "option '%s' has other levels", key);
+    *levels = a->rows;
+    return dml_numbersof(a);
+}
+
+/* u and t of the options, a row a level. */
+static dm_strip_levels read_levels(lua_State *L, const dml_strip *d) {
+    dm_strip_levels along = {0};
+    lua_settop(L, 2);
+    along.u = levels_of(L, d, "u", &along.levels);
+    if (!along.u) luaL_error(L, "option 'u' is missing");
+    lua_getfield(L, 2, "t");
+    along.t = dml_numbersat(L, lua_gettop(L), "t", (int32_t)along.levels);
+    return along;
+}
+
+/* what a law needs of every slab, one after the other: vary and residual poll Ctrl-C between
+ * calls, which Lua makes in pieces */
+static int strip_vary(lua_State *L) {
+    dml_strip *d = dml_checkstrip(L);
+    const uint32_t n = dm_strip_unknowns(&d->strip);
+    const dm_strip_levels along = read_levels(L, d);
+    const double *v = level_of(L, d, "v"), *dp = level_of(L, d, "dp");
+    double *moving = dp ? dml_pushvector(L, n) : NULL;
+    const int at = lua_gettop(L);
+    if (dp) memcpy(moving, dp, n * sizeof *dp);
+    dml_strip_wanthessian(L, d);
+    double *out = dml_pushmatrix(L, (uint32_t)along.levels, n);
+    memcpy(out, v, n * sizeof *v);
+    const dm_status status = dm_strip_vary(&d->room, &along, out, moving);
+    if (status != DM_OK)
+        return luaL_error(L, "the linearized equation of a slab: %s", dm_status_text(status));
+    if (!dp) return 1;
+    lua_pushvalue(L, at);
+    return 2;
+}
+
+/* stack: strip, options; one of xi and v, w is there */
+static int strip_residual(lua_State *L) {
+    dml_strip *d = dml_checkstrip(L);
+    dm_strip_levels along = read_levels(L, d);
+    dm_strip_law law = {.xi = levels_of(L, d, "xi", &along.levels),
+                        .v = levels_of(L, d, "v", &along.levels),
+                        .w = levels_of(L, d, "w", &along.levels)};
+    lua_getfield(L, 2, "leave");
+    const double *leave = dml_numbersat(L, lua_gettop(L), "leave", (int32_t)d->strip.nodes);
+    uint8_t *marks = lua_newuserdatauv(L, d->strip.nodes, 0);
+    for (uint32_t i = 0; i < d->strip.nodes; i++) marks[i] = leave[i] != 0.0;
+    law.leave = marks;
+    if (law.xi)
+        dml_stripmap(L, d, &d->strip.slopes, d->slopes, 4 * d->strip.layout.values);
+    else
+        dml_strip_wanthessian(L, d);
+    lua_pushnumber(L, dm_strip_residual(&d->room, &along, &law, dml_positive(L, 2, "area", 1.0)));
+    return 1;
+}
+
+/* -S_h and S_t of every slab */
+static int strip_energies(lua_State *L) {
+    dml_strip *d = dml_checkstrip(L);
+    const dm_strip_levels along = read_levels(L, d);
+    const uint32_t slabs = along.levels > 0 ? (uint32_t)along.levels - 1 : 0;
+    const size_t n = dm_strip_unknowns(&d->strip);
+    dml_strip_wantenergy(L, d);
+    double *energy = dml_pushvector(L, slabs), *power = dml_pushvector(L, slabs), sums[2];
+    for (uint32_t k = 0; k < slabs; k++) {
+        dm_strip_put(&d->room, 0, along.u + k * n);
+        dm_strip_put(&d->room, dm_cell_upper(&d->strip.layout, 0), along.u + (k + 1) * n);
+        dm_strip_set(&d->room, DM_STRIP_TIME, along.t[k]);
+        dm_strip_set(&d->room, DM_STRIP_HEIGHT, along.t[k + 1] - along.t[k]);
+        dm_strip_sum(&d->room, &d->strip.energy, 2, sums);
+        energy[k] = sums[0], power[k] = sums[1];
+    }
+    return 2;
+}
+
+/* stack: strip, level, least, most */
+static int strip_limit(lua_State *L) {
+    dml_strip *d = dml_checkstrip(L);
+    lua_settop(L, 4);
+    const double *u = dml_numbersat(L, 2, "the level", (int32_t)dm_strip_unknowns(&d->strip));
+    const double least = luaL_checknumber(L, 3), most = luaL_checknumber(L, 4);
+    dml_strip_wanthessian(L, d);
+    lua_pushnumber(L, dm_strip_limit(&d->room, u, least, most));
+    return 1;
+}
+
+/* core.strip_fail(outcome, rule, run, why): a dm.failure with the run so far */
+static int strip_fail(lua_State *L) {
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_settop(L, 4);
+    lua_getfield(L, 1, "status");
+    lua_getfield(L, 1, "done");
+    lua_getfield(L, 1, "time");
+    dml_failure f = {.status = (dm_status)lua_tointeger(L, 5),
+                     .step = lua_tointeger(L, 6),
+                     .time = lua_tonumber(L, 7),
+                     .rule = luaL_checkstring(L, 2),
+                     .root = lua_tostring(L, 4)};
+    f.step += f.status != DM_STOPPED;
+    lua_getfield(L, 1, "h"), f.h = lua_tonumber(L, -1);
+    lua_getfield(L, 1, "residual"), f.residual = lua_tonumber(L, -1);
+    lua_getfield(L, 1, "iterations"), f.iterations = (int)lua_tointeger(L, -1);
+    dml_fail(L, &f, 3);
+    return 0;
+}
+
+static const dml_row methods[] =
+    {{"run", strip_run,
+      "strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=} -> table\n"
+      "Levels from u (and p, of an action) on: u, p (matrices, a row a level), t, energy, code, "
+      "status, done, iterations, residual, h, tangled."},
+     {"momenta", strip_momenta,
+      "strip:momenta(lower, upper, t, h) -> dm.vector\nThe momenta of the upper level."},
+     {"cells", strip_cells,
+      "strip:cells(lower, upper, t, h, \"value\" | \"slopes\" | \"hessian\") -> dm.matrix\n"
+      "A row for every cell: the action or the equations, and their derivatives."},
+     {"vary", strip_vary,
+      "strip:vary{u=, t=, v=, dp=} -> dm.matrix, dp\n"
+      "First variations along known levels from v, and dp of an action, at the first."},
+     {"residual", strip_residual,
+      "strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number\n"
+      "The largest boundary sum of a law around a node, over area."},
+     {"energies", strip_energies,
+      "strip:energies{u=, t=} -> dm.vector, dm.vector\n-dS/dh and dS/dt of every slab."},
+     {"limit", strip_limit,
+      "strip:limit(u, least, most) -> number\n"
+      "The height at which the fastest oscillation about u begins to grow."},
+     {NULL, NULL, NULL}};
+
+static const dml_row functions[] =
+    {{"strip", dml_strip_new,
+      "core.strip(f, {values=, cells=, ring=, boxes=, held=, absorbs=, place=, moving=, width=}) "
+      "-> dm.strip\n"
+      "The levels of a line of cells: f(lower, upper, place, clock) is the action of a cell, or "
+      "with boxes = true its equations, a number for each value. held, absorbs, place: vectors of "
+      "marks, of c of forces -c u_t, of left ends. moving: the value that is a displacement of "
+      "nodes, in cells of that width."},
+     {"strip_fail", strip_fail,
+      "core.strip_fail(outcome, rule, run, why)\nRaises the dm.failure of a run that ended so."},
+     {NULL, NULL, NULL}};
+
+const dml_class dml_class_strip = {
+    .name = DML_STRIP,
+    .doc = "dm.strip: levels of a field on a line, as Lua modules see them\n"
+           "Two levels with a row of cells between them; made by core.strip. Fields and boxes on "
+           "lines are made of it.",
+    .methods = methods,
+    .functions = functions,
+};

@@ -1,0 +1,102 @@
+/* strip_limit.c - the height at which the fastest oscillation begins to grow.
+ * An oscillation u + (-1)^k v is a motion where (S_ll + S_uu - S_lu - S_ul) v = 0. For small
+ * heights that form has the signature of the kinetic energy; the first height at which it has
+ * another one is the limit. */
+#include "field/line/strip_run.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { HALVINGS = 60 };
+
+/* the form in the band of A, upper and lower part; held unknowns and their rows are those of 1 */
+static void assemble(dm_strip_room *room, double h) {
+    const dm_strip *s = room->strip;
+    const uint32_t n = s->layout.values;
+    dm_strip_set(room, DM_STRIP_HEIGHT, h);
+    memset(room->A, 0, dm_band_size(&room->band) * sizeof *room->A);
+    for (uint32_t c = 0; c < s->cells; c += DM_CELL_BLOCK) {
+        const uint32_t count = s->cells - c < DM_CELL_BLOCK ? s->cells - c : DM_CELL_BLOCK;
+        dm_cell_map_run(&s->hessian, room->memory, room->scalars, room->buffer, c, count);
+        for (uint32_t i = 0; i < count; i++)
+            for (uint32_t a = 0; a < 4 * n; a++)
+                for (uint32_t b = 0; b < 4 * n; b++) {
+                    const uint32_t left[2] = {c + i, dm_strip_right(s, c + i)};
+                    const uint32_t u = left[a / n % 2] * n + a % n, v = left[b / n % 2] * n + b % n;
+                    const uint32_t row = dm_strip_place(s, u / n) * n + u % n,
+                                   column = dm_strip_place(s, v / n) * n + v % n;
+                    const double x = room->buffer[((size_t)a * 4 * n + b) * DM_CELL_BLOCK + i];
+                    if (s->held[u] || s->held[v]) continue;
+                    room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, column)] +=
+                        a / (2 * n) == b / (2 * n) ? x : -x;
+                }
+    }
+    for (uint32_t u = 0; u < room->band.n; u++) {
+        const uint32_t row = dm_strip_place(s, u / n) * n + u % n;
+        if (s->held[u])
+            room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, row)] = 1.0;
+    }
+}
+
+/* negative pivots of the symmetric band, by Sylvester's law; -1: one that is zero */
+static long negatives(dm_strip_room *room) {
+    const uint32_t n = room->band.n, w = room->band.width;
+    long count = 0;
+    for (uint32_t k = 0; k < n; k++) {
+        double *column = room->A + dm_band_row(&room->band, 0) + dm_band_column(&room->band, k);
+        const double pivot = column[k];
+        const uint32_t last = k + w < n ? k + w : n - 1;
+        if (!(fabs(pivot) > 0.0)) return -1;
+        count += pivot < 0.0;
+        for (uint32_t j = k + 1; j <= last; j++) {
+            double *target = room->A + dm_band_row(&room->band, 0) + dm_band_column(&room->band, j);
+            const double part = target[k] / pivot;
+            for (uint32_t i = k + 1; i <= last && part != 0.0; i++) target[i] -= part * column[i];
+        }
+    }
+    return count;
+}
+
+/* of the form at height h */
+static long signature(dm_strip_room *room, double h) {
+    assemble(room, h);
+    return negatives(room);
+}
+
+/* Does every unknown have kinetic energy, a form that grows as 1/h for small heights? */
+static int is_kinetic(dm_strip_room *room, double h) {
+    for (int half = 0; half < 2; half++) {
+        assemble(room, half ? 0.5 * h : h);
+        for (uint32_t u = 0; u < room->band.n; u++) {
+            const uint32_t n = room->strip->layout.values;
+            const uint32_t row = dm_strip_place(room->strip, u / n) * n + u % n;
+            const double diagonal =
+                room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, row)];
+            if (half && !room->strip->held[u] && !(fabs(diagonal) > 1.5 * fabs(room->dx[u])))
+                return 0;
+            room->dx[u] = diagonal;
+        }
+    }
+    return 1;
+}
+
+/* Up by half as much again until the signature changes, then bisection to round-off. */
+double dm_strip_limit(dm_strip_room *room, const double *u, double least, double most) {
+    dm_strip_put(room, 0, u);
+    dm_strip_put(room, dm_cell_upper(&room->strip->layout, 0), u);
+    dm_strip_set(room, DM_STRIP_TIME, 0.0);
+    if (!is_kinetic(room, least)) return NAN;
+    const long kinetic = signature(room, least);
+    double low = least, high = least;
+    if (kinetic < 0 || signature(room, 0.5 * least) != kinetic) return NAN;
+    while (high < most && signature(room, high) == kinetic) low = high, high *= 1.5;
+    if (high >= most) return INFINITY;
+    for (int k = 0; k < HALVINGS && high - low > 1e-15 * high; k++) {
+        const double middle = 0.5 * (low + high);
+        if (signature(room, middle) == kinetic)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}

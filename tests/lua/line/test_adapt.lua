@@ -1,0 +1,60 @@
+-- free knots: figures, equipartition, slopes at knots, against an independent search; refusals
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local exp, abs = math.exp, math.abs
+
+local function half(s) return s ^ 2 / 2 end
+local r = dm.adapt { W = half, f = function(x) return -16 * exp(4 * x) end, x = { 0, 1, 6 }, ends = { 1, exp(4) } }
+near(r.x[2], 0.436012123441674, 1e-10, "first free knot")
+near(r.x[6], 0.936510712901791, 1e-10, "last")
+local inside = 0
+for i = 2, 6 do inside = math.max(inside, abs(r.force[i])) end
+ok(inside < 1e-12 * r.energy * 100, "no force on inner knots", inside)
+-- nodal values are exact, and u' at a knot is the mean of the slopes beside it: u = exp(4 x)
+for i = 2, 6 do
+  local function slope(e) return (r.u[e + 1] - r.u[e]) / (r.x[e + 1] - r.x[e]) end
+  near(r.u[i] / exp(4 * r.x[i]), 1, 1e-12, ("value at knot %d"):format(i))
+  near((slope(i - 1) + slope(i)) / 2 / (4 * exp(4 * r.x[i])), 1, 1e-8, ("slope at knot %d"):format(i))
+end
+local equal = dm.adapt { W = half, f = function(x) return -16 * exp(4 * x) end, x = { 0, 1, 1 }, ends = { 1, exp(4) } }
+ok(#equal.x == 2 and equal.energy > r.energy, "one element has no knots to move")
+-- one knot: the least energy of a scan, u given at the knot by its exact value
+local function energy(X)
+  local u = { 1, exp(4 * X), exp(4) }
+  local x, sum = { 0, X, 1 }, 0
+  for e = 1, 2 do
+    local a, b, ua, ub = x[e], x[e + 1], u[e], u[e + 1]
+    local s = (ub - ua) / (b - a)
+    -- integral of 16 exp(4x) (ua + s (x - a)) = [4 exp(4x) (ua + s (x - a)) - s exp(4x)]
+    sum = sum + (b - a) * s ^ 2 / 2 + 4 * exp(4 * b) * ub - s * exp(4 * b) - 4 * exp(4 * a) * ua + s * exp(4 * a)
+  end
+  return sum
+end
+local best, least = 0, math.huge
+for k = 1, 99999 do local X = k / 1e5 if energy(X) < least then best, least = X, energy(X) end end
+local one = dm.adapt { W = half, f = function(x) return -16 * exp(4 * x) end, x = { 0, 1, 2 }, ends = { 1, exp(4) } }
+near(one.x[2], best, 1e-5, "one knot against a scan")
+near(one.energy, least, 1e-7, "and its energy")
+-- a load of no simple kind: f is integrated to round-off; a free end has no slope
+local wave = dm.adapt { W = function(s) return half(s) + s ^ 4 end, f = function(x) return 20 * dm.sin(9 * x) end, x = { 0, 1, 40 }, ends = { 0, "free" } }
+ok(wave.exact, "a wavy load is integrated to round-off")
+inside = 0
+for i = 2, 40 do inside = math.max(inside, abs(wave.force[i])) end
+ok(inside < 1e-10, "40 knots at rest", inside)
+-- without f: W - s W_s is equal on all elements; u is affine, and said
+local affine = dm.adapt { W = function(s) return dm.sqrt(1 + s ^ 2) end, x = { 0, 1, 5 }, ends = { 0, 1 } }
+ok(#affine.frozen == 4, "knots of an affine solution are frozen and named")
+near(affine.energy, math.sqrt(2), 1e-14, "the straight line is shortest")
+-- the layer -u'' = f, u = x - (e^(-(1-x)/e) - e^(-1/e))/(1 - e^(-1/e)), e = 0.05: knots gather at 1
+local e = 0.05
+local layer = dm.adapt { W = half, f = function(x) return exp(-(1 - x) / e) / (e ^ 2 * (1 - exp(-1 / e))) end, x = { 0, 1, 8 }, ends = { 0, 0 } }
+ok(layer.x[2] > 0.8, "knots gather at a layer", layer.x[2])
+near(layer.u[4], layer.x[4] - (exp(-(1 - layer.x[4]) / e) - exp(-1 / e)) / (1 - exp(-1 / e)), 1e-12, "values are those of the solution")
+raises("option 'ends'", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 0 } } end)
+raises("u is determined at one end at least", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { "free", "free" } } end)
+raises("option 'W' is missing", function() dm.adapt { x = { 0, 1, 4 }, ends = { 0, 1 } } end)
+raises("is W convex", function() dm.adapt { W = function(s) return (s ^ 2 - 1) ^ 2 end, x = { 0, 1, 4 }, ends = { 0, 0 } } end)
+raises("from 1 to", function() dm.adapt { W = half, x = { 0, 1, 0 }, ends = { 0, 1 } } end)
+raises("NaN", function() dm.adapt { W = half, f = function(x) return dm.log(x - 2) end, x = { 0, 1, 3 }, ends = { 0, 1 } } end)
+tap.done()

@@ -1,0 +1,109 @@
+-- boxes: Klein-Gordon, KdV, Schroedinger, Zakharov, sine-Gordon; local laws; what follows; refusals
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sin, cos, pi, abs = math.sin, math.cos, math.pi, math.abs
+
+local function below(x, bound, what) ok(x < bound, what .. (" (%.2g)"):format(x), x) end
+local function worst(run, name, exact)
+  local most, u = 0, run[name][#run]
+  for i = 1, #u do most = math.max(most, abs(u[i] - exact(run.nodes[i]))) end
+  return most
+end
+
+---- linear Klein-Gordon: waves turn by the dispersion of the box; laws to round-off ----
+
+local function klein_gordon(N, S)
+  return dm.multisymplectic { names = { "u", "p", "q" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+    S = S or function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 + 2 * z[1] ^ 2 end, x = { 0, 2 * pi, N, periodic = true } }
+end
+-- tan^2(w h/2)/(h/2)^2 = tan^2(k dx/2)/(dx/2)^2 + m^2 with m^2 = 4: u_tt - u_xx + 4 u = 0
+local N, h, k = 33, 0.1, 2
+local dx = 2 * pi / N
+local w = 2 / h * math.atan(h / 2 * math.sqrt((math.tan(k * dx / 2) / (dx / 2)) ^ 2 + 4))
+local run = klein_gordon(N):solver { h = h }:run { z = { u = function(x) return cos(k * x) end, p = function() return 0 end }, steps = 40 }
+near(worst(run, "u", function(x) return cos(w * 4) * cos(k * x) end), 0, 1e-12, "a standing wave turns by the dispersion of the box")
+run = klein_gordon(N):solver { h = h }:run { z = { u = function(x) return sin(x) + 0.3 * cos(2 * x) end, p = function(x) return cos(x) / 2 end }, steps = 40, every = 40 }
+near(run.u[2][1], 0.20154226247748, 1e-11, "two waves")
+for _, name in ipairs { "energy", "momentum", "multisymplectic" } do below(run:balance(name), 1e-11, "local law: " .. name) end
+ok(#run == 2 and run.t[2] == 4 and #run.z[2] == 3 * N, "rows")
+
+---- sine-Gordon: laws of order 2 ----
+
+local laws = {}
+for n = 1, 2 do
+  local path = klein_gordon(40 * n + 1, function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 - dm.cos(z[1]) end):solver { h = 0.08 / n }
+    :run { z = { u = function(x) return sin(x) end, p = function(x) return cos(2 * x) / 2 end }, t = 1.6 }
+  laws[n] = { energy = path:balance "energy", momentum = path:balance "momentum" }
+  below(path:balance "multisymplectic", 1e-10, "sine-Gordon: multisymplectic to round-off")
+end
+for _, name in ipairs { "energy", "momentum" } do
+  near(math.log(laws[1][name] / laws[2][name]) / math.log(2), 2, 0.25, name .. " of a nonlinear field: order 2")
+end
+
+---- KdV: u_t + 6 u u_x + u_xxx = 0 ----
+
+local function kdv(cells)
+  return dm.multisymplectic { names = { "phi", "u", "v", "w" }, gain = { "phi" },
+    M = { { 0, 0.5, 0, 0 }, { -0.5, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } }, K = { { 0, 0, 0, 1 }, { 0, 0, -1, 0 }, { 0, 1, 0, 0 }, { -1, 0, 0, 0 } },
+    S = function(z) return z[2] ^ 3 - z[2] * z[4] + z[3] ^ 2 / 2 end, x = { -20, 20, cells, periodic = true } }
+end
+local function soliton(x) return 2 / dm.cosh(x) ^ 2 end
+for cells, figure in pairs { [129] = 0.165468301862, [257] = 0.0438447 } do
+  local solver = kdv(cells):solver { h = cells == 129 and 0.02 or 0.01 }
+  local path = solver:run { z = { u = soliton }, t = 1 }
+  near(worst(path, "u", function(x) return soliton(x - 4) end), figure, cells == 129 and 1e-9 or 6e-8, ("a soliton on %d cells"):format(cells))
+  below(abs(path.u[#path]:sum() - path.u[1]:sum()), 1e-11, "its mass")
+  ok(solver.held[1] == "phi" and tostring(solver):find "gauge mode", "phi's gauge mode is held, and said")
+  near(path.gain.phi, 4, 1e-10, "phi gains the mass round the ring")
+end
+local even = kdv(128):solver { h = 0.02 }:run { z = { u = soliton }, t = 1 }
+below(worst(even, "u", function(x) return soliton(x - 4) end), 0.18, "KdV steps an even ring")
+local mass = kdv(65):solver { h = 0.04 }:run { z = { u = soliton, phi = function(x) return 2 * dm.tanh(x) end }, steps = 5 }
+below(abs(mass.u[6]:sum() - mass.u[1]:sum()), 1e-11, "phi may be given: its gain is u's")
+local order = {}
+for n = 1, 2 do
+  local path = kdv(128 * n + 1):solver { h = 0.02 / n }:run { z = { u = soliton }, t = 0.4 }
+  order[n] = { path:balance "energy", path:balance "momentum" }
+end
+for i, name in ipairs { "energy", "momentum" } do near(math.log(order[1][i] / order[2][i]) / math.log(2), 1.85, 0.4, "KdV " .. name .. ": towards order 2") end
+
+---- Schroedinger: i psi_t + psi_xx + 2 |psi|^2 psi = 0, psi = a + i b, v = a_x, w = b_x ----
+
+local function nls(cells)
+  return dm.multisymplectic { names = { "a", "b", "v", "w" }, M = { { 0, 1, 0, 0 }, { -1, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } },
+    K = { { 0, 0, -1, 0 }, { 0, 0, 0, -1 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 } }, x = { -10, 10, cells, periodic = true },
+    S = function(z) return ((z[1] ^ 2 + z[2] ^ 2) ^ 2 + z[3] ^ 2 + z[4] ^ 2) / 2 end }
+end
+local errors = {}
+for n = 1, 2 do -- psi = sech(x) exp(i t): row 1 b_t - v_x = 2 |psi|^2 a
+  local path = nls(100 * n + 1):solver { h = 0.02 / n }:run { z = { a = function(x) return 1 / dm.cosh(x) end, b = function() return 0 end }, t = 1 }
+  errors[n] = worst(path, "a", function(x) return cos(1) / dm.cosh(x) end)
+  below(path:balance "multisymplectic", 1e-7, "Schroedinger: multisymplectic")
+end
+near(math.log(errors[1] / errors[2]) / math.log(2), 2, 0.15, "Schroedinger's soliton at order 2")
+raises("component 'b' is needed", function() nls(21):solver { h = 0.1 }:run { z = { a = cos }, steps = 1 } end)
+
+---- refusals ----
+
+raises("even", function() klein_gordon(32):solver { h = 0.1 } end)
+raises("take 33 cells", function() klein_gordon(32):solver { h = 0.1 } end)
+raises("antisymmetric", function() dm.multisymplectic { M = { { 1 } }, K = { { 0 } }, S = function(z) return z[1] end, x = { 0, 1, 5, periodic = true } } end)
+raises("boxes stand on a ring", function()
+  dm.multisymplectic { M = { { 0, 1 }, { -1, 0 } }, K = { { 0, 1 }, { -1, 0 } }, S = function(z) return z[1] ^ 2 end, x = { 0, 1, 5 } } end)
+raises("a run has a field of that name", function()
+  dm.multisymplectic { names = { "t", "p" }, M = { { 0, 1 }, { -1, 0 } }, K = { { 0, 1 }, { -1, 0 } }, S = function(z) return z[1] ^ 2 end, x = { 0, 1, 5, periodic = true } } end)
+raises("but S depends on it", function()
+  dm.multisymplectic { names = { "a", "b" }, gain = { "a" }, M = { { 0, 1 }, { -1, 0 } }, K = { { 0, 1 }, { -1, 0 } }, S = function(z) return z[1] ^ 2 end, x = { 0, 1, 5, periodic = true } } end)
+raises("there is no component \"c\"", function() klein_gordon(33):solver { h = 0.1 }:run { z = { u = sin, p = cos, c = cos }, steps = 1 } end)
+raises("component 'p' is needed", function() klein_gordon(33):solver { h = 0.1 }:run { z = { u = sin }, steps = 1 } end)
+raises("takes \"energy\"", function() run:balance "mass" end)
+raises("give one of 't' and 'steps'", function() klein_gordon(33):solver { h = 0.1 }:run { z = { u = sin, p = cos }, steps = 1, t = 1 } end)
+raises("must be finite", function() klein_gordon(33):solver { h = 0.1 }:run { z = { u = function() return 0 / 0 end, p = cos }, steps = 1 } end)
+local no_gain = function()
+  return dm.multisymplectic { names = { "phi", "u", "v", "w" }, M = { { 0, 0.5, 0, 0 }, { -0.5, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } },
+    K = { { 0, 0, 0, 1 }, { 0, 0, -1, 0 }, { 0, 1, 0, 0 }, { -1, 0, 0, 0 } }, S = function(z) return z[2] ^ 3 - z[2] * z[4] + z[3] ^ 2 / 2 end,
+    x = { -20, 20, 33, periodic = true } }:solver { h = 0.02 }:run { z = { u = soliton }, steps = 1 }
+end
+raises("gain = { \"phi\" }", no_gain)
+tap.done()
