@@ -20,6 +20,12 @@ uint32_t dm_sum_first(const dm_graph *g) {
     return g->inputs - count;
 }
 
+const dm_sum *dm_sum_over_near(const dm_graph *g) {
+    const dm_sum *s = g->sums;
+    while (s && !(s->within > 0.0)) s = s->next;
+    return s;
+}
+
 const dm_sum *dm_sum_over_cells(const dm_graph *g) {
     const dm_sum *s = g->sums;
     while (s && !s->cells) s = s->next;
@@ -91,7 +97,8 @@ static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) 
 int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
     if (a->columns != b->columns || a->bodies != b->bodies || a->from != b->from ||
         a->to != b->to || a->periodic != b->periodic || a->call != b->call ||
-        a->cells != b->cells || a->held != b->held)
+        a->cells != b->cells || a->held != b->held || a->within != b->within ||
+        a->margin != b->margin || a->axes != b->axes || memcmp(a->box, b->box, sizeof a->box) != 0)
         return 0;
     for (uint32_t c = 0; c < b->columns; c++)
         if (!same_column(b, a->column + c, b->column + c)) return 0;
@@ -125,9 +132,10 @@ static void fill_columns(dm_graph *to, const dm_sum *s, dm_node *with, uint32_t 
     }
 }
 
-/* every round as nodes, added in their order */
+/* every round as nodes, added in their order; which pairs are near is not known to a graph */
 static dm_node write_sum(dm_graph *to, const dm_sum *s) {
     dm_node sum = 0, term = 0;
+    if (s->within > 0.0) return dm_graph_fail(to, DM_TOO_LARGE);
     dm_node *with = dm_arena_take(to->arena, (s->columns + 1) * sizeof *with);
     if (!with) return dm_graph_fail(to, DM_NO_MEMORY);
     for (uint32_t shift = s->from; shift <= s->to; shift++)

@@ -27,8 +27,14 @@ typedef struct dm_sum {
     dm_node value;
     const dm_column *column;
     uint32_t columns, bodies, from, to;
-    int periodic;        /* the partner of the last body is the first */
-    int cells;           /* over cells of a mesh: it always stays a loop */
+    int periodic; /* the partner of the last body is the first */
+    /* pairs nearer than `within` alone (0: all pairs): columns 0 .. axes - 1 are the positions of
+     * a body, those from `partner` on its partner's, of which the nearest image in a box counts.
+     * Such a sum always stays a loop, with lists that are kept for moves up to margin / 2 */
+    double within, margin;
+    double box[3]; /* sides, 0: not periodic */
+    uint32_t axes, partner;
+    int cells; /* over cells of a mesh: it always stays a loop */
     /* of sums over cells: entries of q that no step moves, kept by the caller; NULL: none */
     const uint8_t *held; /* [coordinates] */
     uint32_t coordinates;
@@ -47,6 +53,9 @@ uint32_t dm_sum_first(const dm_graph *g);
 
 /* A sum of g that is over cells of a mesh, or NULL. */
 const dm_sum *dm_sum_over_cells(const dm_graph *g);
+
+/* One over pairs within a distance, or NULL. */
+const dm_sum *dm_sum_over_near(const dm_graph *g);
 
 /* Rounds at one shift, and in all. */
 static inline uint32_t dm_sum_rounds(const dm_sum *s, uint32_t shift) {

@@ -193,7 +193,8 @@ static dm_status make_sums(dm_lattice *l, const double *factor) {
 /* What does not fit is found out before a loop is made. */
 dm_status dm_lattice_open(dm_lattice *l, const dm_source *from, uint32_t n) {
     *l = (dm_lattice){.source = from, .n = n};
-    if (!from->sums || dm_sum_over_cells(from->sums)) return DM_TOO_LARGE;
+    if (!from->sums || dm_sum_over_cells(from->sums) || dm_sum_over_near(from->sums))
+        return DM_TOO_LARGE;
     if (!dm_lattice_layout(l) || !sums_fit(l)) return DM_TOO_LARGE;
     double *factor = dm_arena_take(from->arena, (l->sums + 1) * sizeof *factor);
     l->sum = dm_arena_take(from->arena, (l->sums + 1) * sizeof *l->sum);

@@ -49,7 +49,9 @@ static void fill_data(dm_lattice *l) {
 size_t dm_lattice_work(const dm_source *from, uint32_t n, uint32_t arrays) {
     dm_lattice l = {.source = from, .n = n};
     uint32_t columns = 0;
-    if (!from->sums || dm_sum_over_cells(from->sums) || !dm_lattice_layout(&l)) return 0;
+    if (!from->sums || dm_sum_over_cells(from->sums) || dm_sum_over_near(from->sums) ||
+        !dm_lattice_layout(&l))
+        return 0;
     for (const dm_sum *s = dm_sums(from->sums); s; s = s->next) columns += s->columns;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
            (size_t)(DM_LATTICE_SCALARS + 1 + 2 * l.pad) * GROUP;

@@ -375,10 +375,11 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     int fits = 0;
     dm_model now = {.n = n, .source = {.compile = compile, .arena = arena}};
     dm_status status = dm_graph_status(g);
-    const int cells = dm_sum_over_cells(g) != NULL;
-    if (status == DM_OK && (cells || (!is_short(g, n) && !(want & DM_WANT_DENSE))))
+    const int cells = dm_sum_over_cells(g) != NULL, near = dm_sum_over_near(g) != NULL;
+    if (near && want & DM_WANT_DENSE) return DM_TOO_LARGE;
+    if (status == DM_OK && (cells || near || (!is_short(g, n) && !(want & DM_WANT_DENSE))))
         status = dm_loops_model(&now, g, L, want & ~(cells ? DM_WANT_DENSE : 0u), &fits);
-    if (status == DM_OK && !fits && cells) return DM_TOO_LARGE;
+    if (status == DM_OK && !fits && (cells || near)) return DM_TOO_LARGE;
     if (status == DM_OK && !fits) status = build_written_out(&now, g, L, want, compile, arena);
     if (status == DM_OK || status == DM_SINGULAR) *m = now;
     return status;

@@ -59,7 +59,7 @@ static void push_twin(lua_State *L, int at, const dml_model *m) {
 /* Dense kernels see all bodies at once, which loops do not give. */
 static int needs_tables(const dml_model *m, unsigned want) {
     return want & DM_WANT_DENSE && m->model.structure & DM_LOOPS && dm_sums(m->graph) &&
-           m->n <= DM_MODEL_DENSE;
+           m->n <= DM_MODEL_DENSE && !dm_sum_over_near(m->graph);
 }
 
 /* Slope and mass are taken out of the stage kernel where there is one, and round in another way
@@ -105,8 +105,14 @@ void dml_writeout(lua_State *L, dml_model *m) {
     if (status != DM_OK) luaL_error(L, "%s", dm_status_text(status));
 }
 
-/* Of any other model nothing is raised. */
+/* Of any other model nothing is raised. Sums over near pairs are refused in their own words. */
 void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
+    if (dm_sum_over_near(m->graph))
+        luaL_error(L,
+                   "%s needs second derivatives of L, which sums over pairs within a distance do "
+                   "not have: they are for explicit rules (\"verlet\", \"blanes-moan(6)\"), "
+                   "without constraints, forces or groups",
+                   why);
     if (!dm_sum_over_cells(m->graph)) return;
     luaL_error(L,
                "%s cannot be had of a field: its kinetic energy must be a sum of m v^2 / 2 over "

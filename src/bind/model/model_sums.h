@@ -17,7 +17,7 @@ const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **k
  * bits whatever ran before it. Gives the model that is there then. */
 dml_model *dml_standin(lua_State *L, int at, unsigned want);
 
-/* Raise that `why` cannot be had, of a Lagrangian with sums over cells of a mesh. */
+/* Raise that `why` cannot be had, of a Lagrangian with sums over cells of a mesh or near pairs. */
 void dml_refusecells(lua_State *L, const dml_model *m, const char *why);
 
 #endif

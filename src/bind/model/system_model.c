@@ -337,7 +337,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
     if (m->model.structure & DM_LOOPS && want & DM_WANT_DENSE && dm_sums(m->graph) &&
-        (m->n > DM_MODEL_DENSE || m->model.structure & DM_CELLS))
+        (m->n > DM_MODEL_DENSE || m->model.structure & DM_CELLS || dm_sum_over_near(m->graph)))
         refuse_dense(L, m, want & DM_WANT_MASS ? "this" : "this rule");
     const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
     if (m->callback) {

@@ -23,21 +23,58 @@ static uint32_t rounds(const request *r, uint32_t shift) {
 
 /* ---- the loop in Lua ---- */
 
-/* push what a body has of every vector */
-static void push_body(lua_State *L, const request *r, uint32_t body) {
+/* the first vector: the positions of pairs within a distance */
+static int place_of(const request *r) {
+    int k = 1;
+    while (k < r->given && !r->width[k]) k++;
+    return k;
+}
+
+/* the value of an entry of the positions, of whatever kind */
+static double position(lua_State *L, const request *r, uint32_t body, uint32_t axis) {
+    const dml_scalar x = dml_get(lua_touserdata(L, place_of(r)), body * r->axes + axis);
+    if (x.kind == DML_SYMBOL)
+        luaL_error(L, "dm.sum_over: which pairs are within a distance is asked of numbers, or of L "
+                      "of a system that is stepped by an explicit rule; here it is asked of "
+                      "symbols");
+    return x.kind == DML_HYPERDUAL ? x.as.hyper.f : x.as.number;
+}
+
+/* Are bodies i and j near? image[axes]: what is taken from j's position to have its image that is
+ * nearest to i. */
+static int is_near(lua_State *L, const request *r, uint32_t i, uint32_t j, double *image) {
+    double sum = 0.0;
+    for (uint32_t a = 0; a < r->axes; a++) {
+        const double d = position(L, r, j, a) - position(L, r, i, a);
+        image[a] = r->box[a] > 0.0 ? r->box[a] * nearbyint(d / r->box[a]) : 0.0;
+        sum += (d - image[a]) * (d - image[a]);
+    }
+    return sum < r->within * r->within;
+}
+
+/* entry of argument k, for what its nearest image is */
+static dml_scalar entry_of(lua_State *L, const request *r, int k, uint32_t i, const double *image) {
+    const dml_scalar x = dml_get(lua_touserdata(L, k), i);
+    if (!image || k != place_of(r) || image[i % r->axes] == 0.0) return x;
+    const dml_scalar away = {.kind = DML_NUMBER, .as.number = image[i % r->axes]};
+    return dml_apply(L, DM_OP_SUB, &x, &away, NULL);
+}
+
+/* push what a body has of every vector; image: NULL, or what positions are moved by */
+static void push_body(lua_State *L, const request *r, uint32_t body, const double *image) {
     for (int k = 1; k <= r->given; k++) {
         const uint32_t width = r->width[k];
         if (!width) continue;
         const dml_array *a = lua_touserdata(L, k);
         const dml_scalar kind = dml_kindof(a);
         if (width == 1) {
-            const dml_scalar x = dml_get(a, body);
+            const dml_scalar x = entry_of(L, r, k, body, image);
             dml_pushscalar(L, &x);
             continue;
         }
         dml_array *v = dml_newarray(L, 1, width, 1, &kind);
         for (uint32_t i = 0; i < width; i++) {
-            const dml_scalar x = dml_get(a, body * width + i);
+            const dml_scalar x = entry_of(L, r, k, body * width + i, image);
             dml_put(L, v, i, &x);
         }
     }
@@ -45,9 +82,12 @@ static void push_body(lua_State *L, const request *r, uint32_t body) {
 
 /* One round of the function; its result is a scalar of any kind. */
 static dml_scalar call(lua_State *L, const request *r, uint32_t i, uint32_t shift) {
+    double image[3] = {0.0};
+    const uint32_t j = (i + shift) % r->bodies;
+    if (r->axes) is_near(L, r, i, j, image);
     lua_pushvalue(L, r->fn);
-    push_body(L, r, i);
-    if (r->to) push_body(L, r, (i + shift) % r->bodies);
+    push_body(L, r, i, NULL);
+    if (r->to) push_body(L, r, j, r->axes ? image : NULL);
     for (int k = 1; k <= r->given; k++)
         if (!r->width[k]) lua_pushvalue(L, k);
     dml_callone(L, r->signature.arguments, r->signature.what);
@@ -64,6 +104,8 @@ static int loop_in_lua(lua_State *L, const request *r) {
     dml_scalar total = {.kind = DML_NUMBER};
     for (uint32_t shift = r->from; shift <= r->to; shift++)
         for (uint32_t i = 0; i < rounds(r, shift); i++) {
+            double image[3];
+            if (r->axes && !is_near(L, r, i, i + shift, image)) continue;
             const dml_scalar x = call(L, r, i, shift);
             if (x.kind == DML_NUMBER)
                 dm_sum_add(&sum, &low, x.as.number);
@@ -146,6 +188,7 @@ static int make_columns(lua_State *L, const request *r, const dml_frame *frame, 
             }
         }
     s->column = column;
+    for (s->partner = 0; r->axes && !column[s->partner].partner; s->partner++) {}
     return 1;
 }
 
@@ -201,6 +244,8 @@ static const dm_sum *find_given(const dml_given *given, const request *r) {
 /* entry of column c, which the function takes, in a round */
 static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t i, uint32_t shift) {
     const uint32_t bodies[3] = {i, (i + shift) % r->bodies, 0};
+    double image[3] = {0.0};
+    if (r->axes) is_near(L, r, i, bodies[1], image);
     for (int part = 0; part < 3; part++)
         for (int k = 1; k <= r->given; k++) {
             const uint32_t width = part < 2 ? r->width[k] : !r->width[k];
@@ -210,7 +255,8 @@ static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t 
                 continue;
             }
             if (part == 2) return lua_tonumber(L, k);
-            return dml_get(lua_touserdata(L, k), bodies[part] * width + c).as.number;
+            const double *moved = r->axes && part == 1 ? image : NULL;
+            return entry_of(L, r, k, bodies[part] * width + c, moved).as.number;
         }
     return 0.0;
 }
@@ -257,8 +303,10 @@ static int sum_over(lua_State *L) {
     }
     dml_frame *frame = find_trace(L, &r);
     dm_sum s = {.bodies = r.bodies, .from = r.from, .to = r.to, .periodic = r.periodic};
+    s.within = r.within, s.margin = r.margin, s.axes = r.axes;
+    memcpy(s.box, r.box, sizeof s.box);
     if (state->frames) s.call = state->frames->sums++;
-    if (!frame || dm_sum_all_rounds(&s) < FEWEST_ROUNDS) return loop_in_lua(L, &r);
+    if (!frame || (!r.axes && dm_sum_all_rounds(&s) < FEWEST_ROUNDS)) return loop_in_lua(L, &r);
     dm_column *column = dm_arena_take(frame->arena, DML_SUM_COLUMNS * sizeof *column);
     if (!column) return luaL_error(L, "not enough memory");
     if (!make_columns(L, &r, frame, &s, column)) return loop_in_lua(L, &r);
@@ -267,16 +315,22 @@ static int sum_over(lua_State *L) {
 
 static const dml_row functions[] =
     {{"sum_over", sum_over,
-      "dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number\n"
+      "dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, within=, margin=, box=, block=}]) -> "
+      "number\n"
       "Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, m_i) for "
       "dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = k: f also "
       "gets the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the first. "
-      "pairs = true: all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets "
+      "pairs = true: all pairs i < j. within = r: of these the ones nearer than r alone, by the "
+      "positions in the first vector (1 to 3 coordinates), found by lists that are kept until a "
+      "body has moved margin/2 (margin: r/10 by default); box = L or a list of sides "
+      "(math.huge: open): a periodic box, sides at least 2 (r + margin), in which f gets the "
+      "image of x_j that is nearest to x_i. A term that does not end at 0 at the distance r makes "
+      "the energy jump there. block = 3: a body has 3 neighbouring entries, f gets "
       "vectors. In L of a system f is traced once and the sum stays a loop in the kernels: a chain "
       "of 10^5 bodies costs 100 times one of 10^3. f must not use other arguments of L than those "
       "it is given. Loops are for explicit rules, for kinetic energies that are sums of m v^2/2 "
       "and without constraints; implicit rules, constraints and forces write the sums out, up to "
-      "400 coordinates."},
+      "400 coordinates, but none within a distance."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_sum = {

@@ -3,6 +3,8 @@
 #include "bind/trace/traced_call.h"
 #include "bind/value/array.h"
 
+#include <math.h>
+
 static const char *const what = "the function of dm.sum_over";
 
 /* The last function among the arguments; what stands behind it is the table of options. */
@@ -33,6 +35,61 @@ static int flag(lua_State *L, int options, const char *key) {
     return on;
 }
 
+/* a side of the box: 0 or infinite is none */
+static void read_side(lua_State *L, dml_sum_request *r, uint32_t axis) {
+    const double side = lua_tonumber(L, -1);
+    if (lua_type(L, -1) != LUA_TNUMBER || !(side >= 0.0))
+        luaL_error(L, "field 'box' must be a side > 0, or a list of %d of them (math.huge: open)",
+                   (int)r->axes);
+    r->box[axis] = isfinite(side) ? side : 0.0;
+    if (r->box[axis] > 0.0 && r->box[axis] < 2.0 * (r->within + r->margin))
+        luaL_error(L,
+                   "the box is too small: its side %f must be at least 2 (within + margin) = %f, "
+                   "else a body would meet two images of another one",
+                   r->box[axis], 2.0 * (r->within + r->margin));
+}
+
+/* one side for all axes, or one for each */
+static void read_box(lua_State *L, dml_sum_request *r, int options) {
+    const int type = lua_getfield(L, options, "box");
+    if (type != LUA_TNIL && type != LUA_TNUMBER && dml_length(L, -1) != (long)r->axes)
+        luaL_error(L, "field 'box' must be a side > 0, or a list of %d of them (got %s)",
+                   (int)r->axes, luaL_typename(L, -1));
+    for (uint32_t a = 0; type != LUA_TNIL && a < r->axes; a++) {
+        if (type == LUA_TNUMBER)
+            lua_pushvalue(L, -1);
+        else
+            lua_geti(L, -1, (lua_Integer)a + 1);
+        read_side(L, r, a);
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+}
+
+/* within, margin and box of pairs; the first vector has the positions */
+static void read_near(lua_State *L, dml_sum_request *r, int options, int pairs) {
+    static const char *const own[] = {"margin", "box"};
+    r->within = dml_positive(L, options, "within", INFINITY);
+    if (!isfinite(r->within)) r->within = 0.0;
+    for (size_t k = 0; k < 2; k++) {
+        const int given = lua_getfield(L, options, own[k]) != LUA_TNIL;
+        lua_pop(L, 1);
+        if (given && !(r->within > 0.0))
+            luaL_error(L, "'%s' goes with 'within', the distance of near pairs", own[k]);
+    }
+    if (!(r->within > 0.0)) return;
+    if (!pairs) luaL_error(L, "'within' goes with pairs = true: pairs nearer than that distance");
+    r->margin = dml_number(L, options, "margin", 0.1 * r->within);
+    if (!(r->margin >= 0.0)) luaL_error(L, "field 'margin' must be >= 0 (got %f)", r->margin);
+    for (int k = 1; k <= r->given && !r->axes; k++) r->axes = r->width[k];
+    if (r->axes > 3)
+        luaL_error(L,
+                   "'within' takes positions of 1 to 3 coordinates, those of the first vector "
+                   "(block = %d)",
+                   (int)r->axes);
+    read_box(L, r, options);
+}
+
 /* shift, periodic, pairs, once the number of bodies is known */
 static void read_pattern(lua_State *L, dml_sum_request *r, int options) {
     const int pairs = flag(L, options, "pairs");
@@ -47,6 +104,7 @@ static void read_pattern(lua_State *L, dml_sum_request *r, int options) {
     if (shift && shift >= (long)r->bodies)
         luaL_error(L, "field 'shift' must be from 1 to %d for %d bodies (got %d)",
                    (int)r->bodies - 1, (int)r->bodies, (int)shift);
+    read_near(L, r, options, pairs);
     r->from = pairs ? 1 : (uint32_t)shift;
     r->to = pairs ? r->bodies - 1 : (uint32_t)shift;
 }
@@ -106,7 +164,8 @@ static void check_arity(lua_State *L, const dml_sum_request *r) {
 
 /* Raises where shapes do not fit; r->given vectors and numbers stand from 1 on. */
 void dml_read_sum(lua_State *L, dml_sum_request *r) {
-    static const char *const known[] = {"shift", "periodic", "pairs", "block", NULL};
+    static const char *const known[] = {"shift",  "periodic", "pairs", "block",
+                                        "within", "margin",   "box",   NULL};
     find_function(L, r);
     const int options = r->fn + 1, plain = lua_isnil(L, options);
     if (!plain) luaL_checktype(L, options, LUA_TTABLE);

@@ -12,6 +12,8 @@ typedef struct {
     uint32_t width[DML_SUM_VECTORS + 1]; /* entries a body has of argument k, 0: a scalar */
     uint32_t bodies, from, to, block;
     int periodic;
+    double within, margin, box[3]; /* of pairs: see dm_sum; 0: all of them, no box */
+    uint32_t axes;
     dml_signature signature; /* of the function */
 } dml_sum_request;
 
