@@ -1,14 +1,5 @@
-<<<<<<< HEAD
-/* loops.c - sums as loops over their rounds. A block of 64 rounds is evaluated at once, in 8 or
- * 4 lanes as far as whole groups go, and then added in the order of the rounds; values of sums
- * are added with compensation in eight partial sums that do not wait for each other. So the
- * size of a block and the number of partial sums are part of the bits, lanes are not.
- *
- * Long because values, gradients and the kernels that join them share one record. */
-=======
 /* loops.c - whole kernels of expressions with sums: the straight-line part, and the loops of the
  * sums that it depends on. */
->>>>>>> dc879915 (Sums over pairs: rows along arrays, one writer an entry; pairs within a distance by lists of neighbours, in periodic boxes)
 #include "chain/loops.h"
 
 #include "algebra/derive.h"
