@@ -144,7 +144,8 @@ local rows = {
 }
 
 -- modules that change what the core has, or that C asks for
-local AT_ONCE = { "dm.session.missing", "dm.sweep.methods", "dm.reduce.methods", "dm.group" }
+local AT_ONCE = { "dm.session.missing", "dm.sweep.methods", "dm.reduce.methods",
+  "dm.dec.fields.methods", "dm.group" }
 
 local dm = {}
 

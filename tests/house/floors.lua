@@ -10,6 +10,8 @@ floors.src = {
   "geom", "geom/action", "chain", "mech", "dec", "dec/homology",
   "dec/named", "dec/levi_civita", "dec/transfer", "delaunay",
   "field/flow", "field/line",
+  "dec/named", "dec/transfer", "delaunay",
+  "field/avi", "field/flow",
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
@@ -19,6 +21,8 @@ floors.src = {
   "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/line", "bind/rule",
   "bind/trial", "bind/wave", "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
+  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/rule",
+  "bind/trial", "bind/wave", "bind/run", "bind/avi", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
   "cli",
 }
 

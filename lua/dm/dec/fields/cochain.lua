@@ -249,6 +249,7 @@ end
 
 --- Sum over the cells of degree k of term(cell).
 function M.sum(K, k, around, data, term)
+  if around.degrees then table.insert(around.degrees, k) end
   local function f(column) return term(cell_of.new(K, k, column, data)) end
   return core.cell_sum(K:count(k), around.n, f, around.held, around.q, around.v, around.sphere)
 end

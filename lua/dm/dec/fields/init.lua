@@ -103,7 +103,9 @@ local function lagrangian(f, L)
       sphere = f.sphere and f.values }
     local A = cochain.leaf(f.mesh, f.degree, f.values, 1, around)
     local V = cochain.leaf(f.mesh, f.degree, f.values, 2, around)
+    if not q then around.degrees = {} end
     local value = L(A, V, t, params)
+    if not q then f.degrees = around.degrees end
     if cochain.is_cochain(value) then
       fail("L must return a number: a:dot(b) is the product of two forms (got a form)")
     end

@@ -1,0 +1,195 @@
+--- field:solver { rule = "avi" }: asynchronous variational integrators, a step of its own in every
+-- cell of the potential (Lew, Marsden, Ortiz & West 2003).
+local cell_of = require "dm.dec.fields.cell"
+local class = require "dm.base.class"
+local core = require "dm.core"
+local option = require "dm.base.options"
+
+local M = {}
+
+local WHERE = "field:solver"
+
+local Solver = core.class({ __name = "dm.avi_solver" }, [[
+dm.avi_solver: asynchronous steps of a field, made by field:solver{rule = "avi"}
+fields: system, rule, h, start]])
+
+local function fail(...) option.fail(WHERE, ...) end
+
+--- What field:solver makes of options whose rule is avi.
+function M.solver(system, options)
+  if not system.field then fail("rule 'avi' is for fields on meshes (K:field)") end
+  option.check(options, { "rule", "h", "start" }, WHERE)
+  option.one_of(options, "start", WHERE, { "whole", "half" })
+  local h = options.h
+  if type(h) == "number" then
+    option.positive(options, "h", WHERE, "a step")
+  elseif h ~= nil and type(h) ~= "function" and type(h) ~= "table" and type(h) ~= "userdata" then
+    fail("option 'h' must be a step, a list of one for every cell of the potential, or a "
+      .. "function(cell) (got %s)", option.got(h))
+  end
+  return setmetatable({ system = system, rule = "avi", h = h, start = options.start or "whole" },
+    Solver)
+end
+
+---- steps ----
+
+-- cell i of a degree with the numbers that it has
+local function numbers(f, degree, i)
+  return cell_of.new(f.mesh, degree, function(source, first, step, faces)
+    return source[first + step * ((faces and faces[i] or i) - 1) + 1]
+  end, f.data)
+end
+
+local function from_function(f, cells, of)
+  local list = {}
+  for _, sum in ipairs(cells:sums()) do
+    for i = 1, sum[2] do list[#list + 1] = of(numbers(f, f.degrees[sum[1]], i)) end
+  end
+  return list
+end
+
+local function from_list(cells, list)
+  local sums = cells:sums()
+  if #sums ~= 1 then
+    fail("a list of steps is for one sum in the potential, and this one has %d: give a number or "
+      .. "a function(cell)", #sums)
+  end
+  if #list ~= sums[1][2] then
+    fail("%d steps are given for the %d cells of the potential", #list, sums[1][2])
+  end
+  return list
+end
+
+-- half of what a cell alone allows; where nothing moves, the largest of the others
+local function by_default(limits)
+  local most, list = 0, {}
+  for i = 1, #limits do
+    if limits[i] < math.huge then most = math.max(most, limits[i]) end
+  end
+  if most == 0 then fail("no cell of the potential has a limit of its own: give 'h'") end
+  for i = 1, #limits do list[i] = math.min(limits[i], most) / 2 end
+  return list
+end
+
+local function steps_of(s, f, cells, limits)
+  local h, list = s.h, nil
+  if h == nil then
+    list = by_default(limits)
+  elseif type(h) == "number" then
+    return core.constant(#limits, h)
+  elseif type(h) == "function" then
+    list = from_function(f, cells, h)
+  else
+    list = from_list(cells, h)
+  end
+  for i = 1, #list do
+    local x = list[i]
+    if type(x) ~= "number" or not (x > 0 and x < math.huge) then
+      fail("the step of cell %d must be a number > 0 (got %s)", i, option.got(x))
+    end
+  end
+  return core.vector(list)
+end
+
+---- runs ----
+
+local RUN = "solver:run"
+
+local function start_of(s, f, options, key)
+  local x = option.need(options, key, RUN, "the start")
+  local vector = core.vector(f.start(x, key))
+  if #vector ~= f.n then
+    option.fail(RUN, "option '%s' must have %d numbers (got %d)", key, f.n, #vector)
+  end
+  return vector
+end
+
+-- p of the options, or of v
+local function momentum_of(s, f, options)
+  if (options.p == nil) == (options.v == nil) then
+    option.fail(RUN, "give one of 'v' (velocity) and 'p' (momentum) beside 'q'")
+  end
+  if options.p then return start_of(s, f, options, "p") end
+  local v = start_of(s, f, options, "v")
+  return v:map(function(x, i) return f.masses[i] * x end)
+end
+
+-- the start, every largest step or the times asked for, and the end
+local function times_of(options, h)
+  local t0 = option.number(options, "t0", RUN, nil, 0)
+  if options.at then
+    local list = { t0 }
+    for _, t in ipairs(option.list(options, "at", RUN, "growing times")) do
+      if t > list[#list] then list[#list + 1] = t end
+    end
+    return list
+  end
+  local t = option.positive(options, "t", RUN, "a duration")
+  if not t then option.fail(RUN, "option 't' is missing: the duration of the run") end
+  local list, k = { t0 }, 1
+  local every = option.whole(options, "every", RUN, 1, nil, 1)
+  while k * every * h < t * (1 - 1e-12) do
+    list[#list + 1] = t0 + k * every * h
+    k = k + 1
+  end
+  list[#list + 1] = t0 + t
+  return list
+end
+
+local MARGIN = 0.05 -- of a half period: nearer kicks are in resonance
+
+local function largest(x)
+  local most, least = 0, math.huge
+  for i = 1, #x do most, least = math.max(most, x[i]), math.min(least, x[i]) end
+  return most, least
+end
+
+local function describe(s, h, limits, events, duration, cells)
+  local _, least = largest(h)
+  local beyond, first = 0, nil
+  for i = 1, #h do
+    if h[i] > limits[i] then beyond, first = beyond + 1, first or i end
+  end
+  s.last = core.result { rule = "avi", events = events, cells = #h, beyond = beyond,
+    first_beyond = first, gain = events > 0 and #h * duration / least / events or nil,
+    resonances = cells:resonances(MARGIN) }
+end
+
+class.method("dm.avi_solver", "run", function(s, options)
+  option.check(options, { "q", "v", "p", "t", "t0", "at", "every" }, RUN)
+  local f = s.system.field
+  local q = start_of(s, f, options, "q")
+  local p = momentum_of(s, f, options)
+  local cells = core.avi(s.system, q, options.t0 or 0)
+  local limits = cells:limits()
+  local h = steps_of(s, f, cells, limits)
+  local times = times_of(options, (largest(h)))
+  local path, code, events = cells:run(p, h, core.vector(times), s.start == "half")
+  describe(s, h, limits, events, path.t[#path] - times[1], cells)
+  if code ~= "ok" then
+    option.fail(RUN, "the run ended at t = %g: %s; %d of %d cells have steps beyond their own "
+      .. "limit%s: solver:report() tells more", path.t[#path], code, s.last.beyond, #h,
+      s.last.first_beyond and (" (the first is cell %d)"):format(s.last.first_beyond) or "")
+  end
+  return path
+end, [[
+solver:run{q=, v= | p=, t=, t0=, at=, every=} -> dm.path
+Asynchronous steps of a field for the duration t, from q and v or p. Rows at the start, at every
+largest h (every = k: every k-th) or at the times `at`, and at t itself, which no h need divide:
+copies of the values drift there with the velocities that they have.]])
+
+class.method("dm.avi_solver", "report", function(s)
+  if not s.last then option.fail("solver:report", "no report yet: run the solver first") end
+  return s.last
+end, [[
+solver:report() -> table
+Of the last run: events (kicks of cells), cells, gain (how many kicks as many equal steps of the
+least h would have made, over events), beyond (cells whose step is beyond their own limit, the first
+as first_beyond), resonances (pairs of cells of which one kicks the other near a multiple of its
+half period, by 0.05).]])
+
+function Solver.__tostring(s)
+  return ("solver 'avi' for %s"):format(tostring(s.system))
+end
+
+return M

@@ -1,0 +1,19 @@
+--- Rules that only fields have, as names of rules for field:solver.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+
+local solver, solver_doc = core.method("dm.system", "solver")
+
+local function of_rule(system, options)
+  local rule = type(options) == "table" and options.rule
+  if type(rule) == "string" and rule:find "^%s*avi%s*$" then
+    return require "dm.dec.fields.avi".solver(system, options)
+  end
+  return solver(system, options)
+end
+
+core.method("dm.system", "solver", blame.relay(of_rule, "solver"), solver_doc .. [[
+
+Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a function(cell) of the
+cells of the potential (default: half of what each allows), start = "half" for half a kick at the
+start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003).]])

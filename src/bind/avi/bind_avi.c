@@ -1,0 +1,188 @@
+/* bind_avi.c - asynchronous steps of a field: the cells of its potential, their limits, runs. */
+#include "bind/core/state.h"
+#include "bind/run/bind_path.h"
+#include "bind/trace/backend.h"
+#include "bind/value/array.h"
+#include "field/avi/avi.h"
+
+#include <math.h>
+#include <string.h>
+
+#define CELLS "dm.avi_cells"
+
+/* user value 1: the system, 2: its model, 3: the arena */
+typedef struct {
+    dm_avi a;
+    dm_arena *arena;
+    const dm_sum **sums;
+    double *factor;
+    uint32_t count;
+    double *limit;
+} avi;
+
+/* The cells at stack index 1. */
+static avi *check(lua_State *L) {
+    return luaL_checkudata(L, 1, CELLS);
+}
+
+/* Raises where something could not be made. */
+static void need(lua_State *L, dm_status status) {
+    if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
+    if (status == DM_STOPPED) dml_checkstop(L);
+    if (status != DM_OK) luaL_error(L, "rule 'avi': %s", dm_status_text(status));
+}
+
+/* the sums of the potential, with factors that are numbers */
+static void read_sums(lua_State *L, avi *k, const dml_model *m) {
+    uint32_t count = 0;
+    for (const dm_sum *s = dm_sums(m->graph); s; s = s->next) count++;
+    dm_node *node = dm_arena_take(k->arena, (count + 1) * sizeof *node);
+    k->factor = dm_arena_take(k->arena, (count + 1) * sizeof *k->factor);
+    k->sums = node ? dm_cells_sums(m->graph, m->lagrangian, node, &k->count, k->arena) : NULL;
+    if (!k->sums || !k->factor) luaL_error(L, "not enough memory");
+    for (uint32_t i = 0; i < k->count; i++)
+        if (!dm_is_constant(m->graph, node[i], k->factor + i))
+            luaL_error(L, "rule 'avi': a sum over cells is multiplied by a function of t: write it "
+                          "inside of the sum");
+}
+
+/* core.avi(system, q, t): its cells */
+static int avi_new(lua_State *L) {
+    const dml_system *s = dml_checksystem(L, 1);
+    const double t = luaL_optnumber(L, 3, 0.0);
+    lua_settop(L, 2);
+    avi *k = lua_newuserdatauv(L, sizeof *k, 3);
+    memset(k, 0, sizeof *k);
+    luaL_setmetatable(L, CELLS);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, 3, 1);
+    const dml_model *m = dml_pushmodel(L, 1);
+    if (!m->model.inverse_mass || !(m->model.structure & DM_CELLS))
+        return luaL_error(L, "rule 'avi' is for fields on meshes (K:field)");
+    if (m->model.sphere)
+        return luaL_error(L, "rule 'avi' cannot step values on a sphere; take rattle");
+    lua_setiuservalue(L, 3, 2);
+    k->arena = dml_pusharena(L);
+    lua_setiuservalue(L, 3, 3);
+    read_sums(L, k, m);
+    need(L, dm_avi_open(&k->a, k->sums, k->factor, k->count, s->n,
+                        dml_findbackend(L, NULL)->compile, k->arena));
+    k->a.w = m->model.inverse_mass;
+    dml_vectorarg(L, 2, "q", k->a.x, s->n);
+    k->a.x[2 * (size_t)s->n] = t;
+    lua_settop(L, 3);
+    return 1;
+}
+
+/* cells:sums(): pairs of the call of a sum in L, from 1, and how many cells it has */
+static int avi_sums(lua_State *L) {
+    const avi *k = check(L);
+    lua_newtable(L);
+    for (uint32_t i = 0; i < k->a.sums; i++) {
+        const dm_sum *s = k->a.sum[i].sum;
+        lua_createtable(L, 2, 0);
+        lua_pushinteger(L, (lua_Integer)s->call + 1);
+        lua_rawseti(L, -2, 1);
+        lua_pushinteger(L, s->bodies);
+        lua_rawseti(L, -2, 2);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+/* cells:limits() */
+static int avi_limits(lua_State *L) {
+    avi *k = check(L);
+    dm_curvature c;
+    if (!k->limit) {
+        double *limit = dm_arena_take(k->arena, ((size_t)k->a.cells + 1) * sizeof *limit);
+        if (!limit) return luaL_error(L, "not enough memory");
+        need(L, dm_curvature_open(&c, k->sums, k->count, k->a.n, dml_findbackend(L, NULL)->compile,
+                                  k->arena));
+        need(L, dm_avi_limits(&k->a, &c, limit, k->arena));
+        k->limit = limit;
+    }
+    memcpy(dml_pushvector(L, k->a.cells), k->limit, k->a.cells * sizeof *k->limit);
+    return 1;
+}
+
+/* cells:resonances(margin), once the steps are known */
+static int avi_resonances(lua_State *L) {
+    const avi *k = check(L);
+    double pairs;
+    if (!k->limit) return luaL_error(L, "limits first");
+    need(L, dm_avi_resonances(&k->a, k->limit, luaL_checknumber(L, 2), &pairs, k->arena));
+    lua_pushinteger(L, (lua_Integer)pairs);
+    return 1;
+}
+
+/* a path of rows at these times; the system is at `system` */
+static dml_path *push_path(lua_State *L, const avi *k, uint32_t rows, double t0) {
+    lua_getiuservalue(L, 1, 1);
+    dml_path *path = dml_pushpath(L, lua_gettop(L), k->a.n, rows, 2 * k->a.n + 1);
+    lua_getiuservalue(L, 1, 2);
+    lua_setiuservalue(L, -2, DML_PATH_MODEL);
+    path->rule = "avi";
+    path->t0 = path->t = t0;
+    return path;
+}
+
+/* cells:run(p, h, times, half): p at times[1] */
+static int avi_run(lua_State *L) {
+    avi *k = check(L);
+    const uint32_t rows = (uint32_t)dml_length(L, 4), n = k->a.n;
+    double *times = lua_newuserdatauv(L, (rows + 1) * sizeof *times, 0);
+    dml_vectorarg(L, 2, "p", k->a.p, n);
+    dml_vectorarg(L, 3, "h", k->a.h, k->a.cells);
+    dml_vectorarg(L, 4, "times", times, rows);
+    const int half = lua_toboolean(L, 5);
+    dml_path *path = push_path(L, k, rows, times[0]);
+    dm_avi_start(&k->a, times[0], half);
+    dm_status status = DM_OK;
+    for (uint32_t i = 0; i < rows && status == DM_OK; i++) {
+        double *row = path->data + (size_t)i * path->width;
+        if (i) status = dm_avi_run(&k->a, times[i], &dml_stop);
+        if (status != DM_OK) break;
+        row[0] = path->t = times[i];
+        dm_avi_row(&k->a, times[i], row + 1, row + 1 + n);
+        path->rows = (long)i + 1;
+    }
+    /* at the very start half a kick that was given at t0 has not happened yet */
+    if (half && path->rows) dml_vectorarg(L, 2, "p", path->data + 1 + n, n);
+    path->steps = (long)k->a.events;
+    for (uint32_t i = 0; i < k->a.cells; i++) path->h = fmax(path->h, k->a.h[i]);
+    if (status == DM_STOPPED) dml_checkstop(L);
+    lua_pushstring(L, status == DM_OK ? "ok" : dm_status_text(status));
+    lua_pushinteger(L, (lua_Integer)k->a.events);
+    return 3;
+}
+
+static const dml_row methods[] =
+    {{"sums", avi_sums,
+      "cells:sums() -> list of { call, cells }\n"
+      "The sums of the potential in the order of their cells: number of the sum in L, and cells."},
+     {"limits", avi_limits,
+      "cells:limits() -> dm.vector\n"
+      "2 / omega of every cell alone at q, with its share of the masses of its entries."},
+     {"resonances", avi_resonances,
+      "cells:resonances(margin) -> number\n"
+      "Pairs of cells with a common entry of which one kicks the other near a multiple of its half "
+      "period, omega_K h_L = k pi, by so many half periods."},
+     {"run", avi_run,
+      "cells:run(p, h, times, half) -> dm.path, code, events\n"
+      "Steps h of every cell from q and p at times[1]; a row at every time."},
+     {NULL, NULL, NULL}};
+
+static const dml_row functions[] =
+    {{"avi", avi_new,
+      "core.avi(system, q [, t]) -> dm.avi_cells\n"
+      "The cells of the potential of a field, for asynchronous steps from q at time t."},
+     {NULL, NULL, NULL}};
+
+const dml_class dml_class_avi = {
+    .name = CELLS,
+    .doc = "dm.avi_cells: the cells of the potential of a field, each with a step of its own\n"
+           "what field:solver{ rule = \"avi\" } runs",
+    .methods = methods,
+    .functions = functions,
+};
