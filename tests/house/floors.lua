@@ -9,9 +9,7 @@ floors.src = {
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec", "dec/homology",
   "dec/named", "dec/levi_civita", "dec/transfer", "delaunay",
-  "field/flow", "field/line",
-  "dec/named", "dec/transfer", "delaunay",
-  "field/avi", "field/flow",
+  "field/avi", "field/flow", "field/line",
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
@@ -20,9 +18,8 @@ floors.src = {
   "run", "run/ensemble",
   "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/line", "bind/rule",
-  "bind/trial", "bind/wave", "bind/run", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
-  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/rule",
-  "bind/trial", "bind/wave", "bind/run", "bind/avi", "bind/ensemble", "bind/sem", "bind/sweep", "bind",
+  "bind/trial", "bind/wave", "bind/run", "bind/ensemble", "bind/avi", "bind/sem", "bind/sweep",
+  "bind",
   "cli",
 }
 
