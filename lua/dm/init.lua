@@ -88,6 +88,7 @@ local rows = {
   ["system:symplectic_form"] = "dm.reduce.routh.shape",
   -- of discrete Lagrangians, solvers, paths and ensembles
   ["discrete_lagrangian:connection"] = "dm.reduce.mechanical",
+  ["discrete_lagrangian:against_exact"] = "dm.measure.against_exact",
   ["discrete_lagrangian:order"] = "dm.measure.order",
   ["solver:backward_error"] = "dm.measure.tangent",
   ["solver:fold"] = "dm.measure.fold",

@@ -176,19 +176,6 @@ static int discrete_tostring(lua_State *L) {
     return 1;
 }
 
-/* Fields are those that were given, h is a number of its own. */
-static int discrete_field(lua_State *L) {
-    const dml_system *s = check(L);
-    const char *key = luaL_checkstring(L, 2);
-    static const char *const fields[] = {"Q",       "Ld",       "name", "coordinates", "units",
-                                         "params",  "system",   "rule", "constraint",  "force",
-                                         "rolling", "reaction", "map",  NULL};
-    if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
-    for (const char *const *f = fields; *f; f++)
-        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
-    return 0;
-}
-
 /* ---- a discrete Lagrangian of a system: its L at the nodes of a rule with one velocity
  * (q1 - q0)/h ---- */
 
@@ -213,7 +200,7 @@ static void push_node(lua_State *L, double c) {
 }
 
 /* h sum_i b_i L at the nodes: one of weight 1 at c = 1/2, or two of weight 1/2 at the
- * ends */
+ * ends; upvalues: the system, is it the latter, the name of the rule */
 static int composed(lua_State *L) {
     const int ends = lua_toboolean(L, lua_upvalueindex(2));
     push_node(L, ends ? 0.0 : 0.5);
@@ -242,6 +229,36 @@ static int formula_points(lua_State *L) {
     return g.q.r;
 }
 
+/* push { system =, rule = } of the Ld at 1, nil where it is a formula of the script */
+static int push_source(lua_State *L) {
+    const int ruled = check(L)->ruled;
+    dml_systemfield(L, 1, ruled ? "system" : "Ld");
+    if (!ruled && lua_tocfunction(L, -1) != composed) return lua_pushnil(L), 1;
+    const int at = lua_gettop(L);
+    lua_createtable(L, 0, 2);
+    if (ruled)
+        lua_pushvalue(L, at), dml_systemfield(L, 1, "rule");
+    else
+        lua_getupvalue(L, at, 1), lua_getupvalue(L, at, 3);
+    lua_setfield(L, -3, "rule");
+    lua_setfield(L, -2, "system");
+    return 1;
+}
+
+/* Fields are those that were given, h is a number of its own. */
+static int discrete_field(lua_State *L) {
+    const dml_system *s = check(L);
+    const char *key = luaL_checkstring(L, 2);
+    static const char *const fields[] = {"Q",       "Ld",       "name", "coordinates", "units",
+                                         "params",  "system",   "rule", "constraint",  "force",
+                                         "rolling", "reaction", "map",  NULL};
+    if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
+    if (strcmp(key, "source") == 0) return push_source(L);
+    for (const char *const *f = fields; *f; f++)
+        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
+    return 0;
+}
+
 /* turn (system, { rule =, h = }) on the stack into the options of a discrete Lagrangian
  * at 1 */
 static void options_of_system(lua_State *L) {
@@ -258,7 +275,8 @@ static void options_of_system(lua_State *L) {
     lua_setfield(L, -2, "h");
     lua_pushvalue(L, 1);
     lua_pushboolean(L, points == 2);
-    lua_pushcclosure(L, composed, 2);
+    lua_getfield(L, 2, "rule");
+    lua_pushcclosure(L, composed, 3);
     lua_setfield(L, -2, "Ld");
     lua_replace(L, 1);
 }
@@ -368,7 +386,9 @@ static const dml_row functions[] =
       "dm.discrete_lagrangian(system, {rule=, "
       "h=})\n"
       "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
-      "...)\n"
+      "...), or with \"exact\": the action of the motion from q0 to q1 itself, by gauss(8) on as "
+      "many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no "
+      "motion is found\n"
       "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
       "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
       "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "

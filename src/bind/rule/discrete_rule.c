@@ -4,7 +4,11 @@
 #include "bind/model/model_constraints.h"
 #include "bind/rule/bind_rule.h"
 
+#include <math.h>
 #include <string.h>
+
+static const char EXACT[] = "exact";
+enum { EXACT_STAGES = 8, EXACT_PIECES = 64, EXACT_UNKNOWNS = 520, EXACT_FAILURES = 3 };
 
 /* nodes of the rule in field `rule` of the table at `at`; nested ones point into nodes; the text
  * is left on the stack */
@@ -34,10 +38,25 @@ static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
     return method;
 }
 
+/* The flow itself is no rule of the list: its Ld is found by gauss(8) on as many pieces as
+ * round-off needs. Leaves the stack as it is. */
+static int is_exact(lua_State *L, int at) {
+    lua_getfield(L, at, "rule");
+    const int exact = lua_type(L, -1) == LUA_TSTRING && strcmp(lua_tostring(L, -1), EXACT) == 0;
+    lua_pop(L, 1);
+    return exact;
+}
+
 /* Nodes and quadrature of the rule in the table at `at`; a rule without stages has no discrete
  * Lagrangian. */
 static void read_basis(lua_State *L, int at, dm_galerkin *g) {
     dm_rule nodes[DM_RULE_NODES];
+    dm_quadrature q;
+    if (is_exact(L, at)) {
+        dm_quadrature_gauss(&q, EXACT_STAGES);
+        dm_galerkin_collocation(g, &q);
+        return;
+    }
     const dm_method *method = read_rule(L, at, nodes);
     *g = (dm_galerkin){.s = 0};
     if (method->basis) method->basis(g, nodes);
@@ -122,6 +141,85 @@ static void check_status(lua_State *L, dml_model *m, dm_status status, const dml
                    s->h, dm_status_text(status));
 }
 
+/* The problem with so many pieces, in a userdata that stays on the stack. */
+static dm_status solve_pieces(lua_State *L, dm_discrete *out, dm_discrete_problem *problem,
+                              uint32_t pieces) {
+    const size_t size = dm_discrete_work(problem->basis, problem->model->n, pieces);
+    double *work = lua_newuserdatauv(L, size * sizeof *work, 0);
+    memset(work, 0, size * sizeof *work);
+    problem->pieces = pieces;
+    return dm_discrete_solve(out, problem, work);
+}
+
+/* The largest |a_i - b_i| over `size`, which grows to what the entries are. */
+static double apart(const double *a, const double *b, uint32_t n, double size) {
+    double worst = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        worst = fmax(worst, fabs(a[i] - b[i]));
+        size = fmax(size, fabs(b[i]));
+    }
+    return worst / size;
+}
+
+/* What two numbers of pieces differ by, over the action, whose terms are p . q, and the momenta. */
+static double difference(const dm_discrete *a, const dm_discrete *b, const dm_discrete_problem *p) {
+    const uint32_t n = p->model->n;
+    double size = fabs(b->value), momentum = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        momentum = fmax(momentum, fmax(fabs(b->p0[i]), fabs(b->p1[i])));
+        size += fabs(b->p0[i] * p->q0[i]) + fabs(b->p1[i] * p->q1[i]);
+    }
+    const double worst = fmax(apart(a->p0, b->p0, n, momentum), apart(a->p1, b->p1, n, momentum));
+    const double off = fabs(a->value - b->value);
+    return fmax(worst, off > 0.0 ? off / size : 0.0);
+}
+
+/* Each doubling takes off four digits: so little that the finer one is exact to round-off; or what no
+ * longer shrinks, near conjugate points. */
+static int is_settled(double difference, double before) {
+    static const double LAST = 1e-10, STAYS = 1e-6;
+    return difference <= LAST || (difference <= STAYS && difference >= 0.25 * before);
+}
+
+/* dp0/dq1 goes to infinity where q0 and q1 are conjugate */
+static void check_conjugate(lua_State *L, const dm_discrete *d, const dm_discrete_problem *p) {
+    static const double MOST = 1e9;
+    const uint32_t n = p->model->n;
+    double largest = 0.0;
+    for (size_t k = 0; k < (size_t)n * n; k++) largest = fmax(largest, fabs(d->two_form[k]));
+    if (largest * p->h <= MOST * d->mass) return;
+    luaL_error(L,
+               "q0 and q1 are conjugate for h = %f: a whole family of motions leads from one to "
+               "the "
+               "other, or none; take another h",
+               p->h);
+}
+
+/* As many pieces as it takes until twice as many tell no other action and no other momenta. */
+static void solve_exact(lua_State *L, dm_discrete *out, dm_discrete_problem *problem, dml_model *m,
+                        const dml_system *s) {
+    dm_discrete last = {0};
+    double before = INFINITY;
+    int known = 0, failed = 0;
+    dm_status status = DM_OK;
+    for (uint32_t pieces = 1; pieces <= EXACT_PIECES && failed < EXACT_FAILURES; pieces *= 2) {
+        if (pieces > 2 && (EXACT_STAGES * pieces + 1) * s->n > EXACT_UNKNOWNS) break;
+        dml_checkstop(L);
+        status = solve_pieces(L, out, problem, pieces);
+        failed = status == DM_OK ? 0 : failed + 1;
+        if (status == DM_OK) check_conjugate(L, out, problem);
+        const double now = status == DM_OK && known ? difference(&last, out, problem) : INFINITY;
+        if (is_settled(now, before)) return;
+        known = status == DM_OK, before = now;
+        last = *out;
+    }
+    check_status(L, m, status, s);
+    luaL_error(L,
+               "the motion from q0 to q1 is not resolved by gauss(8) on as many pieces as fit: h = "
+               "%f is too long, or it passes a singularity",
+               s->h);
+}
+
 /* Arguments at 2, 3, 4 of the caller: q0, q1, t. What *out points to stays on the stack. */
 void dml_solveruled(lua_State *L, dm_discrete *out) {
     const dml_system *s = luaL_checkudata(L, 1, DML_DISCRETE);
@@ -135,14 +233,17 @@ void dml_solveruled(lua_State *L, dm_discrete *out) {
     if (m->hamiltonian)
         luaL_error(L, "a discrete Lagrangian needs an L, and this H has none with a formula");
     dml_want(L, m, DM_WANT_STAGE | DM_WANT_VALUE, NULL);
-    const size_t size = dm_discrete_work(&g, n) + 2 * (size_t)n;
-    double *q0 = lua_newuserdatauv(L, size * sizeof *q0, 0);
-    memset(q0, 0, size * sizeof *q0);
+    double *q0 = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *q0, 0);
     dml_vectorarg(L, 2, "q0", q0, n);
     dml_vectorarg(L, 3, "q1", q0 + n, n);
-    const dm_discrete_problem problem =
+    dm_discrete_problem problem =
         {.model = &m->model, .basis = &g, .q0 = q0, .q1 = q0 + n, .h = s->h, .t = t};
-    check_status(L, m, dm_discrete_solve(out, &problem, q0 + 2 * (size_t)n), s);
+    lua_getiuservalue(L, 1, 1);
+    const int exact = is_exact(L, lua_gettop(L));
+    if (exact)
+        solve_exact(L, out, &problem, m, s);
+    else
+        check_status(L, m, solve_pieces(L, out, &problem, 1), s);
 }
 
 /* t[key] = the high parts of rows x columns weights: a matrix, or of one row a vector */
@@ -162,6 +263,8 @@ int dml_discrete_coefficients(lua_State *L) {
         luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete Lagrangian of a "
                       "system and a rule");
     lua_getiuservalue(L, 1, 1);
+    if (is_exact(L, lua_gettop(L)))
+        luaL_error(L, "the exact discrete Lagrangian is that of the flow: it has no coefficients");
     read_basis(L, lua_gettop(L), &g);
     const size_t size = dm_stage_table_size((size_t)g.s, (size_t)g.q.r);
     dm_stage_table_fill(&t, &g, lua_newuserdatauv(L, size * sizeof(double), 0));
@@ -194,6 +297,10 @@ void dml_unfoldruled(lua_State *L) {
                    s->h);
     dml_systemfield(L, 2, "rule");
     lua_setfield(L, 3, "rule");
+    if (is_exact(L, 3))
+        luaL_error(L,
+                   "the exact discrete Lagrangian is there to compare with: step its system with "
+                   "a rule, gauss(8) for instance");
     lua_pushnumber(L, s->h);
     lua_setfield(L, 3, "h");
     lua_replace(L, 1);

@@ -19,15 +19,17 @@ typedef struct {
 } between;
 
 /* Velocities of all stages, and the momentum at the start. */
-static size_t unknowns(const dm_galerkin *g, uint32_t n) {
-    return ((size_t)g->s + 1) * n;
+static size_t unknowns(const dm_galerkin *g, uint32_t n, uint32_t pieces) {
+    return ((size_t)g->s * pieces + 1) * n;
 }
 
 /* In the order of lay_out; scratch also has the pivots of the two-form. */
-size_t dm_discrete_work(const dm_galerkin *g, uint32_t n) {
-    const size_t m = unknowns(g, n), r = (size_t)g->q.r, nn = (size_t)n * n;
-    return dm_stage_table_size((size_t)g->s, r) + (2 * (size_t)n + 1) + (2 * n + 3 * nn) + m +
-           4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
+size_t dm_discrete_work(const dm_galerkin *g, uint32_t n, uint32_t pieces) {
+    const size_t N = pieces ? pieces : 1, m = unknowns(g, n, (uint32_t)N), nn = (size_t)n * n;
+    const size_t r = (size_t)g->q.r * N;
+    return dm_stage_table_size((size_t)g->s * N, r) +
+           (N > 1 ? dm_stage_table_size((size_t)g->s, (size_t)g->q.r) : 0) + (2 * (size_t)n + 1) +
+           (2 * n + 3 * nn) + m + 4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
 }
 
 /* The next block of doubles. */
@@ -37,12 +39,53 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
+/* w/N, from all digits */
+static dm_weight part_of(dm_weight w, uint32_t N) {
+    return dm_weight_of(dm_weight_exact(w) / N);
+}
+
+/* The table of N steps of a collocation that follow each other: in piece k behind it b_j of every
+ * piece before. */
+static void fill_pieces(dm_stage_table *out, const dm_stage_table *one, uint32_t N,
+                        double *memory) {
+    const uint32_t s = one->s, all = s * N;
+    *out = (dm_stage_table){.s = all, .r = all, .a = (dm_weight *)(void *)memory};
+    out->d = out->a + (size_t)all * all;
+    out->b = out->d + (size_t)all * all;
+    out->c = out->b + all;
+    out->beta = out->c + all;
+    memset(out->a, 0, 2 * (size_t)all * all * sizeof *out->a);
+    for (uint32_t i = 0; i < all; i++) {
+        const uint32_t k = i / s, own = i % s;
+        out->b[i] = part_of(one->b[own], N);
+        out->beta[i] = part_of(one->beta[own], N);
+        out->c[i] = dm_weight_of((k + dm_weight_exact(one->c[own])) / N);
+        out->d[i * (size_t)all + i] = dm_weight_of(1.0L);
+        for (uint32_t j = 0; j < (k + 1) * s; j++)
+            out->a[i * (size_t)all + j] =
+                part_of(j < k * s ? one->beta[j % s] : one->a[own * s + j % s], N);
+    }
+}
+
+/* The table of the problem; where the memory goes on. */
+static double *lay_table(between *e, const dm_discrete_problem *in, double *memory) {
+    const uint32_t N = in->pieces ? in->pieces : 1;
+    dm_stage_table one;
+    dm_stage_table_fill(&one, in->basis, memory);
+    memory += dm_stage_table_size(one.s, one.r);
+    e->table = one;
+    if (N == 1) return memory;
+    fill_pieces(&e->table, &one, N, memory);
+    return memory + dm_stage_table_size(e->table.s, e->table.r);
+}
+
 /* A struct of pointers into the memory, which the result points into as well. */
 static between lay_out(const dm_discrete_problem *in, double *memory) {
-    const size_t n = in->model->n, m = unknowns(in->basis, (uint32_t)n), r = (size_t)in->basis->q.r;
+    const size_t n = in->model->n;
+    const size_t m = unknowns(in->basis, (uint32_t)n, in->pieces ? in->pieces : 1);
     between e = {.in = in, .n = (uint32_t)n, .m = (uint32_t)m};
-    dm_stage_table_fill(&e.table, in->basis, memory);
-    memory += dm_stage_table_size(e.table.s, e.table.r);
+    memory = lay_table(&e, in, memory);
+    const size_t r = e.table.r;
     e.x = take(&memory, 2 * n + 1);
     e.curve = take(&memory, 2 * n + 3 * n * n);
     e.z = take(&memory, m);
@@ -101,7 +144,10 @@ static void add_point(between *e, double *r, double *J, uint32_t i) {
             r[j * (size_t)n + k] += term;
             e->size = fmax(e->size, fabs(term));
         }
-        for (uint32_t k = 0; J && k < s; k++) {
+        for (uint32_t k = 0; J && (w != 0.0 || d != 0.0) && k < s; k++) {
+            if (dm_weight_double(t->a[i * s + k]) == 0.0 &&
+                dm_weight_double(t->d[i * s + k]) == 0.0)
+                continue;
             double *block = J + j * (size_t)n * e->m + k * (size_t)n;
             const double ha = h * dm_weight_double(t->a[i * s + k]);
             const double dk = dm_weight_double(t->d[i * s + k]);
@@ -174,6 +220,8 @@ static dm_status find_form(between *e) {
 static void finish(between *e, dm_discrete *out) {
     const uint32_t n = e->n;
     out->value = 0.0;
+    const double *vv = e->curve + 2 * (size_t)n + 2 * (size_t)n * n; /* of the last point */
+    for (size_t k = 0; k < (size_t)n * n; k++) out->mass = fmax(out->mass, fabs(vv[k]));
     memcpy(e->end, e->z + e->m - n, n * sizeof *e->end);
     for (uint32_t i = 0; i < e->table.r; i++) {
         const double hb = e->in->h * dm_weight_double(e->table.b[i]);

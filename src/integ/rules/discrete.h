@@ -15,6 +15,9 @@ typedef struct {
     const dm_galerkin *basis;
     const double *q0, *q1;
     double h, t; /* step, time of q0 */
+    /* equal parts of the step, with the basis, a collocation, in each: the curve is smooth in them
+     * and continuous. 0 is 1 */
+    uint32_t pieces;
 } dm_discrete_problem;
 
 /* What is found; the arrays are in the workspace. */
@@ -22,14 +25,15 @@ typedef struct {
     double value;            /* Ld */
     const double *p0, *p1;   /* [n]: -D1 Ld, D2 Ld */
     const double *two_form;  /* [n*n]: -D1D2 Ld, row q0, column q1 */
-    uint32_t points;         /* r */
+    double mass;             /* largest |L_vv| at the last point */
+    uint32_t points;         /* r, times the pieces */
     const double *q, *v, *p; /* [r][n]: Q_i, Qdot_i, L_v there */
     double residual;         /* of the equations, max norm */
     int iterations;
 } dm_discrete;
 
 /* Doubles of workspace. */
-size_t dm_discrete_work(const dm_galerkin *g, uint32_t n);
+size_t dm_discrete_work(const dm_galerkin *g, uint32_t n, uint32_t pieces);
 
 /* Newton to round-off from the straight line. DM_SINGULAR, DM_NO_CONVERGENCE, DM_NOT_FINITE:
  * nothing is found. */
