@@ -89,6 +89,7 @@ local rows = {
   -- of discrete Lagrangians, solvers, paths and ensembles
   ["discrete_lagrangian:connection"] = "dm.reduce.mechanical",
   ["discrete_lagrangian:against_exact"] = "dm.measure.against_exact",
+  ["discrete_lagrangian:average"] = "dm.measure.average",
   ["discrete_lagrangian:order"] = "dm.measure.order",
   ["solver:backward_error"] = "dm.measure.tangent",
   ["solver:fold"] = "dm.measure.fold",
@@ -105,6 +106,7 @@ local rows = {
   ["path:animate"] = "dm.show.animate",
   ["path:form"] = "dm.dec.fields.path",
   ["path:csv"] = "dm.data.export",
+  ["path:frequency"] = "dm.measure.frequency",
   ["path:multipliers"] = "dm.measure.multipliers",
   ["path:npy"] = "dm.data.export",
   ["path:phases"] = "dm.reduce.run.reconstruct",

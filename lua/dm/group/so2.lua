@@ -77,6 +77,17 @@ function M.circles(n)
     for k = 1, n do out[k] = stream:uniform(i, k - 1, -pi, pi) end
     return core.vector(out)
   end
+  -- the mean over the group by the trapezoidal rule, exact for harmonics below `points`: elements
+  -- and weights
+  function kit.mean(points)
+    local out, total = {}, points ^ n
+    for i = 0, total - 1 do
+      local angles, rest = {}, i
+      for k = 1, n do angles[k], rest = 2 * pi * (rest % points) / points, rest // points end
+      out[#out + 1] = { core.vector(angles), 1 / total }
+    end
+    return out
+  end
   return kit
 end
 
@@ -113,6 +124,12 @@ function M.kit()
   local cayleyinv = kit.cayleyinv
   function kit.cayleyinv(g) return cayleyinv { g } end
   function kit.sample(stream, i) return sample(stream, i)[1] end
+  local mean = kit.mean
+  function kit.mean(points)
+    local out = mean(points)
+    for i = 1, #out do out[i][1] = out[i][1][1] end
+    return out
+  end
   function kit.matrix(g) return M.rotations { g } end
   local from_matrix = kit.from_matrix
   function kit.from_matrix(m) return from_matrix(m)[1] end

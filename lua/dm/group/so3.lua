@@ -160,9 +160,26 @@ M.smooth = { carry = times,
     return { s * q[1], s * q[2], s * q[3], s * q[4] }
   end }
 
+-- the mean over the group in Euler's angles, R_z R_y R_z: trapezoidal rules and Gauss nodes of the
+-- cosine, exact for entries of R to a degree below `points`
+local function mean(points)
+  local c, b = core.quadrature { named = ("gauss(%d)"):format((points + 1) // 2) }
+  local out, step = {}, 2 * math.pi / points
+  local e2, e3 = core.vector { 0, 1, 0 }, core.vector { 0, 0, 1 }
+  for i = 0, points - 1 do
+    for j = 1, #c do
+      local tilted = M.exp(e3 * (i * step)) * M.exp(e2 * math.acos(2 * c[j] - 1))
+      for k = 0, points - 1 do
+        out[#out + 1] = { tilted * M.exp(e3 * (k * step)), b[j] / points ^ 2 }
+      end
+    end
+  end
+  return out
+end
+
 function M.kit()
   local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee,
-    liftable = true, body = { pose = function(g) return g end, turning = 0 },
+    liftable = true, mean = mean, body = { pose = function(g) return g end, turning = 0 },
     flat = M.quaternion, unflat = M.rotation, bonds = M.norm_bond, sample = M.sample,
     project = matrix_functions.nearest_rotation, smooth = M.smooth }
   cayley_maps(kit)

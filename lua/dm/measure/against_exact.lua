@@ -76,10 +76,10 @@ class.method("dm.discrete_lagrangian", "against_exact", function(Ld, given)
     value_slope = slope(hs, value, of_value), momentum_slope = slope(hs, momentum, of_momentum) }
 end, [[
 Ld:against_exact{q=, v=, h={...}} -> { h, value, momentum, value_slope, momentum_slope }
-The discrete Lagrangian of a system and a rule beside the exact one, for several steps h, between the
-ends of the motion from q with velocity v: value is |Ld - L_exact|, momentum the largest difference
-of a Legendre transform from the momentum of the motion. The slopes are exponents of h, 2s + 1 and 2s
-for gauss(s); nil where fewer than two errors are above round-off (Leok 5.1.1, Marsden & West 2001,
-2.3). Raises for a formula Ld(q0, q1) of a script.]])
+The discrete Lagrangian of a system and a rule beside the exact one, for several steps h, between
+the ends of the motion from q with velocity v: value is |Ld - L_exact|, momentum the largest
+difference of a Legendre transform from the momentum of the motion. The slopes are exponents of h,
+2s + 1 and 2s for gauss(s); nil where fewer than two errors are above round-off (Leok 5.1.1, Marsden
+& West 2001, 2.3). Raises for a formula Ld(q0, q1) of a script.]])
 
 return {}
