@@ -174,8 +174,8 @@ static double difference(const dm_discrete *a, const dm_discrete *b, const dm_di
     return fmax(worst, off > 0.0 ? off / size : 0.0);
 }
 
-/* Each doubling takes off four digits: so little that the finer one is exact to round-off; or what no
- * longer shrinks, near conjugate points. */
+/* Each doubling takes off four digits: so little that the finer one is exact to round-off; or what
+ * no longer shrinks, near conjugate points. */
 static int is_settled(double difference, double before) {
     static const double LAST = 1e-10, STAYS = 1e-6;
     return difference <= LAST || (difference <= STAYS && difference >= 0.25 * before);

@@ -18,6 +18,17 @@ void dml_solveruled(lua_State *L, dm_discrete *out);
  * and h into the options. */
 void dml_unfoldruled(lua_State *L);
 
+/* The rule of the options at 2 has one velocity, (q1 - q0)/h, and nothing is to be solved: its
+ * points, else 0. */
+int dml_formula_points(lua_State *L);
+
+/* Turn (system, { rule =, h = }) on the stack into the options of a discrete Lagrangian at 1: a
+ * formula. */
+void dml_formula_of_system(lua_State *L);
+
+/* Push { system =, rule = } of the Ld at 1, nil for a formula of the script; as a C function. */
+int dml_discrete_source(lua_State *L);
+
 /* Ld:coefficients(), as a C function. */
 int dml_discrete_coefficients(lua_State *L);
 

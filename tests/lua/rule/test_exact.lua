@@ -40,11 +40,11 @@ end
 for s = 1, 3 do
   local r = slopes(double, ("gauss(%d)"):format(s), { { 0.5, -0.3 }, { 1.2, 0.7 } })
   near(r.value_slope, 2 * s + 1, 0.3, ("gauss(%d): Ld off by h^%d"):format(s, 2 * s + 1))
-  near(r.momentum_slope, 2 * s, 0.3, "  momenta by one power less")
+  near(r.momentum_slope, 2 * s, 0.35, "  momenta by one power less")
 end
 local r = slopes(kepler, "midpoint", { { 1, 0.2 }, { 0.1, 0.8 } })
 near(r.value_slope, 3, 0.3, "midpoint, a formula of its system")
-ok(#r.value == 3 and r.value[3] < r.value[1] and r.h[2] == 0.05, "  with its errors")
+ok(#r.value == 3 and r.value[3] < r.value[1] and r.h[2] == 0.03, "  with its errors")
 ok(slopes(kepler, "gauss(8)", { { 1, 0 }, { 0, 1 } }).value_slope == nil, "errors of round-off have no slope")
 
 -- what is refused
