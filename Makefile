@@ -148,6 +148,12 @@ charts: all
 	@.ci/setup --install pictures
 	$(B)/dmlua tests/bench/dm/charts.lua docs $(sort $(wildcard tests/bench/gallery/*.lua))
 
+# the docs for a browser, in $(B)/site
+site: all
+	@.ci/setup --install pictures site
+	$(B)/dmlua docs/site/build.lua $(B)/site
+	$(B)/dmlua docs/site/check.lua $(B)/site
+
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: all
 	@install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm $(SHARE)/dmlua/lua/dm \
@@ -206,10 +212,11 @@ help:
 	@echo "make docs       write docs/reference.md, the man page and the completions again"
 	@echo "make format, make lint"
 	@echo "make install, make uninstall   PREFIX=$(PREFIX) DESTDIR="
+	@echo "make site       the docs as pages for a browser in $(B)/site"
 	@echo "make deb        a Debian package in $(B)/deb"
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
 .PHONY: all modules setup programs test house demo san sanitized valgrind bench charts format lint docs \
-  install uninstall rock deb clean help always
+  install uninstall rock deb site clean help always
 -include $(shell find $(B) -name '*.d' -type f -not -path '$(B)/san/*' -not -path '$(B)/deb/*' 2>/dev/null)
