@@ -32,6 +32,11 @@ return {
   charts = {
     game_loop = "a deadline, which charts do not know",
     porous_hole = "an equation on a mesh, no rule of time",
+    falling_cat = "loops of shapes, no rule of time",
+    foucault = "loops of a sphere, no rule of time",
+    three_rotors = "loops of shapes; rules on groups are compared in docs/benchmarks/groups.md",
+    locked_formation = "controllers, one rule",
+    mesh_curvature = "angles of a mesh, no rule of time",
     cavity = "frequencies on a mesh, no rule of time",
     torus_fields = "forms on a mesh, no rule of time",
     heat_sphere = "modes of a mesh, exact in time",
