@@ -459,6 +459,47 @@ function dm_chart_class:table() end
 ---@class dm.columns
 local dm_columns_class = {}
 
+---dm.complex_vector: complex numbers at points, as path.psi[i] of a wave
+---fields: re, im (dm.vectors), x (points), weight (of integrals); #v; + - and * / by numbers
+---@class dm.complex_vector
+local dm_complex_vector_class = {}
+
+---v:abs2() -> dm.vector
+---
+---|v|^2, entry by entry: the density of a wave.
+---@return dm.vector
+function dm_complex_vector_class:abs2() end
+
+---v:arg() -> dm.vector
+---
+---The phase of the entries, from -pi to pi; 0 where an entry is 0.
+---@return dm.vector
+function dm_complex_vector_class:arg() end
+
+---v:dot(w) -> re, im
+---
+---<v, w>, the integral of conj(v) w by the weights of the points: linear in w. Raises for another
+---length.
+---@param w? any
+---@return any
+---@return any
+function dm_complex_vector_class:dot(w) end
+
+---v:norm() -> number
+---
+---The root of <v, v>: 1 for a normalized wave. On a ring the integral is exact for what the points
+---can show.
+---@return number
+function dm_complex_vector_class:norm() end
+
+---v:times(re, im) -> dm.complex_vector
+---
+---(re + i im) v.
+---@param re? any
+---@param im? any
+---@return dm.complex_vector
+function dm_complex_vector_class:times(re, im) end
+
 ---dm.cone: an operator from chains of degree k to degree k + 1, made by K:cone(); p(c) is p of a chain
 ---fields: mesh, rule, hub, poincare (has the mesh the homology of a point, so that d p + p d = 1 but
 ---for the hub?), critical (critical[k], k from 0: cells in no pair of the matching; rules "matching",
@@ -1695,6 +1736,68 @@ function dm_journal_file_class:sync() end
 ---@return any
 function dm_journal_file_class:truncate(size) end
 
+---dm.levi_civita: a discrete Levi-Civita connection, made by K:levi_civita{frames=, rule=, on=,
+---metric=}
+---fields: mesh, rule ("face" or "thesis"), on ("dual": frames in top cells, or "primal": frames at the
+---vertices of a surface).
+---@class dm.levi_civita
+local dm_levi_civita_class = {}
+
+---A:angle() -> list of numbers
+---
+---The curvature of all cells of codimension 2, in their order: on a surface the deficit 2 pi - sum of
+---angles with its sign, which over a closed surface sums to 2 pi chi; in higher dimensions the angle
+---of the rotation round the cell, 0 to pi; false at the boundary. With on = "primal": of all
+---triangles, the angles at which are those of the surface over 2 pi at every inner vertex.
+---@return table
+function dm_levi_civita_class:angle() end
+
+---A:curvature(cell) -> dm.matrix, n x n
+---
+---The rotation round a cell of codimension 2, in the frame of the top cell round it with the least
+---number, in the sense of the orientation; on a surface by the deficit. With on = "primal": round a
+---triangle, in the frame of its first vertex. Raises at the boundary.
+---@param cell? any
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:curvature(cell) end
+
+---A:frame(cell) -> dm.matrix
+---
+---The frame of a top cell of a mesh with points: its axes in space as columns, ambient x n.
+---@param cell? any
+---@return dm.matrix
+function dm_levi_civita_class:frame(cell) end
+
+---A:holonomy{i, j, ..., i} -> dm.matrix, n x n
+---
+---The rotation along a closed path of neighbours, top cells (on = "primal": vertices), in the frame of
+---the first.
+---@param options? table
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:holonomy(options) end
+
+---A:rotation(i, j) -> dm.matrix, n x n
+---
+---The rotation that takes vectors from the frame of top cell i to that of its neighbour j, as if both
+---were unfolded: edges of the common face go to themselves. With on = "primal": from vertex i to
+---vertex j along their edge. Raises where they are no neighbours.
+---@param i? any
+---@param j? any
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:rotation(i, j) end
+
+---A:transport({i, j, ...}, v) -> dm.vector
+---
+---The vector v, n numbers in the frame of the first cell, taken in parallel along a path of
+---neighbours, in the frame of the last. A:frame gives the axes of a frame in space.
+---@param options? table
+---@param v? any
+---@return dm.vector
+function dm_levi_civita_class:transport(options, v) end
+
 ---dm.matching: an acyclic matching of the cells of a mesh, made by core.matching(K)
 ---M:critical(k): the cells in no pair; chains flow along the pairs to them (Leok 3.11).
 ---@class dm.matching
@@ -1967,6 +2070,12 @@ function dm_mesh_class:d(k, options) end
 ---@return table
 function dm_mesh_class:darcy(options) end
 
+---K:deficits() -> list of numbers or false
+---
+---2 pi - the sum of the angles of the top cells at every cell of codimension 2; false at the boundary. On a surface they are the curvatures of the vertices. Raises where K is no manifold.
+---@return table|boolean
+function dm_mesh_class:deficits() end
+
 ---K:divergence_values(X, "vertices" | "cells" [, flux]) -> dm.vector
 ---
 ---The divergence at the vertices, with the flux through the boundary or without: see field:div.
@@ -1975,6 +2084,13 @@ function dm_mesh_class:darcy(options) end
 ---@param flux? any
 ---@return dm.vector
 function dm_mesh_class:divergence_values(X, vertices, flux) end
+
+---K:dual_ring(cell) -> list of top cells
+---
+---The dual loop round a cell of codimension 2, from the top cell with the least number on, in the sense of the orientation of K. Raises at the boundary.
+---@param cell? any
+---@return table
+function dm_mesh_class:dual_ring(cell) end
 
 ---K:dual_volume(k) -> dm.vector
 ---
@@ -2074,6 +2190,26 @@ function dm_mesh_class:flip_values() end
 ---@return dm.form
 function dm_mesh_class:form(k, values, options) end
 
+---K:frame_places(cell [, frames]) -> dm.matrix, n + 1 x n
+---
+---The vertices of a top cell in its frame, a row each, the first at 0.
+---@param cell? any
+---@param frames? any
+---@return dm.matrix
+---@return any
+function dm_mesh_class:frame_places(cell, frames) end
+
+---K:frame_rotation(i, j [, frames [, printed]]) -> dm.matrix, n x n
+---
+---The rotation from the frame of top cell i to that of its neighbour j; frames: n n numbers a cell, the axes of its frame as columns in the cell's own one; printed = true: the least rotation of the normals.
+---@param i? any
+---@param j? any
+---@param frames? any
+---@param printed? any
+---@return dm.matrix
+---@return any
+function dm_mesh_class:frame_rotation(i, j, frames, printed) end
+
 ---K:fundamental() -> dm.chain
 ---
 ---The sum of all top cells in their coherent orientation; forms of the highest degree are integrated
@@ -2148,6 +2284,20 @@ function dm_mesh_class:laplace_beltrami(options) end
 ---@param options? table
 ---@return dm.operator
 function dm_mesh_class:laplacian(k, options) end
+
+---K:levi_civita{frames=, rule=, on=, metric=} -> dm.levi_civita
+---
+---The discrete Levi-Civita connection of a simplicial manifold of dimension 2 or more (Leok 4.7.3): a
+---frame in every top cell, a rotation for every dual edge. frames(cell): a rotation (an element of
+---SO(n); on surfaces an angle will do) of the cell's own frame, which is Cholesky's of its edges.
+---rule: "face" (default), rotations that keep the common face, or "thesis", the least rotation of one
+---normal to the other, which is wrong for frames of no common chart [E10]. on = "primal", of oriented
+---surfaces: frames at vertices, rotations along edges, curvature of triangles. metric(cell): the
+---matrix e_i . e_j of the edges from the first vertex of a top cell, in place of points or lengths;
+---faces must agree.
+---@param options? table
+---@return dm.levi_civita
+function dm_mesh_class:levi_civita(options) end
 
 ---K:link(k, i) -> dm.mesh, list of vertices   or nothing
 ---
@@ -2402,6 +2552,40 @@ function dm_mesh_class:wedge_values(k, a, l, b, rule) end
 ---@param x? any
 ---@return dm.vector
 function dm_mesh_class:weighted_dual(k, x) end
+
+---dm.msfem_solution: finite elements for (a u')' = f, u = 0 at the ends
+---fields: u (dm.vector, at all nodes), x (nodes), elements ("multiscale", "linear")
+---@class dm.msfem_solution
+local dm_msfem_solution_class = {}
+
+---s:exact(x) -> number
+---
+---The solution itself, int F/a - (int_all F/a)/G_all G(x), G and F the integrals of 1/a and f.
+---@param x? any
+---@return number
+function dm_msfem_solution_class:exact(x) end
+
+---s:plot{file=, ...} -> file name or nothing
+---
+---The exact solution, that of the elements and its values at the nodes; options as of dm.plot.
+---@param options? table
+---@return string|nil
+function dm_msfem_solution_class:plot(options) end
+
+---s:shape(i, x) -> number
+---
+---The shape function of node i at x: 1 at the node, 0 at all others and beyond its elements.
+---@param i? any
+---@param x? any
+---@return number
+function dm_msfem_solution_class:shape(i, x) end
+
+---s:value(x) -> number
+---
+---The finite element solution at x. Raises outside of the nodes.
+---@param x? any
+---@return number
+function dm_msfem_solution_class:value(x) end
 
 ---dm.multigrid: nested meshes and what leads from one to the next, made by dm.multigrid{K1, ..., Kn}
 ---fields: meshes (the coarsest first), fixed; #mg levels
@@ -2793,6 +2977,75 @@ function dm_scene_class:run(options) end
 ---@return string
 function dm_scene_class:why() end
 
+---dm.schroedinger: a Schroedinger equation on a ring or between walls
+---fields: x (points), weight (of integrals), V (at `nodes`), nodes, N, from, to, hbar, m, g, space,
+---boundary
+---@class dm.schroedinger
+local dm_schroedinger_class = {}
+
+---wave:current(psi) -> j, density
+---
+---hbar/m Im(psi* psi_x) and |psi|^2 at the points, dm.vectors: density_t + j_x = 0. The current of the
+---phase (Leok 5.8, signs corrected) is -hbar times both. psi: a complex vector or a function of x.
+---@param psi? any
+---@return any
+---@return any
+function dm_schroedinger_class:current(psi) end
+
+---wave:eigen(k) -> {values, psi}
+---
+---The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
+---norm 1: by dense rotations up to 1200 points. Beyond it raises: take fewer points, an energy is good
+---to round-off on as many as its state needs.
+---@param k? any
+---@return table
+function dm_schroedinger_class:eigen(k) end
+
+---wave:equation() -> dm.wave_equation
+---
+---What stands behind it in C, made when it is first asked for.
+---@return dm.wave_equation
+function dm_schroedinger_class:equation() end
+
+---wave:observe(psi) -> {norm, energy, x, momentum}
+---
+---Of a state: the integral of |psi|^2; that of psi* (T + V) psi + g/2 |psi|^4; means of x and p.
+---@param psi? any
+---@return table
+function dm_schroedinger_class:observe(psi) end
+
+---wave:resume(file | path) -> dm.wave_solver
+---
+---The solver of a run, which goes on from where that ended, bit for bit: run it without psi. From a
+---path or from the file that path:checkpoint wrote. Raises where the wave is another one.
+---@param file? string
+---@return dm.wave_solver
+function dm_schroedinger_class:resume(file) end
+
+---wave:solver{rule=, h=, norm=, unstable=, plan=, wisdom=} -> dm.wave_solver
+---
+---What steps a wave. rule: "strang" (half a kick by V + g |psi|^2, a drift, half a kick) and every
+---composition and splitting of dm.rules(), "yoshida(4)"; "gauss(s)", "crank-nicolson" = "gauss(1)", by
+---the modes of H up to 1200 points and by iteration for what these do not have (g, s <= 24); "slab",
+---Gauss with a degree in time that resolves every mode, or "slab(s)"; "two-step", Leok's linear
+---functions in time, with norm = true the multiplier that keeps the norm, with unstable = true beyond
+---its limit. plan = "measure": FFTW chooses by timing, kept in the file wisdom = (unless given, in
+---the user's cache), so that the next run has the same bits. Raises, with the reason, on rules that
+---are not unitary.
+---@param options? table
+---@return dm.wave_solver
+function dm_schroedinger_class:solver(options) end
+
+---wave:stability_limit(rule) -> h, exact
+---
+---The largest step that does not let modes grow: sqrt(3) hbar/E_max for "two-step"; for kicks and
+---drifts with g that of resonances, pi hbar/T_max (Weideman & Herbst 1986); infinite for all that is
+---unitary. exact = false: an estimate.
+---@param rule? any
+---@return any
+---@return any
+function dm_schroedinger_class:stability_limit(rule) end
+
 ---dm.section: the crossings of a surface by one run or several, made by solver:section{g=, ...}
 ---fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of
 ---all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.
@@ -2936,7 +3189,7 @@ function dm_solver_class:multipliers(options) end
 
 ---solver:report() -> table
 ---
----What the last run cost: rule, order, h, backend, operations (of the kernels, per evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; substeps_per_step where they are chosen; unseen: how often a controlled step would have jumped over something; with constraints: constraint and rolling, the largest |g| and |phi| at the end of a step.
+---What the last run cost: rule, order, h, backend, operations (of the kernels, per evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the condition number of the step equation of a dm.multiscale; unseen: how often a controlled step would have jumped over something; with constraints: constraint and rolling, the largest |g| and |phi| at the end of a step.
 ---@return table
 function dm_solver_class:report() end
 
@@ -4048,6 +4301,145 @@ function dm_vector_field_class:flat(options) end
 ---@return string|nil
 function dm_vector_field_class:plot(options) end
 
+---dm.wave_equation: the equation behind a dm.schroedinger
+---fields: n (unknowns), fft (who makes transforms)
+---@class dm.wave_equation
+local dm_wave_equation_class = {}
+
+---w:eigen(k) -> values, list of dm.vector
+---
+---The k least energies of H and values of real eigenfunctions of norm 1 at the points; up to 1200 unknowns.
+---@param k? any
+---@return any
+---@return table
+function dm_wave_equation_class:eigen(k) end
+
+---w:energies() -> dm.vector, exact
+---
+---The energies of all modes of H, without g; beyond 1200 unknowns bounds of them, exact = false.
+---@return dm.vector
+---@return any
+function dm_wave_equation_class:energies() end
+
+---w:matrix() -> dm.matrix
+---
+---H of the amplitudes sqrt(weight) psi, real symmetric, without g.
+---@return dm.matrix
+function dm_wave_equation_class:matrix() end
+
+---w:observe(re, im) -> norm, energy, x, momentum
+---
+---The integral of |psi|^2, the energy, and means of x and p.
+---@param re? any
+---@param im? any
+---@return any
+---@return any
+---@return any
+---@return any
+function dm_wave_equation_class:observe(re, im) end
+
+---w:slope(re, im) -> re, im
+---
+---The derivative in x at the points.
+---@param re? any
+---@param im? any
+---@return any
+---@return any
+function dm_wave_equation_class:slope(re, im) end
+
+---dm.wave_path: the rows of a run of a wave
+---fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
+---title, notes (what to know of its accuracy), ns_per_step; #path rows
+---@class dm.wave_path
+local dm_wave_path_class = {}
+
+---path:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; wave:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_wave_path_class:checkpoint(file) end
+
+---path:column(name) -> dm.vector
+---
+---"t", "norm" (integral of |psi|^2), "energy" (of psi* (T + V) psi + g/2 |psi|^4), "x" and "momentum"
+---(means), "noether": the discrete Noether quantity of the phase, of "two-step" hbar Re<psi, psi+> -
+---h/3 Im<psi, H psi+>, else hbar times the norm.
+---@param name? any
+---@return dm.vector
+function dm_wave_path_class:column(name) end
+
+---path:csv(file) -> file name   or   path:csv() -> string
+---
+---The columns as comma-separated values, 17 significant digits; psi is left out.
+---@param file? string
+---@return string
+function dm_wave_path_class:csv(file) end
+
+---path:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope of a column, or of #path numbers, against time, as of other paths.
+---@param name? any
+---@return table
+function dm_wave_path_class:drift(name) end
+
+---dm.wave_solver: a rule that steps a wave
+---fields: wave, rule, h
+---@class dm.wave_solver
+local dm_wave_solver_class = {}
+
+---solver:report() -> {rule, h, fft, steps, ns_per_step, iterations, residual, degree, parasitic}
+---
+---Who makes the transforms ("FFTW", "GSL", "none" between walls); of the last run steps and time;
+---iterations so far and the residual of the last, where a step is solved for; degree in time of Gauss
+---and slabs; parasitic: the share of the parasitic mode in the start of "two-step".
+---@return table
+function dm_wave_solver_class:report() end
+
+---solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=} -> dm.wave_path
+---
+---Steps from psi, a function of x that returns re and im (left out: 0), a complex vector or
+---{ re =, im = }; t: a duration, up to the step that reaches it. A row for `every` steps and the last.
+---seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. What ends
+---a run early, Ctrl-C too, is a dm.failure with the path so far. The rows: path.psi[i], and columns t,
+---norm, energy, x, momentum, noether.
+---@param options? table
+---@return dm.wave_path
+function dm_wave_solver_class:run(options) end
+
+---dm.wave_stepper: steps of a wave
+---fields: iterations, residual (of the last step that was solved for), parasitic
+---@class dm.wave_stepper
+local dm_wave_stepper_class = {}
+
+---s:run(t0, first, steps, every [, seconds]) -> rows, done, code, seconds
+---
+---Steps from the state, which is step `first` of a run from t0, and a row for `every` of them: t, norm, energy, x, momentum, noether, tail, edge, then re and im of psi in turn. code as of a dm.failure, "ok" where nothing failed.
+---@param t0? any
+---@param first? any
+---@param steps? any
+---@param every? any
+---@param seconds? any
+---@return any
+---@return any
+---@return any
+---@return any
+function dm_wave_stepper_class:run(t0, first, steps, every, seconds) end
+
+---s:start(re, im)
+---
+---Set the state to the values of psi at the points.
+---@param re? any
+---@param im? any
+function dm_wave_stepper_class:start(re, im) end
+
+---s:state([numbers]) -> dm.vector
+---
+---All that a run needs to go on bit for bit; given, it is set first.
+---@param numbers? any
+---@return dm.vector
+function dm_wave_stepper_class:state(numbers) end
+
 ---dm.worker: another process, made by core.worker(f)
 ---Members of dm.sweep run in such ones; it is ended when it is collected.
 ---@class dm.worker
@@ -4488,6 +4880,15 @@ function dm.exp(x) end
 ---@return any
 function dm.extremum(value, f, y, q, v) end
 
+---dm.fft(x [, y]) -> re, im
+---
+---The discrete Fourier transform of x + i y, n numbers each (y left out: 0), n >= 1: entry k + 1 is sum_j (x_j + i y_j) exp(-2 pi i j k/n), j, k = 0 .. n - 1, as two dm.vectors. By FFTW, where dm/fft.so was built (libfftw3-dev), else by GSL, which takes n^2 operations for large prime factors of n. Raises on entries that are not finite and on vectors of two lengths.
+---@param x? any
+---@param y? any
+---@return any
+---@return any
+function dm.fft(x, y) end
+
 ---dm.figure{panel, panel, ..., file=, title=, columns=, share=, letters=, width=, height=, size=, dpi=, font=, fontsize=, linewidth=, text=, ascii=} -> file or nothing
 ---
 ---Several plots in one picture. Each panel is a list of series { x =, y =, name = } (path:series makes
@@ -4497,6 +4898,19 @@ function dm.extremum(value, f, y, q, v) end
 ---@param options? table
 ---@return any|nil
 function dm.figure(options) end
+
+---dm.filon(quadrature, z) -> re, im, nodes
+---
+---Filon's weights b_i(z) = int_0^1 l_i(x) exp(i z x) dx on the nodes of a quadrature ("lobatto(5)",
+---or { nodes = }; at most 8), l_i their Lagrange polynomials: the integral over a step h of
+---F(t) exp(i w t) is about h sum_i b_i(w h) F(c_i h), exactly where F has a degree below the number
+---of nodes. Real and imaginary parts, and the nodes in [0, 1], as vectors. Filon 1928; Leok 5.7.2.
+---@param quadrature? any
+---@param z? any
+---@return any
+---@return any
+---@return any
+function dm.filon(quadrature, z) end
 
 ---dm.five_lemma{top=, bottom=, maps=, over=} -> {commutes, exact, maps, says, holds}
 ---
@@ -4523,11 +4937,12 @@ function dm.floor(x) end
 ---@return number
 function dm.fmod(x, y) end
 
----dm.galerkin{degree=, nodes=, weights=} -> dm.rule
+---dm.galerkin{degree=, nodes=, weights=} -> dm.rule   or   dm.galerkin{functions= | curve=, parameters=, start=, quadrature=} -> dm.rule
 ---
 ---A Galerkin variational integrator for rule =: curves of that degree, the action by a quadrature with these nodes in [0, 1] (growing) and weights (sum 1; left out: those exact to the highest degree). Quadratures with names need no object: rule = "galerkin(3, lobatto(4))". Raises, with the degree, when the quadrature is not exact enough (Marsden & West 2001, 2.6; HLW VI.6).
+---functions = function(t, h) return { 1, t, math.cos(t) } end: curves in the space of these functions, t from 0 to h, for every coordinate, or a list of such functions, one a coordinate. Or any curve: curve = function(t, z, h) -> the coordinates, z of `parameters` numbers, for which start = function(q, v, h) gives the first guess. quadrature: a name, "gauss(8)", { nodes =, weights = }, or { "gauss(4)", pieces = 5 }. A step solves for z and the momentum at its end (Leok 5.2). Raises for functions that depend on each other, that leave an end no freedom, or that the quadrature does not tell apart.
 ---@param options? table
----@return dm.rule
+---@return dm.rule|any
 function dm.galerkin(options) end
 
 ---dm.group{basis=, form=, name=} -> dm.space   or   {dimension=, identity=, mul=, inv=, exp=, log=}
@@ -4570,6 +4985,15 @@ function dm.hyperdual(f, a, b, ab) end
 ---@return dm.matrix
 function dm.identity(n) end
 
+---dm.ifft(re [, im]) -> x, y
+---
+---The inverse of dm.fft: sum_k (re_k + i im_k) exp(2 pi i j k/n)/n.
+---@param re? any
+---@param im? any
+---@return any
+---@return any
+function dm.ifft(re, im) end
+
 ---dm.invariant_problem{frame=, L=, points=, invariants=, constraint=, inside=, name=} -> problem
 ---
 ---The variational problem sum L(I) = extremal over sequences of points, invariant under the action of
@@ -4590,6 +5014,19 @@ function dm.invariant_problem(options) end
 ---@param file? string
 ---@return dm.journal
 function dm.journal(file) end
+
+---dm.lab{sliders=, run=, file=, points=, dim=, draw=, rods=, bodies=, trail=, plots=, names=, title=, frames=, t=} -> file name
+---
+---A page with sliders, for a lecture: every position was run when the page was made, so that it needs
+---no server and no network. sliders = { h = { 0.01, 0.5, 12, "log" }, rule = { "verlet", "rk4" } }:
+---{ from, to, count [, "log"] }, or a list of texts; run = function(h, rule) returns the path of a
+---position, or a list of paths that move side by side; its arguments have the names of the sliders.
+---The other options are those of path:animate, frames by default 240. Where run fails the page shows
+---its message. In a notebook the page stands there without a file. Raises when the page would have
+---more than 4 MB, with what to lower.
+---@param options? table
+---@return string
+function dm.lab(options) end
 
 ---dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 ---
@@ -4701,6 +5138,18 @@ function dm.modf(x) end
 ---@return any
 function dm.moving_frame(options) end
 
+---dm.msfem{a=, f=, x=, period=, antiderivative=, shape=} -> dm.msfem_solution
+---
+---(a u')' = f with u = 0 at both ends of the nodes x, a growing list; a and f: functions of x, a > 0.
+---The shape functions follow a (shape = "multiscale", unless given), so that the values at the nodes
+---are those of the solution to round-off on any mesh; shape = "linear": hats, for comparison. period:
+---of a, where it varies fast; antiderivative: of 1/a, where it is known (it is checked). Integrals are
+---by 12 Gauss points on panels that are halved until nothing changes. Raises on a <= 0, on nodes that
+---do not grow, and on integrals that do not settle.
+---@param options? table
+---@return dm.msfem_solution
+function dm.msfem(options) end
+
 ---dm.multigrid{coarsest, ..., finest, fixed = "boundary" | "nothing"} -> dm.multigrid
 ---
 ---Nested meshes: every cell of one is a union of cells of the next; or each next one has the midpoints
@@ -4710,6 +5159,23 @@ function dm.moving_frame(options) end
 ---@param options? table
 ---@return dm.multigrid
 function dm.multigrid(options) end
+
+---dm.multiscale{frequency=, degrees=, oscillating=, nodes=, phases=, ansatz=} -> dm.rule
+---
+---A rule for motion that vibrates with a known frequency w (radians per unit of time;
+---path:frequency reads it off a run) beside something slow, with steps over many vibrations: every
+---coordinate is P(t) + S(t) sin(w t) + C(t) cos(w t), P of `degrees` (3; a list: one for each
+---coordinate), S and C of degree `oscillating` (0). L is taken at nodes x phases points of time and
+---phase (5 Lobatto nodes, at most 8; 9 phases, odd) and every harmonic integrated by Filon's
+---weights, so that a step costs the same however stiff the spring. Rows and events inside a step are
+---read off its curve. ansatz = "product": P(t) (1 + a sin(w t) + b cos(w t)), the printed space with
+---w held, to compare: its equations have many roots and conditions of 1e10 and more
+---(solver:report().condition). Where h w is below 3, more nodes and phases are needed (6 and 15),
+---below 1/2 the space is refused. A wrong frequency, or a second one, shows in
+---solver:report().defect. Leok 5.7.
+---@param options? table
+---@return dm.rule
+function dm.multiscale(options) end
 
 ---dm.pair(a, b) -> dm.pair   or   dm.pair(q0, q1, ..., qp) -> dm.pair_tuple
 ---
@@ -4897,6 +5363,18 @@ function dm.scaling(options) end
 ---@return dm.scene
 function dm.scene(options) end
 
+---dm.schroedinger{x = {from, to, N}, V=, hbar=, m=, g=, space=, boundary=} -> dm.schroedinger
+---
+---The equation i hbar psi_t = -hbar^2/2m psi_xx + (V + g |psi|^2) psi in one dimension. On a ring
+---(boundary = "ring", unless given) of the even number N of points from + (j - 1) (to - from)/N;
+---boundary = "walls": psi = 0 at both ends, N Chebyshev points with the ends among them. V: a function
+---of x, a number (0) or a list of N values; hbar = m = 1 and g = 0 unless given. space =
+---"collocation", or "galerkin" on a ring: Leok's trigonometric polynomials with exact integrals of the
+---interpolated V, g = 0. Raises on odd rings, where V is not finite, and on V of x and t.
+---@param options? table
+---@return dm.schroedinger
+function dm.schroedinger(options) end
+
 ---dm.semidirect(G, V [, action]) -> dm.space
 ---
 ---The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, w) = (g h, v + g w), where g w is action(g, w), linear in w (left out: the standard one of G, matrix times vector). The algebra has that of G first, then V.
@@ -4954,9 +5432,9 @@ function dm.sinh(x) end
 ---@return table
 function dm.smith(A) end
 
----dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=} -> dm.solver
+---dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, threads=} -> dm.solver
 ---
----A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated").
+---A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated"). threads: of a step, of fields on meshes by kicks and drifts and rattle; the bits are those of one.
 ---@param options? table
 ---@return dm.solver
 function dm.solver(options) end

@@ -2,8 +2,8 @@
 return {
   title = "Holonomy: a turn that no momentum made",
   about = [[A cat that is dropped without spin bends, twists, straightens, and has turned. What
-    moves is its shape; that the angular momentum stays zero says how the body follows: a connection.
-    Its discrete form takes two shapes to a turn. Round a loop of shapes the turns do not
+    moves is its shape; that the angular momentum stays zero says how the body follows: a
+    connection. Its discrete form takes two shapes to a turn. Round a loop of shapes the turns do not
     cancel, and what is left is the holonomy: for a small loop, minus its area times the
     curvature.]],
   numbers = { { name = "radius", value = 0.7, least = 0.05, most = 1,
@@ -38,7 +38,9 @@ flat = -A:curvature({ 0.5, -0.4 }, 1, 2)[1]*math.pi*radius^2
 print(("turn %.6f   continuous %.6f   -curvature x area %.6f"):format(turn, exact, flat))]] },
     { "A mesh has a connection of its own: a vector carried round a vertex turns by 2 pi less the "
       .. "sum of its angles. All of them make 4 pi on a sphere, however it is bent.", [[
-potato = dm.mesh { icosphere = 3, map = function(x, y, z) return { x*(1 + 0.3*math.sin(3*z)), y, z } end }
+potato = dm.mesh { icosphere = 3, map = function(x, y, z)
+  return { x*(1 + 0.3*math.sin(3*z)), y, z }
+end }
 total = 0
 for _, deficit in ipairs(potato:levi_civita():angle()) do total = total + deficit end
 print(total/(4*math.pi))]] },
