@@ -3,9 +3,9 @@ return {
   title = "Holonomy: a turn that no momentum made",
   about = [[A cat that is dropped without spin bends, twists, straightens, and has turned. What
     moves is its shape; that the angular momentum stays zero says how the body follows: a
-    connection. Its discrete form takes two shapes to a turn. Round a loop of shapes the turns do not
-    cancel, and what is left is the holonomy: for a small loop, minus its area times the
-    curvature.]],
+    connection. Its discrete form takes two shapes to a turn. Round a loop of shapes the turns
+    do not cancel, and what is left is the holonomy: for a small loop, minus its area times
+    the curvature.]],
   numbers = { { name = "radius", value = 0.7, least = 0.05, most = 1,
       what = "of the loop in the plane of the two joints" },
     { name = "points", value = 32, least = 8, most = 256, what = "points of the loop" } },
