@@ -113,6 +113,123 @@ function dm_action_class:tangent() end
 ---@return boolean
 function dm_action_class:transitive(z) end
 
+---dm.avi_cells: the cells of the potential of a field, each with a step of its own
+---what field:solver{ rule = "avi" } runs
+---@class dm.avi_cells
+local dm_avi_cells_class = {}
+
+---cells:limits() -> dm.vector
+---
+---2 / omega of every cell alone at q, with its share of the masses of its entries.
+---@return dm.vector
+function dm_avi_cells_class:limits() end
+
+---cells:resonances(margin) -> number
+---
+---Pairs of cells with a common entry of which one kicks the other near a multiple of its half period, omega_K h_L = k pi, by so many half periods.
+---@param margin? any
+---@return number
+function dm_avi_cells_class:resonances(margin) end
+
+---cells:run(p, h, times, half) -> dm.path, code, events
+---
+---Steps h of every cell from q and p at times[1]; a row at every time.
+---@param p? any
+---@param h? any
+---@param times? any
+---@param half? any
+---@return dm.path
+---@return any
+---@return any
+function dm_avi_cells_class:run(p, h, times, half) end
+
+---cells:sums() -> list of { call, cells }
+---
+---The sums of the potential in the order of their cells: number of the sum in L, and cells.
+---@return table
+function dm_avi_cells_class:sums() end
+
+---dm.box_run: the recorded levels of boxes; #run rows
+---fields: by the name of each component a matrix, run.u[i] (a vector of all nodes), t[i], z[i] (all
+---components, node after node, without what they gain), gain (by name: what a component gains round
+---the ring), steps, h, boxes, solver
+---@class dm.box_run
+local dm_box_run_class = {}
+
+---run:animate(file, {of=, title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser moves the line through its rows, without a network. of: "u",
+---"p2", a component of boxes; seconds: how long all rows take.
+---@param file? string
+---@param options? table
+---@return string
+function dm_box_run_class:animate(file, options) end
+
+---run:balance("energy" | "momentum" | "multisymplectic") -> number
+---
+---The largest residual, over all boxes, of a local law D_t(density) + D_x(flux) = 0. With m the mean
+---over a box and D the differences: energy has the density S(m z) - <m z, K D_x z>/2 and the flux
+---<m z, K D_t z>/2; momentum exchanges M and K, density and flux; multisymplectic: <v, M w> and
+---<v, K w> of two first variations, random at the start (Bridges, Reich 2001). Round-off for quadratic
+---S, multisymplectic for every S; the others have order 2.
+---@param energy? any
+---@return number
+function dm_box_run_class:balance(energy) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
+---is an array of all nodes; dm.load reads it.
+---@param file? string
+---@return string
+function dm_box_run_class:npy(file) end
+
+---run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+---
+---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
+---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.
+---@param name? any
+---@param options? table
+---@return string|nil
+function dm_box_run_class:plot(name, options) end
+
+---run:vtk(file) -> {file, ...}
+---
+---A file file_00001.vtk, ... for every row, the nodes as a line with their values, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_box_run_class:vtk(file) end
+
+---dm.box_solver: boxes with a height, made by boxes:solver
+---fields: boxes, h, held (names of components with a gauge mode, whose first node is held)
+---@class dm.box_solver
+local dm_box_solver_class = {}
+
+---solver:run{z = {name = f, ...}, steps= | t=, every=, t0=} -> dm.box_run
+---
+---z: functions of x, or lists of a number for every node, for the components that have a z_t; others
+---follow, where they are left out, from rows without z_t, and where none tells them they start at
+---their mean over the first step (only their means over steps occur in the equations).
+---@param options? table
+---@return dm.box_run
+function dm_box_solver_class:run(options) end
+
+---dm.boxes: M z_t + K z_x = grad S(z) on a ring, made by dm.multisymplectic
+---fields: M, K, S, names, from, to, cells, dx
+---@class dm.boxes
+local dm_boxes_class = {}
+
+---boxes:solver{h=} -> dm.box_solver
+---
+---h: the height of a box. Refused where the step is singular since the ring has an even number of
+---cells and det K = 0. A component whose constant nothing determines (a gauge mode, as of KdV's
+---potential) is held at the first node: solver.held names it.
+---@param options? table
+---@return dm.box_solver
+function dm_boxes_class:solver(options) end
+
 ---dm.branch: relative equilibria followed in the momentum by shape:continue
 ---fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
 ---changes of stability, crossings); columns, vectors: mu, energy, velocity, growth (largest real part
@@ -825,6 +942,29 @@ function dm_diffeo_class:spatial_velocity(t) end
 ---fields: Q, Ld, h, name, coordinates, units, params, system, rule, constraint, map
 ---@class dm.discrete_lagrangian
 local dm_discrete_lagrangian_class = {}
+
+---Ld:against_exact{q=, v=, h={...}} -> { h, value, momentum, value_slope, momentum_slope }
+---
+---The discrete Lagrangian of a system and a rule beside the exact one, for several steps h, between
+---the ends of the motion from q with velocity v: value is |Ld - L_exact|, momentum the largest
+---difference of a Legendre transform from the momentum of the motion. The slopes are exponents of h,
+---2s + 1 and 2s for gauss(s); nil where fewer than two errors are above round-off (Leok 5.1.1, Marsden
+---& West 2001, 2.3). Raises for a formula Ld(q0, q1) of a script.
+---@param options? table
+---@return table
+function dm_discrete_lagrangian_class:against_exact(options) end
+
+---Ld:average(group | action [, {points=}]) -> dm.discrete_lagrangian
+---
+---The mean of Ld(g q0, g q1) over a compact group, by its standard action on Q or the given one: it
+---is invariant, so that its steps keep the momentum map (Leok, remark 5.2). points: of every angle
+---(8), by the trapezoidal rule on SO(2) and T^n, by Euler's angles on SO(3) with Gauss nodes of the
+---cosine, by factors on products. Invariance is looked at to 1e-12: raises where more points are
+---needed, for a group that is not compact, and for rules whose Ld is found by solving.
+---@param group? any
+---@param options? table
+---@return dm.discrete_lagrangian
+function dm_discrete_lagrangian_class:average(group, options) end
 
 ---Ld:coefficients() -> {a, d, b, c, beta}
 ---
@@ -1736,6 +1876,32 @@ function dm_journal_file_class:sync() end
 ---@return any
 function dm_journal_file_class:truncate(size) end
 
+---dm.lagrange_poincare: a discrete Lagrangian reduced by a group, made by dm.lagrange_poincare{group=,
+---base=, h=, l=} or system:reduce{group=, rule=, h=}
+---fields: group, base, h, connection, system (on Q = base x group) and rule (a dm.step), for whatever
+---takes these: charts, events, checkpoints of the unreduced motion.
+---@class dm.lagrange_poincare
+local dm_lagrange_poincare_class = {}
+
+---lp:residual({x0, x1, x2}, {f0, f1}) -> Ver, Hor
+---
+---The discrete Lagrange-Poincare operators (Leok 4.7.1) at x1: Ver = mu1(x0, x1, f0) - mu0(x1, x2,
+---f1), dim G numbers, and Hor = p1(x0, x1, f0) - p0(x1, x2, f1) - <Ver, A(x1)>, dim S numbers, with
+---the continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.
+---@param options? table
+---@param options_? any
+---@return any
+---@return any
+function dm_lagrange_poincare_class:residual(options, options_) end
+
+---lp:solver([{h=, newton=}]) -> dm.reduced_solver
+---
+---What steps the reduced equations, with the step h of lp where none is given; newton as of
+---system:solver.
+---@param options? table
+---@return dm.reduced_solver
+function dm_lagrange_poincare_class:solver(options) end
+
 ---dm.levi_civita: a discrete Levi-Civita connection, made by K:levi_civita{frames=, rule=, on=,
 ---metric=}
 ---fields: mesh, rule ("face" or "thesis"), on ("dual": frames in top cells, or "primal": frames at the
@@ -1797,6 +1963,134 @@ function dm_levi_civita_class:rotation(i, j) end
 ---@param v? any
 ---@return dm.vector
 function dm_levi_civita_class:transport(options, v) end
+
+---dm.line_field: a field u(t, x) on a line with a Lagrangian L(u, ut, ux, x, t), made by dm.field
+---fields: from, to, cells, nodes, dx, periodic, values (numbers of u)
+---@class dm.line_field
+local dm_line_field_class = {}
+
+---field:reflection({u=}) -> {left=, right=}
+---
+---The part of a wave that comes back from absorbing ends, (Z - c) / (Z + c) with the impedance Z^2 = -
+---L_utut L_uxux at u = 0 or at the number u. Waves in a medium with dispersion come back more.
+---@param options? table
+---@return table
+function dm_line_field_class:reflection(options) end
+
+---field:solver{rule=, h=, free=} -> dm.line_solver
+---
+---rule: "cell(gauss(r))" (default r = 2) or "cell(corners)", where L is looked at in a cell; h: the
+---height of a slab. free = "t": each slab's height is unknown, its energy that of the first one, whose
+---height is h (Leok 5.5, 5.6); free = "x": the nodes move, too, ends stay; free = {"t", "x"}: both.
+---@param options? table
+---@return dm.line_solver
+function dm_line_field_class:solver(options) end
+
+---field:stability_limit(rule, {u=}) -> number
+---
+---The height h at which the fastest oscillation about the level u (a function of x, nodes; default: 0)
+---begins to grow: (-1)^k v becomes a motion there. math.huge where there is none. L must not depend on
+---t, and not on the sign of ut.
+---@param rule? any
+---@param options? table
+---@return number
+function dm_line_field_class:stability_limit(rule, options) end
+
+---dm.line_run: the recorded levels of a field on a line; #run rows
+---fields: u[i], p[i] (vectors, node after node), t[i], energy[i] (-dS/dh of the slab that ends at the
+---row, first: of the first slab), x[i] (places of the nodes, where they move), nodes (where they are
+---at the start), frozen (numbers of the nodes that stay, where others move), steps, h, rule, field,
+---solver, ns_per_step
+---@class dm.line_run
+local dm_line_run_class = {}
+
+---run:animate(file, {of=, title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser moves the line through its rows, without a network. of: "u",
+---"p2", a component of boxes; seconds: how long all rows take.
+---@param file? string
+---@param options? table
+---@return string
+function dm_line_run_class:animate(file, options) end
+
+---run:column(name) -> dm.vector
+---
+---One number a row: "t", "energy", "u7" or "p7" (entry 7 of u or p).
+---@param name? any
+---@return dm.vector
+function dm_line_run_class:column(name) end
+
+---run:conservation(function(u, x, t) | "t" | "x") -> number
+---
+---The largest residual of a discrete conservation law, a unit of time and length. A generator xi(u, x,
+---t): around each node the sum of S_i . xi_i over the boundary of the cells that meet there, which is
+---round-off where every cell has the symmetry (shifts, rotations of u). "x": the same for shifts of
+---the nodes, round-off with free = "x". "t": the energy of each slab against that of the one before,
+---round-off with free = "t". Else their order, 2. Nodes that are fixed, absorb, or do not move with
+---the others have no law of their own.
+---@param function_? any
+---@return number
+function dm_line_run_class:conservation(function_) end
+
+---run:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column ("energy", "u7") or of a vector of #run entries, its
+---standard error, the mean, and the largest distance from the first row.
+---@param name? any
+---@return table
+function dm_line_run_class:drift(name) end
+
+---run:multisymplectic({seed=}) -> number
+---
+---The largest residual of the multisymplectic form formula: two first variations V, W of the run, from
+---random variations of u and p at the start (entries uniform in [-1, 1]), and around each node the sum
+---of dS_i(V) W_i - dS_i(W) V_i over the boundary of the cells that meet there (Leok 5.1.3). Round-off
+---for every L; nodes that are fixed or absorb have no law. With free heights the times of the levels
+---are held.
+---@param options? table
+---@return number
+function dm_line_run_class:multisymplectic(options) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
+---is an array of all nodes; dm.load reads it.
+---@param file? string
+---@return string
+function dm_line_run_class:npy(file) end
+
+---run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+---
+---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
+---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.
+---@param name? any
+---@param options? table
+---@return string|nil
+function dm_line_run_class:plot(name, options) end
+
+---run:vtk(file) -> {file, ...}
+---
+---A file file_00001.vtk, ... for every row, the nodes as a line with their values, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_line_run_class:vtk(file) end
+
+---dm.line_solver: a rule and a height of slabs for a field on a line, made by field:solver
+---fields: field, rule, h, free ("t", "x", "tx" or nil)
+---@class dm.line_solver
+local dm_line_solver_class = {}
+
+---solver:run{u=, ut= | p=, steps= | t=, every=, t0=} -> dm.line_run
+---
+---u, ut: functions of x, or lists of a number (with values = n: n numbers) for every node; ut is
+---interpolated as u is, so that p_i is the integral of L_ut phi_i; p: those themselves. t: a duration.
+---Rows at the start, every `every` slabs and at the end. A level that is not found raises a
+---dm.failure, whose `path` is the run so far.
+---@param options? table
+---@return dm.line_run
+function dm_line_solver_class:run(options) end
 
 ---dm.matching: an acyclic matching of the cells of a mesh, made by core.matching(K)
 ---M:critical(k): the cells in no pair; chains flow along the pairs to them (Leok 3.11).
@@ -2761,6 +3055,17 @@ function dm_path_class:energy() end
 ---@return dm.form
 function dm_path_class:form(i, q) end
 
+---path:frequency(name [, {above=}]) -> omega
+---
+---The strongest frequency (radians per unit of time) of a column of a run that resolves it, by its
+---spectrum under Hann's window: the fast one for dm.multiscale (Leok 5.7.3: ten periods of 200 steps
+---give four digits). above: only frequencies above this one. Rows must be equally far apart. Raises
+---where there are fewer than 3 periods, or fewer than 3 rows in a period.
+---@param name? any
+---@param options? table
+---@return any
+function dm_path_class:frequency(name, options) end
+
 ---path:mass(q [, t]) -> dm.matrix, dim Q x dim Q
 ---
 ---d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L again; t: default that of the first row. Raises where it is not finite.
@@ -2797,7 +3102,12 @@ function dm_path_class:npy(file) end
 
 ---path:phases() -> {total, dynamic, geometric}
 ---
----How far the group variable has come along a path of a reduced system, each a dm.matrix, #path x dim
+---How far the group variable has come along a path of a reduced system. On SO(3) (dm.euler_poincare,
+---dm.lagrange_poincare): dm.vectors of a number a row, about the spatial momentum J and not wrapped.
+---total is the turn of g_k S g_0^-1 about J, S the shortest rotation from the first body momentum to
+---that of row k; dynamic sums what turn a step has beyond the shortest rotation between its body
+---momenta; geometric is minus the area of their geodesic polygon, closed to the start; the sum is
+---exact for the rows that are kept. Of an abelian group each is a dm.matrix, #path x dim
 ---G: dynamic, h sum_j b_j I^-1 (mu - c) over the stages, what the momentum alone would turn, and
 ---geometric, -h sum_j b_j A x', the holonomy of the mechanical connection along the shapes (Marsden,
 ---Montgomery & Ratiu 1990).
@@ -2877,6 +3187,52 @@ function dm_random_class:normal(i, k, mean, deviation) end
 ---@param b? any
 ---@return number
 function dm_random_class:uniform(i, k, a, b) end
+
+---dm.reduced_path: a run of a reduced system, of solver:run{x=, p=, mu=} of dm.lagrange_poincare
+---fields: x, p, mu (a dm.vector a row: shape, its momentum, body momentum), f (f[k] leads from row k
+---to the next, f = g_k^-1 g_(k+1)), t, path (the dm.path on Q, for functions that take one), #run
+---rows; after reconstruct{g=} also g, elements. Other fields and methods are those of path.
+---@class dm.reduced_path
+local dm_reduced_path_class = {}
+
+---path:phases() -> {total, dynamic, geometric}
+---
+---Of a run on SO(3): how far the body has turned about its spatial momentum J, a dm.vector of a number
+---a row, not wrapped: see path:phases of dm.path.
+---@return table
+function dm_reduced_path_class:phases() end
+
+---path:reconstruct{g=} -> dm.reduced_path
+---
+---The run on Q over a reduced one that begins at the element g (default: the identity), g_(k+1) = g_k
+---f_k: the same rows, with elements .g and a dm.path .path on Q.
+---@param options? table
+---@return dm.reduced_path
+function dm_reduced_path_class:reconstruct(options) end
+
+---dm.reduced_solver: what steps a reduced system, made by lp:solver()
+---fields: solver (the dm.solver on Q, for what is not listed here), system, rule, h; its other methods
+---are those of solver.
+---@class dm.reduced_solver
+local dm_reduced_solver_class = {}
+
+---solver:ensemble{members=, x=, p=, mu=, g=, momentum=, steps=, ...} -> dm.ensemble
+---
+---Members of the reduced system: x, p, mu, g and momentum as of solver:run, each a value for all or a
+---function of the member's number. The dm.ensemble is one on Q.
+---@param options? table
+---@return dm.ensemble
+function dm_reduced_solver_class:ensemble(options) end
+
+---solver:run{x=, p=, mu=, steps=, ...} -> dm.reduced_path
+---
+---A run of the reduced equations from the shape x, its momentum p and the body momentum mu; or from g=
+---and momentum= J, the spatial momentum, mu = Ad*_g J: the level of J reduced by a group that is not
+---abelian (Routh); or from v = (x', xi), where the system has velocities. g is the element at the
+---start (default: the identity). Other options are those of a dm.solver: t, every, at, watch, events.
+---@param options? table
+---@return dm.reduced_path
+function dm_reduced_solver_class:run(options) end
 
 ---dm.remesh: takes forms of a mesh to another mesh of the same set, made by dm.remesh(K, M)
 ---fields: from, to (meshes), rule; T(a) is the form on the other mesh
@@ -3731,6 +4087,71 @@ function dm_stability_map_class:table(most) end
 ---@return any
 function dm_stability_map_class:theory(row) end
 
+---dm.strip: levels of a field on a line, as Lua modules see them
+---Two levels with a row of cells between them; made by core.strip. Fields and boxes on lines are made of it.
+---@class dm.strip
+local dm_strip_class = {}
+
+---strip:cells(lower, upper, t, h, "value" | "slopes" | "hessian") -> dm.matrix
+---
+---A row for every cell: the action or the equations, and their derivatives.
+---@param lower? any
+---@param upper? any
+---@param t? any
+---@param h? any
+---@param value? any
+---@return dm.matrix
+function dm_strip_class:cells(lower, upper, t, h, value) end
+
+---strip:energies{u=, t=} -> dm.vector, dm.vector
+---
+----dS/dh and dS/dt of every slab.
+---@param options? table
+---@return dm.vector
+---@return dm.vector
+function dm_strip_class:energies(options) end
+
+---strip:limit(u, least, most) -> number
+---
+---The height at which the fastest oscillation about u begins to grow.
+---@param u? any
+---@param least? any
+---@param most? any
+---@return number
+function dm_strip_class:limit(u, least, most) end
+
+---strip:momenta(lower, upper, t, h) -> dm.vector
+---
+---The momenta of the upper level.
+---@param lower? any
+---@param upper? any
+---@param t? any
+---@param h? any
+---@return dm.vector
+function dm_strip_class:momenta(lower, upper, t, h) end
+
+---strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number
+---
+---The largest boundary sum of a law around a node, over area.
+---@param options? table
+---@return number
+function dm_strip_class:residual(options) end
+
+---strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=} -> table
+---
+---Levels from u (and p, of an action) on: u, p (matrices, a row a level), t, energy, code, status, done, iterations, residual, h, tangled.
+---@param options? table
+---@return table
+function dm_strip_class:run(options) end
+
+---strip:vary{u=, t=, v=, dp=} -> dm.matrix, dp
+---
+---First variations along known levels from v, and dp of an action, at the first.
+---@param options? table
+---@return dm.matrix
+---@return any
+function dm_strip_class:vary(options) end
+
 ---dm.sweep: what dm.sweep{run =} has found, a row for each member
 ---fields: columns (names), a dm.vector for each of them (NaN where a member failed), status[i] ("ok"
 ---or a code of dm.failure), journal ({ file, found, run } where there is one); #sweep members
@@ -4035,6 +4456,17 @@ function dm_system_class:momentum(q, v, t) end
 ---@return dm.vector
 function dm_system_class:multipliers(q, v, t) end
 
+---system:reduce{group=, rule=, h=, factor=, connection=} -> dm.lagrange_poincare
+---
+---The discrete Lagrange-Poincare equations of a system on a product with the group as a factor (of
+---equal ones the first, or number `factor`), whose other factors are shapes: dm.R(n), dm.T(n) or
+---dm.SO(2). rule: "lie(s [, quadrature] [, exp | cayley])" (abelian groups: also gauss(s)):
+---its steps are those of the unreduced rule, to round-off, without the group elements in
+---the equations. Raises where L is not invariant under the group.
+---@param options? table
+---@return dm.lagrange_poincare
+function dm_system_class:reduce(options) end
+
 ---shape:reduction() -> {full, mu, cyclic, shape, group}
 ---
 ---Where a reduced system comes from: the unreduced system, the momentum (a vector), the numbers of the
@@ -4132,6 +4564,9 @@ function dm_system_class:slice(what, options) end
 ---A solver for this system: see dm.solver and dm.rules().
 ---Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps
 ---as `rule`, whose p is s + mu A.
+---Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a function(cell) of the
+---cells of the potential (default: half of what each allows), start = "half" for half a kick at the
+---start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003).
 ---@param options? table
 ---@return dm.solver
 function dm_system_class:solver(options) end
@@ -4561,6 +4996,18 @@ function dm.acos(x) end
 ---@return dm.action
 function dm.action(options) end
 
+---dm.adapt{W=, f=, x = {from, to, elements}, ends = {a, b}} -> {x, u, energy, force, frozen, ...}
+---
+---The least integral of W(u') - f u over broken lines u with that many elements, over values and knots
+---alike (Leok 5.6). W(s), f(x): functions; ends: u at both ends, a number or "free". x, u: knots and
+---values; force: the derivative of the energy by each knot, 0 inside, so that without f W - s W_s is
+---equal on all elements; frozen: numbers of the knots beside which u is affine, which nothing moves;
+---exact: f is integrated to round-off (by 10 or 20 points an element); iterations. A minimum near the
+---one on equal elements: energies with several are not searched. Raises where none is found.
+---@param options? table
+---@return table
+function dm.adapt(options) end
+
 ---dm.amplification(rule, z) -> dm.matrix, dm.vector, dm.vector
 ---
 ---The matrix of one step of a rule for (q, p) on the oscillator L = (v^2 - q^2)/2 with h = z, so z = h
@@ -4808,7 +5255,7 @@ function dm.differential_invariants(options) end
 
 ---dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, h=})
 ---
----The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...)
+---The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...), or with "exact": the action of the motion from q0 to q1 itself, by gauss(8) on as many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no motion is found
 ---Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with record = { "impulses" }); momenta are D2 Ld, as they are. map(q, p): the step of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each behind them), where it is known: runs then take it (rule "map") in place of solving for q1. It is compared with Ld and its forces at made-up points here, and at the start of every run: raises with the point where it is not their step. rolling(q0, q1 [, h [, params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 (Leok 2.8.2). On a group elements take the place of q, and momenta are body covectors; of a system rule is lie(s): class dm.group_lagrangian.
 ---@param options? table
 ---@return dm.discrete_lagrangian
@@ -4888,6 +5335,18 @@ function dm.extremum(value, f, y, q, v) end
 ---@return any
 ---@return any
 function dm.fft(x, y) end
+
+---dm.field{x = {from, to, cells, periodic=}, L=, values=, fixed=, absorbing=} -> dm.line_field
+---
+---A field on a line: L(u, ut, ux, x, t) is its Lagrangian density; u is a number, or with values = n a
+---vector. Cells of space and time are bilinear, and their action is made stationary (Leok 5.1.2).
+---fixed = "ends", "left", "right": u stays there as at the start. Other ends are natural: the momentum
+---of the field flows out of none. absorbing = "ends", "left", "right", c for both or { left = c, right
+---= c }: the force -c u_t at the end node, c = 1 by default, lets waves out whose impedance c is;
+---field:reflection() says how much of others comes back. See solver, stability_limit.
+---@param options? table
+---@return dm.line_field
+function dm.field(options) end
 
 ---dm.figure{panel, panel, ..., file=, title=, columns=, share=, letters=, width=, height=, size=, dpi=, font=, fontsize=, linewidth=, text=, ascii=} -> file or nothing
 ---
@@ -5027,6 +5486,18 @@ function dm.journal(file) end
 ---@param options? table
 ---@return string
 function dm.lab(options) end
+
+---dm.lagrange_poincare{group=, base=, h=, l=, connection=, name=} -> dm.lagrange_poincare
+---
+---The discrete Lagrange-Poincare equations of l(x0, x1, f, h), a discrete Lagrangian on base x group
+---that sees the elements as f = g0^-1 g1 alone (without a base: of l(f, h), discrete Euler-Poincare).
+---p0 = -D1 l, p1 = D2 l at fixed f, whatever the connection is (left out: the trivial one), which
+---enters lp:residual alone; mu1 is the left derivative by f, mu0 = Ad*(f^-1) mu1, kept on its
+---coadjoint orbit to round-off. lp:solver():run{x=, p=, mu=, steps=}. The reduced equations are not
+---canonical: an ordinary symplectic rule applied to them is not this one, and does not keep the orbit.
+---@param options? table
+---@return dm.lagrange_poincare
+function dm.lagrange_poincare(options) end
 
 ---dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 ---
@@ -5176,6 +5647,18 @@ function dm.multigrid(options) end
 ---@param options? table
 ---@return dm.rule
 function dm.multiscale(options) end
+
+---dm.multisymplectic{M=, K=, S=, x = {from, to, cells, periodic = true}, names=, gain=} -> dm.boxes
+---
+---The equations M z_t + K z_x = grad S(z) for z with d components, by Preissman's box: one equation a
+---box and component, between means and differences of its four corners. M, K: antisymmetric d x d
+---matrices; S(z): a function of a vector; names: of the components (default z1, z2, ...); gain: names
+---of those that gain a constant round the ring (S must not depend on them).
+---So Klein-Gordon, sine-Gordon, KdV, Schroedinger and Zakharov equations are written; boxes:solver{h=}
+---steps them.
+---@param options? table
+---@return dm.boxes
+function dm.multisymplectic(options) end
 
 ---dm.pair(a, b) -> dm.pair   or   dm.pair(q0, q1, ..., qp) -> dm.pair_tuple
 ---
@@ -5517,9 +6000,9 @@ function dm.stationary(options) end
 ---@return dm.rule
 function dm.step(options) end
 
----dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number
+---dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, within=, margin=, box=, block=}]) -> number
 ---
----Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, m_i) for dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = k: f also gets the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the first. pairs = true: all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets vectors. In L of a system f is traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs 100 times one of 10^3. f must not use other arguments of L than those it is given. Loops are for explicit rules, for kinetic energies that are sums of m v^2/2 and without constraints; implicit rules, constraints and forces write the sums out, up to 400 coordinates.
+---Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, m_i) for dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = k: f also gets the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the first. pairs = true: all pairs i < j. within = r: of these the ones nearer than r alone, by the positions in the first vector (1 to 3 coordinates), found by lists that are kept until a body has moved margin/2 (margin: r/10 by default); box = L or a list of sides (math.huge: open): a periodic box, sides at least 2 (r + margin), in which f gets the image of x_j that is nearest to x_i. A term that does not end at 0 at the distance r makes the energy jump there. block = 3: a body has 3 neighbouring entries, f gets vectors. In L of a system f is traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs 100 times one of 10^3. f must not use other arguments of L than those it is given. Loops are for explicit rules, for kinetic energies that are sums of m v^2/2 and without constraints; implicit rules, constraints and forces write the sums out, up to 400 coordinates, but none within a distance.
 ---@param x? any
 ---@param ... any
 ---@return number
