@@ -7,6 +7,7 @@ local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local points = require "dm.action.points"
+local symmetries = require "dm.action.symmetry"
 
 local M = {}
 
@@ -140,18 +141,40 @@ local function named(names, n)
   end
 end
 
+-- symmetries up to divergence and scale, of a system on coordinates with an L that has a formula
+local function looser(action, system)
+  if system.place or not system.given.L or system.given.derivatives == "hyperdual" then return end
+  local fine, symmetry, most, a = pcall(symmetries.of_system, action, system)
+  if not fine then return end
+  return symmetry, most, a
+end
+
+-- an action on (q, t), by its generators
+local function of_time(action, system)
+  local symmetry, most, a = looser(action, system)
+  if symmetry and most < TOLERANCE then return true, most, symmetry end
+  local text = symmetry and "L is invariant up to a divergence or a scale only: the third result "
+    .. "tells which, for path:noether"
+    or ("generator %d is no symmetry of the action, not even up to a divergence and a scale")
+      :format(a or 0)
+  return false, text, symmetry
+end
+
 -- L(q, v, t) of a system, on tangent vectors
 local function of_system(action, system)
   local n = system.Q.dimension
+  if action.dimension == n + 1 then return of_time(action, system) end
   local lifted = joint(action, n, "the system"):tangent()
   local on = lifted.base.on
   local function L(z) return system:lagrangian(z:slice(1, n), z:slice(n + 1, 2 * n), 0.3) end
-  return compare(lifted, L, function(stream, i)
+  local fine, why = compare(lifted, L, function(stream, i)
     local q, v = points.sample_point(on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 1)
     local out = kits.list_of(q)
     for k = 1, n do out[n + k] = v[k] end
     return core.vector(out)
   end, named({ "q", "v" }, n))
+  if fine then return fine, why end
+  return fine, why, (looser(joint(action, n, "the system"), system))
 end
 
 -- Ld(q0, q1), on pairs of near points
@@ -183,10 +206,13 @@ actions.method("invariant", function(action, f)
   local function sample(stream, i) return points.sample_point(action.on, stream, 5 * i) end
   return compare(action, f, sample, named({ "z" }, action.dimension))
 end, [[
-action:invariant(f | system | Ld) -> true, defect   or   false, violation
+action:invariant(f | system | Ld) -> true, defect   or   false, violation [, symmetry]
 Is a function f(z), the Lagrangian of a dm.system (under the lift to velocities) or a discrete
 Lagrangian (under the joint action) invariant? Compared at random points to 1e-9; the first
 violation has point, g, before, after, defect, and prints as a sentence. Systems of several bodies
-are moved body by body. Raises when the value is finite nowhere.]])
+are moved body by body; an action on one coordinate more than the system has moves (q, t), and is
+tested by its generators. Where L is invariant up to a divergence dB/dt and a multiple c L of itself
+alone, the third result is { generator, divergence, scale } as path:noether takes it (of a group of
+more dimensions a list of these). Raises when the value is finite nowhere.]])
 
 return M

@@ -16,7 +16,7 @@ local ILL = 50 -- condition number of J psi beyond which round-off is all that w
 -- an element near the identity
 local function element_near(frame, next_number)
   local xi = {}
-  for i = 1, frame.r do xi[i] = 0.3 * next_number() end
+  for i = 1, frame.group.dimension do xi[i] = 0.3 * next_number() end
   return frame.group:exp(core.vector(xi))
 end
 
@@ -76,7 +76,9 @@ local function sample(frame, seed)
   -- rho(h z) h = rho(z), seen by what they do to points
   local once, twice = F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe))
   out.equivariance = not frame.basis and defect(frame, once, twice) or nil
-  out.invariance = defect(frame, there, there2)
+  -- of a frame up to isotropy only its own points
+  local own = frame.basis and { table.unpack(there, 1, frame.k) } or there
+  out.invariance = defect(frame, own, there2)
   -- an invariant function is its own invariantization
   local f = test_function(there)
   local again = test_function(F.moved(frame, F.element(frame, there), there))

@@ -89,10 +89,23 @@ local function outside(v, list)
   return v:norm()
 end
 
+-- as many equations as the orbits of general points have dimensions
+local function check_count(frame, section)
+  local list = points.sample(frame, 1)
+  local _, moving = split_algebra(frame, list)
+  local fine, value = pcall(section, frame, list)
+  if fine and #value ~= #moving then
+    fail("partial: the orbits have dimension %d, so the cross-section must give %d numbers (it "
+      .. "gives "
+      .. "%d)", #moving, #moving, #value)
+  end
+end
+
 --- The directions frame.basis along which points are brought to the section; frame.r is then how
 -- many there are. Raises where the isotropy changes along the section.
 function M.prepare(frame, section)
   local found, basis = nil, nil
+  check_count(frame, section)
   for seed = 1, TRIES do
     local fine, list = pcall(on_section, frame, section, seed)
     if fine and list and is_inside(frame, list) then
@@ -112,12 +125,6 @@ function M.prepare(frame, section)
     end
   end
   if not basis then fail("partial: no point of the section was found") end
-  local value = section(frame, points.sample(frame, 1))
-  if #value ~= #basis then
-    fail("partial: the orbits have dimension %d, so the cross-section must give %d numbers (it "
-      .. "gives "
-      .. "%d)", #basis, #basis, #value)
-  end
   if #found > 0 then frame.basis, frame.r = basis, #basis end
 end
 

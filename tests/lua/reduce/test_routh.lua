@@ -212,7 +212,7 @@ raises("reduced at mu = 0.96", function() kept:start({ 0, 1, 0 }, { 0.9, 0, 0 })
 raises("steps a reduced system", function() satellite:solver { rule = "rsprk(gauss(2))", h = 0.1 } end)
 raises("known rules", function() kept:solver { rule = "rsprk(gaus(2))", h = 0.1 } end)
 raises("abelian", function() cartesian:routh { action = function(t, p) return { p[1] * (1 + t), p[2], p[3] } end, at = { 1, 0, 0 }, mu = 1 } end)
-raises("not abelian", function()
+raises("isotropy group of dimension 1", function()
   local act = dm.action { group = dm.SO(3), on = dm.R(3), map = function(R, p) return R * p end }
   dm.system { Q = dm.R(3), L = function(p, w) return w:dot(w) / 2 - p:norm() end }:routh { action = act, mu = 1 }
 end)

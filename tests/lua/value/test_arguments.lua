@@ -50,6 +50,7 @@ local curves = dm.differential_invariants { action = dm.action { group = dm.SE(2
 local function bending(I) return I.kappa[1] ^ 2 / 2 end
 local spinning = dm.lagrange_poincare { group = dm.SO(3), h = 0.1, l = function(w, h) return dm.SO(3):cayleyinv(w):dot(dm.SO(3):cayleyinv(w)) / h end }
 local spun = spinning:solver():run { mu = { 0.1, 0.2, 1 }, steps = 3 }
+local level = dm.system { Q = dm.product(dm.R(1), dm.SO(3)), L = function(_, v) return v:dot(v) / 2 end }:level { group = dm.SO(3), mu = { 0, 0, 1 } }
 local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps = 10, repeats = 1,
   system = function(n) return dm.system { Q = dm.R(n), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end } end,
   start = function(n) return dm.zeros(n), dm.zeros(n) end }
@@ -161,6 +162,8 @@ local calls = {
   ["dm.invariant_operator"] = { { (curves:operator()), coefficient = { 1, 1, 0 } } },
   ["dm.lagrange_poincare"] = { { spinning, residual = { { {}, {}, {} }, { dm.SO(3):exp { 0.1, 0, 0 }, dm.SO(3):exp { 0.1, 0, 0.1 } } } } },
   ["dm.reduced_solver"] = { { spinning:solver() } },
+  ["dm.level"] = { { level, locked_inertia = { 1 }, connection = { 1 }, amended_potential = { 1, { 0, 0, 1 } }, routhian = { 1, 1, { 0, 0, 1 } },
+    solver = { { rule = "lie(1)", h = 0.1 } } } },
   ["dm.reduced_path"] = { { spun } },
   ["dm.section"] = { { rows, plot = { {} } } },
   ["dm.chart"] = { { chart, cheapest = { 0.1 }, order = { "verlet" } } },

@@ -291,7 +291,17 @@ local function examine(info, start)
   if info.given_connection then model.connection(info, model.split(info, sample.q), sample.t) end
 end
 
+-- is it a group that is not abelian, by itself or in an action?
+local function is_noncommutative(options)
+  if type(options) ~= "table" then return false end
+  local group = options.group
+  if group == nil and type(options.action) == "table" then group = options.action.group end
+  return group ~= nil and kits.class_of(group) == "dm.space"
+    and (options.group ~= nil or not kits.of(group).abelian)
+end
+
 M.routh = blame.caller(function(system, options)
+  if is_noncommutative(options) then return system:level(options) end
   option.check(options, KNOWN, "system:routh", "{ cyclic = ..., mu = ... }")
   if system.place then
     option.fail("system:routh", "is for systems on coordinates; one on %s is reduced by "
@@ -328,6 +338,7 @@ end)
 class.method("dm.system", "routh", M.routh, [[
 system:routh{cyclic=, mu=, q=, v=, connection=} -> dm.system
 system:routh{action=, section=, branch=, dimension=, names=, at=, mu=, ...} -> dm.system
+system:routh{group=, mu=} or {action=, section=, mu=} of a group that is not abelian -> dm.level
 The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are
 left, whose Lagrangian is the classical Routhian L - mu . theta' at the momentum mu. cyclic: the
 coordinates that L does not depend on, by name or number (default: all of them); mu: their momentum,

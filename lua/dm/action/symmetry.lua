@@ -1,0 +1,197 @@
+--- Symmetries of an action integral up to a divergence and a scale: generators (xi, tau) of (q, t)
+-- with
+--   f = L_q xi + L_v (D xi - v D tau) + L_t tau + L D tau = D B + c L,   D = d/dt along q(t).
+-- f - c L is a total derivative where the Euler operator E takes it to 0 (Olver 1993, thm 4.7), so
+-- c is found from E(f) = c E(L), and B_q = d(f - c L)/dv; B is the integral of B_q on a line.
+local core = require "dm.core"
+local bound = require "dm.base.bound"
+local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
+
+local M = {}
+
+local part = lists.part
+local abs, max = math.abs, math.max
+
+local SAMPLES, SLACK = 12, 1e-8
+
+---- f and its Euler operator ----
+
+-- rows of the generators at (q, t): n of xi, one of tau
+local function rows_of(action, n)
+  local generator_rows = require "dm.action".generator_rows
+  local moves_time = action.dimension == n + 1
+  return function(q, t)
+    local z = moves_time and lists.joined(q, { t }) or q
+    local rows, tau = generator_rows(action, z), {}
+    for a = 1, action.group.dimension do tau[a] = moves_time and rows[n + 1][a] or 0 end
+    return rows, tau
+  end
+end
+
+-- f of generator a, a function of (q, v, t)
+local function change_of(L, rows, n, a)
+  local slope = core.derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
+  local moving = core.derivative(function(q, t)
+    local xi, tau = rows(q, t)
+    local out = {}
+    for i = 1, n do out[i] = xi[i][a] end
+    out[n + 1] = tau[a]
+    return core.vector(out)
+  end, n, "number")
+  return function(q, v, t)
+    local g, xi, tau, J = slope(q, v, t), nil, nil, moving(q, t)
+    xi, tau = rows(q, t)
+    local function total(i)
+      local sum = J[i][n + 1]
+      for j = 1, n do sum = sum + J[i][j] * v[j] end
+      return sum
+    end
+    local rate = total(n + 1)
+    local sum = g[2 * n + 1] * tau[a] + L(q, v, t) * rate
+    for i = 1, n do
+      sum = sum + g[i] * xi[i][a] + g[n + i] * (total(i) - v[i] * rate)
+    end
+    return sum
+  end
+end
+
+-- E(f) at (q, v, acceleration, t): f_q - D f_v
+local function euler(f, n)
+  local F = core.trace(function(q, v, t) return f(q, v, t) end, n, n, "number")
+  return function(q, v, acceleration, t)
+    local g, H, out = F:gradient(q, v, t), F:hessian(q, v, t), {}
+    for i = 1, n do
+      local sum = g[i] - H[n + i][2 * n + 1]
+      for j = 1, n do
+        sum = sum - H[n + i][n + j] * acceleration[j] - H[n + i][j] * v[j]
+      end
+      out[i] = sum
+    end
+    return out
+  end
+end
+
+---- the scale ----
+
+-- c with E(f) = c E(L) at random states, and whether it fits; also where f vanishes
+local function scale_of(f, L, n)
+  local Ef, EL, stream = euler(f, n), euler(L, n), core.random(4407)
+  local above, below, pairs_of, size, largest = 0, 0, {}, 0, 0
+  for i = 1, SAMPLES do
+    local q, v = kits.normals(stream, 5 * i, n, 1), kits.normals(stream, 5 * i + 1, n, 1)
+    local acceleration, t = kits.normals(stream, 5 * i + 2, n, 1), stream:uniform(5 * i + 3, 0, -1,
+      1)
+    local fine, x, y = pcall(function()
+      return Ef(q, v, acceleration, t), EL(q, v, acceleration, t)
+    end)
+    for k = 1, fine and kits.is_finite(x) and kits.is_finite(y) and n or 0 do
+      above, below = above + x[k] * y[k], below + y[k] * y[k]
+      pairs_of[#pairs_of + 1] = { x[k], y[k] }
+      size = max(size, abs(x[k]), abs(y[k]))
+    end
+    local value = fine and f(q, v, t) or 0
+    largest = max(largest, abs(value))
+  end
+  if #pairs_of == 0 then return nil end
+  local c = below > 0 and above / below or 0
+  local near = math.floor(c * 12 + 0.5) / 12
+  if abs(c - near) < 1e-9 then c = near end
+  for _, pair in ipairs(pairs_of) do
+    if abs(pair[1] - c * pair[2]) > SLACK * (1 + size) then return nil end
+  end
+  return c, largest
+end
+
+---- the divergence ----
+
+-- nodes and weights of Gauss on [0, 1], 12 points
+local function nodes()
+  local out, N = {}, 12
+  for i = 1, N do
+    local x, slope = math.cos(math.pi * (i - 0.25) / (N + 0.5)), nil
+    for _ = 1, 60 do
+      local p, before = 1, 0
+      for k = 1, N do p, before = ((2 * k - 1) * x * p - (k - 1) * before) / k, p end
+      slope = N * (x * p - before) / (x * x - 1)
+      x = x - p / slope
+    end
+    out[i] = { (1 + x) / 2, 1 / ((1 - x * x) * slope * slope) }
+  end
+  return out
+end
+
+-- B(q, t) of g = B_q v + B_t, from a point where it is finite
+local function potential(g, n)
+  local by_v = core.derivative(function(q, v, t) return g(q, v, t) end, n, n, "number")
+  local gauss, zero = nodes(), core.zeros(n)
+  local base = core.zeros(n)
+  local fine, value = pcall(g, base, zero, 0)
+  if not fine or type(value) ~= "number" or value - value ~= 0 then
+    base = base:map(function() return 1 end)
+  end
+  return function(q, t)
+    q = core.vector(q)
+    local dq, sum = q - base, 0
+    for _, node in ipairs(gauss) do
+      local s, w = node[1], node[2]
+      sum = sum + w * part(by_v(base + dq * s, zero, t), n, n):dot(dq)
+      sum = sum + w * t * g(base, zero, s * t)
+    end
+    return sum
+  end
+end
+
+-- is a function of (q, t) zero at random places?
+local function is_zero(B, n)
+  local stream = core.random(91)
+  for i = 1, 8 do
+    local fine, x = pcall(B, kits.normals(stream, i, n, 1), 0.3 * i)
+    if not fine or abs(x) > 1e-10 then return false end
+  end
+  return true
+end
+
+---- the answer ----
+
+local class = { __name = "dm.symmetry" }
+
+function class.__tostring(s)
+  local words = {}
+  if s.divergence then words[#words + 1] = "a divergence" end
+  if s.scale then words[#words + 1] = ("a scale, %.10g"):format(s.scale) end
+  if #words == 0 then return "symmetry" end
+  return "symmetry up to " .. table.concat(words, " and ")
+end
+
+local function symmetry_of(L, rows, n, a)
+  local f = change_of(L, rows, n, a)
+  local c, largest = scale_of(f, L, n)
+  if not c then return nil end
+  local out = { generator = function(q, t)
+    local xi, tau = rows(core.vector(q), t)
+    local v = {}
+    for i = 1, n do v[i] = xi[i][a] end
+    return core.vector(v), tau[a]
+  end }
+  if c ~= 0 then out.scale = c end
+  local B = potential(function(q, v, t) return f(q, v, t) - c * L(q, v, t) end, n)
+  if not is_zero(B, n) then out.divergence = B end
+  return setmetatable(out, class), largest
+end
+
+--- The symmetry of a system that each generator of the action is, up to divergence and scale: of a
+-- group of one dimension a table { generator, divergence, scale }, as path:noether takes it, else a
+-- list of them; nothing where one is none. Also how much L changes at most.
+function M.of_system(action, system)
+  local n, out, most = system.Q.dimension, {}, 0
+  local L, rows = bound(system.given.L, system.given.params), rows_of(action, n)
+  for a = 1, action.group.dimension do
+    local one, largest = symmetry_of(L, rows, n, a)
+    if not one then return nil, 0, a end
+    out[a], most = one, max(most, largest)
+  end
+  return #out == 1 and out[1] or core.result(out), most
+end
+
+return M

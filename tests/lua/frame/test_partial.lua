@@ -1,0 +1,83 @@
+-- frames up to isotropy (slices), and jets of functions of several variables
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local abs, max = math.abs, math.max
+
+---- slices ----
+
+local turns = dm.action { group = dm.SO(3), on = dm.R(3) }
+local function slice(options)
+  options.action = options.action or turns
+  return dm.moving_frame(options)
+end
+local function pole(z) return { z[1], z[2] } end
+local rho = slice { partial = true, cross_section = pole, branch = function(z) return z[3] end }
+near(rho:invariants({ { 3, 4, 12 } })[1][3], 13, 1e-13, "the length is the invariant")
+local worst, stream = 0, dm.random(4)
+for i = 1, 20 do
+  local z, h = dm.vector { 1 + i / 9, -0.3 * i, 0.4 }, dm.SO(3):random(stream, i)
+  local I, H = rho:invariants({ z })[1], rho:invariants({ h * z })[1]
+  worst = max(worst, (I - H):norm() / z:norm())
+end
+ok(worst < 1e-13, "it does not change along orbits", worst)
+-- rho(h z) h rho(z)^-1 leaves the pole: isotropy
+local z, h = dm.vector { 1, 2, -0.5 }, dm.SO(3):exp { 0.7, -0.3, 1.1 }
+local k = rho(h * z) * h * rho(z):transpose()
+near(k[3][3], 1, 1e-13, "equivariant up to the isotropy of the section")
+ok(select(2, rho:check()).invariance < 1e-12, "rho:check looks at what is left")
+-- SE(3) on points: all are one orbit, the section is a point
+local place = slice { action = dm.action { group = dm.SE(3), on = dm.R(3) }, partial = true,
+  cross_section = function(p) return { p[1], p[2], p[3] } end }
+near(place:invariants({ { 3, 4, 12 } })[1]:norm(), 0, 1e-13, "every point goes to the origin")
+-- of a free action a partial frame is a frame
+local plane = dm.moving_frame { action = dm.action { group = dm.SE(2), on = dm.R(2) }, points = 2,
+  partial = true, cross_section = function(a, b) return { a[1], a[2], b[2] } end,
+  branch = function(_, b) return b[1] end }
+ok(plane:check() < 1e-11, "of a free action it is a frame")
+raises("isotropy group of dimension 1", function() slice { cross_section = pole } end)
+raises("orbits have dimension 2, so the cross-section must give 2 numbers", function()
+  slice { partial = true, cross_section = function(p) return { p[1], p[2], p[3] - 1 } end }
+end)
+raises("one up to isotropy", function() rho:tangent({ 1, 2, 3 }) end)
+raises("must be true or false", function() slice { partial = 1, cross_section = pole } end)
+raises("up to isotropy", function()
+  dm.invariant_problem { frame = rho, L = function(I) return I[1][3] end }
+end)
+
+---- jets of u(x, t) ----
+
+local boost = dm.action { group = dm.R(1), on = dm.R(3), map = function(e, p)
+  return { p[1] + 2 * e[1] * p[2], p[2], p[3] * dm.exp(-e[1] * p[1] - e[1] ^ 2 * p[2]) }
+end }
+local jet = boost:jet(2, { independent = { 1, 2 } })
+ok(jet.dimension == 8, "x, t, u, u_x, u_t, u_xx, u_xt, u_tt")
+local point, e = dm.vector { 0.7, 0.4, 1.1, 0.3, -0.2, 0.5, 0.6, -0.8 }, 1e-5
+local g = jet:generator(point):column(1)
+local d = (jet({ e }, point) - jet({ -e }, point)) * (1 / (2 * e))
+ok((g - d):norm() < 1e-9, "generators are slopes of the moved jet", (g - d):norm())
+-- solutions of the heat equation go to solutions
+local heat = point:map(function(x, i) return i == 5 and point[6] or x end)
+local moved = jet({ 0.3 }, heat)
+near(moved[5], moved[6], 1e-13, "u_t = u_xx is kept")
+-- rotations of (x, y) and a Laplacian that they leave
+local turn = dm.action { group = dm.SO(2), on = dm.R(3), map = function(a, p)
+  local c, s = dm.cos(a), dm.sin(a)
+  return { c * p[1] - s * p[2], s * p[1] + c * p[2], p[3] }
+end }
+local flat = turn:jet(2, { independent = { 1, 2 } })
+local w = flat(0.6, point)
+near(w[6] + w[8], point[6] + point[8], 1e-13, "the Laplacian")
+near(w[4] ^ 2 + w[5] ^ 2, point[4] ^ 2 + point[5] ^ 2, 1e-13, "the gradient's length")
+-- a frame and invariants on such jets
+local frame = dm.moving_frame { action = turn:jet(1, { independent = { 1, 2 } }),
+  cross_section = function(p) return { p[5] } end, branch = function(p) return p[4] end }
+near(frame:invariants({ { 0.3, 0.2, 1, 3, 4 } })[1][4], 5, 1e-13, "an invariant of jets of u(x, y)")
+-- two functions of two variables: order of the entries
+local pair = dm.action { group = dm.R(1), on = dm.R(4),
+  map = function(a, p) return { p[1] + a[1], p[2], p[3], p[4] } end }
+ok(pair:jet(2, { independent = { 1, 2 } }).dimension == 4 + 4 + 6, "u_x, v_x, u_t, v_t, u_xx, ...")
+raises("must be an entry", function() boost:jet(1, { independent = { 1, 1 } }) end)
+raises("nothing else", function() boost:jet(1, { independent = { 1, 2, 3 } }) end)
+
+tap.done()
