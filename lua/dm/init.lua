@@ -145,6 +145,7 @@ local rows = {
   ["mesh:field"] = "dm.dec.fields",
   ["mesh:sum"] = "dm.dec.fields.sum",
   ["mesh:euler"] = "dm.dec.flow",
+  ["mesh:stationary"] = "dm.dec.dynamics.stationary",
   ["ensemble:plot"] = "dm.show.fan",
 }
 

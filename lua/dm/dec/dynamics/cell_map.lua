@@ -52,14 +52,15 @@ local function dot(a, b)
   return sum
 end
 
---- The signs of the volumes of the top cells of a mesh that fills its space, as integers.
-function M.signs(K)
-  local points, out = tables(K:points()), {}
+--- The signs of the volumes of the top cells of a mesh that fills its space, as integers; rows:
+-- other points of its vertices, a list each.
+function M.signs(K, rows)
+  local points, out = rows or tables(K:points()), {}
   for i, cell in ipairs(K:simplices(K.dimension)) do
     local zeros = {}
     for j = 1, K.dimension do zeros[j] = 0 end
     local _, determinant = solve(edges_of(points, cell), zeros)
-    out[i] = determinant > 0 and 1 or -1
+    out[i] = determinant > 0 and 1 or determinant < 0 and -1 or 0
   end
   return out
 end

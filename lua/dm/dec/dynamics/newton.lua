@@ -1,0 +1,154 @@
+--- Newton's method for a function with a sparse Hessian: downhill by Armijo's rule while it is far,
+-- and to round-off in the end.
+local core = require "dm.core"
+local matrices = require "dm.dec.equations.matrices"
+
+local M = {}
+
+local DENSE = 1200 -- unknowns that dense elimination takes, where there is no dm/sparse.so
+
+---- problems without constraints ----
+
+--- From value, gradient and hessian of x[n] and the set of its entries that are held: the same with
+-- slopes and curvature of what is free, and moved(x, d).
+function M.flat(problem)
+  local keep, free = core.constant(problem.n, 1), 0
+  for i = 1, problem.n do if problem.held[i] then keep[i] = 0 else free = free + 1 end end
+  return { value = problem.value, gradient = problem.gradient, unknowns = free,
+    slopes = function(x) return core.pick(problem.gradient(x), keep) end,
+    curvature = function(x) return problem.hessian(x):pick(keep, keep) end,
+    moved = function(x, d) return x + core.spread(d, keep) end }
+end
+
+---- directions ----
+
+local function solved(S, way, b)
+  local factor = S:factor(way)
+  return factor and factor.condition > 1e-15 and factor:solve(b) or nil
+end
+
+-- S d = b where S is positive definite, else nothing
+local function definite(S, b)
+  if core.solvers() then return solved(S, "cholesky", b) end
+  return solved(S, "gradients", b)
+end
+
+-- S d = b for any regular S
+local function regular(S, b)
+  if core.solvers() then return solved(S, "lu", b) end
+  return S.rows <= DENSE and solved(S, "dense", b) or nil
+end
+
+-- the largest modulus of the diagonal, not 0
+local function size_of(S)
+  local largest, diagonal = 0, S:diagonal()
+  for i = 1, #diagonal do largest = math.max(largest, math.abs(diagonal[i])) end
+  return largest > 0 and largest or 1
+end
+
+-- S + shift with a shift that makes it positive definite
+local function downhill(S, b)
+  local size, shift = size_of(S), 1e-10
+  while shift < 1e6 do
+    local d = definite(S + matrices.diagonal(core.constant(S.rows, shift * size)), b)
+    if d and d:dot(d) - d:dot(d) == 0 then return d end
+    shift = 10 * shift
+  end
+end
+
+---- steps ----
+
+local function is_finite(x) return x - x == 0 end
+
+-- the longest of the steps 1, 1/2, 1/4, ... along d that is good enough
+local function search(x, problem, d, good)
+  local step = 1
+  for _ = 1, 60 do
+    local to = problem.moved(x, step * d)
+    local value = problem.value(to)
+    if is_finite(value) and good(to, value, step) then return to, value, step end
+    step = step / 2
+  end
+end
+
+-- Armijo: a part of what the slope promises, but for round-off
+local function by_value(problem, s)
+  local rounding = 1e-14 * math.max(math.abs(s.value), 1e-300)
+  return function(d)
+    local slope = s.slopes:dot(d)
+    return search(s.x, problem, d, function(_, value, step)
+      return value <= s.value + 1e-4 * step * slope + rounding
+    end)
+  end
+end
+
+-- the norm of the slopes becomes less
+local function by_slopes(problem, s)
+  return function(d)
+    return search(s.x, problem, d, function(to, _, step)
+      local norm = problem.slopes(to):norm()
+      return is_finite(norm) and norm <= (1 - 1e-4 * step) * s.residual
+    end)
+  end
+end
+
+-- the next point, or nothing
+local function step_from(problem, s)
+  local b = -1 * s.slopes
+  local d = definite(s.S, b)
+  s.kind = d and "minimum" or "saddle"
+  if d then
+    local x, value, step = by_value(problem, s)(d)
+    if x then return x, value, step end
+  end
+  d = not d and regular(s.S, b) or nil
+  if d then
+    local x, value, step = by_slopes(problem, s)(d)
+    if x then return x, value, step end
+  end
+  d = downhill(s.S, b)
+  if d then return by_value(problem, s)(d) end
+end
+
+local ROUNDING = 1e-9 -- residuals below it, beside |S| |x|, are of round-off once they no longer fall
+
+local TEXT = { ok = "stationary", no_convergence = "the gradient no longer becomes less: it may have "
+  .. "no zero near the start, or a step leads out of where the term is finite" }
+
+local function report_of(s, code, iterations)
+  return core.result { code = code, text = TEXT[code], value = s.value, iterations = iterations,
+    residual = s.residual, kind = s.kind }
+end
+
+local function look(problem, x)
+  local s = { x = x, value = problem.value(x), slopes = problem.slopes(x) }
+  s.residual = s.slopes:norm()
+  return s
+end
+
+--- From x to where the slopes vanish to round-off, in at most so many iterations: x, report.
+function M.solve(problem, x, most)
+  local s, iterations = look(problem, x), 0
+  if problem.unknowns == 0 then return x, report_of(s, "ok", 0) end
+  while true do
+    s.S = problem.curvature(s.x)
+    local scale = size_of(s.S) * math.max(1, s.x:norm())
+    if s.residual <= 1e-16 * scale then
+      s.kind = definite(s.S, s.slopes) and "minimum" or "saddle"
+      return s.x, report_of(s, "ok", iterations)
+    end
+    local to = iterations < most and step_from(problem, s)
+    local small = s.residual <= ROUNDING * scale
+    local now = to and look(problem, to)
+    if not to or small and now.residual > 0.5 * s.residual then
+      if now and now.residual < s.residual then
+        now.kind = s.kind
+        s, iterations = now, iterations + 1
+      end
+      return s.x, report_of(s, small and "ok" or "no_convergence", iterations)
+    end
+    s, iterations = now, iterations + 1
+  end
+end
+
+return M
