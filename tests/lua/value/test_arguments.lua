@@ -119,6 +119,8 @@ local calls = {
   ["dm.diffeo"] = { { halfway, compose = { halfway:inverse() }, pull = { halfway.to:form(0, { 1, 2, 3, 4, 5, 6 }) },
     push = { plate:form(0, { 1, 2, 3, 4, 5, 6 }) }, dual = { 1 } }, { moving, material_velocity = { 0 }, spatial_velocity = { 0 }, dual_velocity = { 0, 1 } } },
   ["dm.pair"] = { { dm.pair(1, 2), join = { dm.pair(2, 3) } } },
+  ["dm.cell_action"] = { { require "dm.dec.fields.action".new(plate, 0, 1, function(u) return u:dot(u) end).traced, value = { { 1, 2, 3, 4, 5, 6 } },
+    gradient = { { 1, 2, 3, 4, 5, 6 } }, hessian = { { 1, 2, 3, 4, 5, 6 } } } },
   ["dm.operator"] = { { operator, eigen = { 1 } } },
   ["dm.sparse"] = { { operator.stiffness, gram = { { 1, 1, 1 } }, scale = { { 1, 1, 1 }, { 1, 1, 1 } }, pick = { { 1, 0, 1 }, { 1, 1, 0 } },
     saddle = { { 1, 1, 1 } }, factor = { "gradients" }, all_eigenpairs = { { 1, 1, 1 } } } },
