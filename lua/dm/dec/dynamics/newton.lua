@@ -110,10 +110,12 @@ local function step_from(problem, s)
   if d then return by_value(problem, s)(d) end
 end
 
-local ROUNDING = 1e-9 -- residuals below it, beside |S| |x|, are of round-off once they no longer fall
+-- residuals below it, beside |S| |x|, are of round-off once they no longer fall
+local ROUNDING = 1e-9
 
-local TEXT = { ok = "stationary", no_convergence = "the gradient no longer becomes less: it may have "
-  .. "no zero near the start, or a step leads out of where the term is finite" }
+local TEXT = { ok = "stationary",
+  no_convergence = "the gradient no longer becomes less: it may have no zero near the start, or a "
+    .. "step leads out of where the term is finite" }
 
 local function report_of(s, code, iterations)
   return core.result { code = code, text = TEXT[code], value = s.value, iterations = iterations,

@@ -130,11 +130,11 @@ class.method("dm.mesh", "stationary", function(K, options)
 end, [[
 K:stationary{form=, values=, on=, fixed=, term=, x=, data=, iterations=} -> dm.form, report
 A form of degree `form` (0 unless given) at which term(A), a sum over cells as the L of K:field has
-it (K:sum, A:dot(B), A:d(), ...), is stationary: harmonic functions and maps, elastic bodies. values:
-numbers a cell (1); on = dm.S(m): unit vectors of m + 1 numbers. fixed: cells that keep the values
-of the start x: "boundary", a list of their numbers or a function of the position. x: a form, a
-function of the position or a list (0; on spheres it must be given). Newton's method with the sparse
-Hessian, downhill where that is not positive definite; a step that would make the term NaN or
+it (K:sum, A:dot(B), A:d(), ...), is stationary: harmonic functions and maps, elastic bodies.
+values: numbers a cell (1); on = dm.S(m): unit vectors of m + 1 numbers. fixed: cells that keep the
+values of the start x: "boundary", a list of their numbers or a function of the position. x: a form,
+a function of the position or a list (0; on spheres it must be given). Newton's method with the
+sparse Hessian, downhill where that is not positive definite; a step that would make the term NaN or
 infinite, as a cell turned inside out does, is cut. The result is a list of forms where a cell has
 several values. report: code ("ok", "no_convergence"), text, value, iterations (at most 100, or as
 given), residual (the norm of the gradient), kind ("minimum", "saddle"). Raises where the term is
