@@ -25,7 +25,7 @@ floors.src = {
 
 floors.lua = {
   "base", "group", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
-  "wave", "elements",
+  "wave", "wave/pictures", "elements",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/curvature", "dec/fields",
   "dec/pictures", "dec/flow",
   "dec/dynamics", "line", "mpi", "sweep", "reference",

@@ -14,7 +14,8 @@ M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
   "link_chain", "turntable", "chaplygin_sphere", "suslov", "tilted_disk",
   "henon_heiles", "escape", "stiff_spring", "resonance_tongues", "bounded_but_wrong",
   "least_model", "game_loop", "exact_oscillator", "variational_runge_kutta",
-  "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential" }
+  "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential",
+  "rough_rod", "two_scales", "tunnel", "soliton" }
 
 local function text_of(file)
   local handle = io.open(file)

@@ -178,4 +178,8 @@ end, [[
 path:csv(file) -> file name   or   path:csv() -> string
 The columns as comma-separated values, 17 significant digits; psi is left out.]])
 
+for name, module in pairs { plot = "plot", spacetime = "plot", animate = "animate" } do
+  class.later("dm.wave_path", name, "dm.wave.pictures." .. module)
+end
+
 return M

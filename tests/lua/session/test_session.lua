@@ -164,7 +164,7 @@ text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergen
   "apropos 'damping'", "apropos 'Poincaré'", "apropos 'eccentric'" }
 has(text, "  chain  Chains: a soliton", "apropos finds demonstrations")
 has(text, 'demo "name" runs one', "and says how to open them")
-has(text, "  chain  Do solitons of a chain", "and examples")
+has(text, "  chain    Do solitons of a chain", "and examples")
 has(text, "/examples/name.lua . runs one", "with their files")
 has(text, "  no_convergence  the step equation did not converge", "and codes of failures")
 has(text, "Take a smaller h; solver:fold says", "?code says what to try")
