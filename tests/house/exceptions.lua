@@ -37,6 +37,8 @@ return {
     three_rotors = "loops of shapes; rules on groups are compared in docs/benchmarks/groups.md",
     locked_formation = "controllers, one rule",
     mesh_curvature = "angles of a mesh, no rule of time",
+    kinks = "cells of space and time, no rule of systems",
+    free_knots = "a least energy, no rule of time",
     cavity = "frequencies on a mesh, no rule of time",
     torus_fields = "forms on a mesh, no rule of time",
     heat_sphere = "modes of a mesh, exact in time",

@@ -54,7 +54,7 @@ local function strip_of(solver, slope)
   local held = core.zeros(boxes.cells * boxes.d)
   for _, gauge in ipairs(solver.gauges) do held[gauge.held] = 1 end
   return core.strip(equations(boxes, slope), { values = boxes.d, cells = boxes.cells, ring = true,
-    boxes = true, held = held, absorbs = core.zeros(boxes.cells * boxes.d),
+    boxes = true, held = held, absorbs = { 0, 0 },
     place = core.zeros(boxes.cells) })
 end
 

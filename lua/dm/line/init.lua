@@ -109,7 +109,6 @@ M.field = blame.caller(function(options)
     absorbing = absorbing, L = rules.guarded(options.L, "dm.field"), grid = grid }, Field)
   check_speeds(field.L, n, grid)
   field.held = at_ends(grid, n, function(side) return fixed[side] and 1 or 0 end)
-  field.forces = at_ends(grid, n, function(side) return absorbing[side] or 0 end)
   return field
 end)
 

@@ -33,10 +33,9 @@ local function left_out(run, held)
     for k = 1, n do
       if held[(i - 1) * n + k] ~= 0 then out[i] = 1 end
     end
-    for k = 1, field.values do
-      if field.forces[(i - 1) * field.values + k] ~= 0 then out[i] = 1 end
-    end
   end
+  if field.absorbing.left then out[1] = 1 end
+  if field.absorbing.right then out[field.nodes] = 1 end
   return out
 end
 
@@ -121,7 +120,7 @@ local function of_place(run, where)
   if not solver.moves then
     local zeros = core.zeros(field.nodes * (n + 1))
     strip = core.strip(moving.action(field.L, solver.points, n, field.dx), { values = n + 1,
-      cells = field.cells, ring = field.periodic, held = zeros, absorbs = zeros,
+      cells = field.cells, ring = field.periodic, held = zeros, absorbs = { 0, 0 },
       place = grids.lefts(field.grid) })
     local all = core.zeros(#u, field.nodes * (n + 1))
     for j = 1, #u do

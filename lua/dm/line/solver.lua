@@ -18,22 +18,22 @@ fields: field, rule, h, free ("t", "x", "tx" or nil)]])
 
 -- the strip of an action, with the marks of what is held; one value more than the field's is where
 -- the nodes are
-local function strip_of(field, action, values, held, forces)
+local function strip_of(field, action, values, held, absorbs)
   return core.strip(action, { values = values, cells = field.cells, ring = field.periodic,
-    held = held, absorbs = forces, place = grids.lefts(field.grid),
+    held = held, absorbs = absorbs or { 0, 0 }, place = grids.lefts(field.grid),
     moving = values > field.values and values or 0, width = field.dx })
 end
 
 --- The strip that a run steps; held: marks of the nodes whose place is held, where nodes move.
 function M.strip(solver, held)
   local field, n = solver.field, solver.field.values
+  local forces = { field.absorbing.left or 0, field.absorbing.right or 0 }
   if not solver.moves then
     local action = rules.action(field.L, solver.points, n, field.dx)
-    return strip_of(field, action, n, field.held, field.forces)
+    return strip_of(field, action, n, field.held, forces)
   end
   return strip_of(field, moving.action(field.L, solver.points, n, field.dx), n + 1,
-    moving.joined(field.held, held, field.nodes, n),
-    moving.joined(field.forces, nil, field.nodes, n))
+    moving.joined(field.held, held, field.nodes, n), forces)
 end
 
 -- momenta of the first level: slopes by ut of the integral of L
@@ -42,7 +42,7 @@ local function momenta(solver, u, ut, t)
   local start = solver.moves and moving.start or rules.start
   local values = n + (solver.moves and 1 or 0)
   local zeros = core.zeros(field.nodes * values)
-  local strip = strip_of(field, start(field.L, solver.points, n, field.dx), values, zeros, zeros)
+  local strip = strip_of(field, start(field.L, solver.points, n, field.dx), values, zeros)
   return strip:momenta(u, ut, t, solver.h)
 end
 
@@ -170,7 +170,7 @@ dm.failure, whose `path` is the run so far.]])
 
 local function check_sign(field, points, u, h)
   local strip = strip_of(field, rules.action(field.L, points, field.values, field.dx),
-    field.values, field.held, core.zeros(field.nodes * field.values))
+    field.values, field.held)
   local forth = strip:cells(u, u, 0, h, "hessian")
   local half = 2 * field.values
   for c = 1, #forth do

@@ -92,6 +92,8 @@ static int strip_run(lua_State *L) {
         memcpy(rows.p, p, n * sizeof *p);
         dml_strip_wantafter(L, d), dml_strip_wantenergy(L, d);
         if (plan.is_free) dml_strip_wantclock(L, d);
+        if (plan.is_free && !dm_strip_open_heights(&d->room, d->large))
+            luaL_error(L, "not enough memory");
     }
     dm_strip_outcome outcome;
     const dm_status status = dm_strip_go(&d->room, &plan, &rows, &outcome);
@@ -201,6 +203,7 @@ static int strip_residual(lua_State *L) {
     uint8_t *marks = lua_newuserdatauv(L, d->strip.nodes, 0);
     for (uint32_t i = 0; i < d->strip.nodes; i++) marks[i] = leave[i] != 0.0;
     law.leave = marks;
+    if (!dm_strip_open_laws(&d->room, d->large)) luaL_error(L, "not enough memory");
     if (law.xi)
         dml_stripmap(L, d, &d->strip.slopes, d->slopes, 4 * d->strip.layout.values);
     else
@@ -287,8 +290,9 @@ static const dml_row functions[] =
       "core.strip(f, {values=, cells=, ring=, boxes=, held=, absorbs=, place=, moving=, width=}) "
       "-> dm.strip\n"
       "The levels of a line of cells: f(lower, upper, place, clock) is the action of a cell, or "
-      "with boxes = true its equations, a number for each value. held, absorbs, place: vectors of "
-      "marks, of c of forces -c u_t, of left ends. moving: the value that is a displacement of "
+      "with boxes = true its equations, a number for each value. held, place: vectors of marks "
+      "and of left ends; absorbs: c of the force -c u_t at either end. moving: the value that is a "
+      "displacement of "
       "nodes, in cells of that width."},
      {"strip_fail", strip_fail,
       "core.strip_fail(outcome, rule, run, why)\nRaises the dm.failure of a run that ended so."},

@@ -11,7 +11,7 @@
 typedef struct {
     dm_strip strip;
     dm_strip_room room;
-    dm_arena *arena; /* kept by user value 1 */
+    dm_arena *arena, *large; /* of kernels, of levels; kept by user values 1 and 2 */
     dm_compile *compile;
     dm_graph *graph;
     const dm_node *out; /* S of a cell, or the equations of a box */

@@ -134,9 +134,10 @@ static int flag_of(lua_State *L, const char *key) {
 /* option `key`, a vector of count numbers, in the arena */
 static double *numbers_of(lua_State *L, dml_strip *d, const char *key, uint32_t count) {
     double *x = take(L, d->arena, (count + 1) * sizeof *x);
+    const int top = lua_gettop(L);
     lua_getfield(L, 2, key);
-    memcpy(x, dml_numbersat(L, lua_gettop(L), key, (int32_t)count), count * sizeof *x);
-    lua_pop(L, 1);
+    memcpy(x, dml_numbersat(L, top + 1, key, (int32_t)count), count * sizeof *x);
+    lua_settop(L, top);
     return x;
 }
 
@@ -157,7 +158,8 @@ static void read_shape(lua_State *L, dml_strip *d) {
     uint8_t *marks = take(L, d->arena, n);
     for (uint32_t i = 0; i < n; i++) marks[i] = held[i] != 0.0;
     s->held = marks;
-    s->absorbs = numbers_of(L, d, "absorbs", n);
+    const double *absorbs = numbers_of(L, d, "absorbs", 2);
+    s->absorbs[0] = absorbs[0], s->absorbs[1] = absorbs[1];
 }
 
 /* trace the function at 1, compare it with plain calls, differentiate it */
@@ -189,13 +191,16 @@ int dml_strip_new(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     lua_settop(L, 2);
     dml_options(L, 2, known);
-    dml_strip *d = lua_newuserdatauv(L, sizeof *d, 1);
+    dml_strip *d = lua_newuserdatauv(L, sizeof *d, 2);
     *d = (dml_strip){.compile = dml_findbackend(L, NULL)->compile};
     d->arena = dml_pusharena(L);
     lua_setiuservalue(L, 3, 1);
     read_shape(L, d);
     trace(L, d);
-    if (!dm_strip_open(&d->room, &d->strip, d->arena)) luaL_error(L, "not enough memory");
+    d->large = dml_pusharena(L);
+    d->large->exact = 1;
+    lua_setiuservalue(L, 3, 2);
+    if (!dm_strip_open(&d->room, &d->strip, d->large)) luaL_error(L, "not enough memory");
     lua_getfield(L, 2, "place");
     memcpy(d->room.memory + dm_cell_column(&d->strip.layout, 0),
            dml_numbersat(L, 4, "place", (int32_t)d->strip.cells), d->strip.cells * sizeof(double));

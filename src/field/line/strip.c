@@ -41,24 +41,33 @@ int dm_strip_open(dm_strip_room *room, const dm_strip *strip, dm_arena *arena) {
     room->scalars = zeros(arena, (size_t)strip->layout.scalars * DM_ARRAY_GROUP);
     room->buffer = zeros(arena, (size_t)most_outputs(strip) * DM_CELL_BLOCK + DM_CELL_BLOCK);
     room->A = zeros(arena, dm_band_size(&room->band));
-    double *vectors = zeros(arena, 6 * (size_t)n);
+    double *vectors = zeros(arena, 4 * (size_t)n);
     room->old = zeros(arena, 2 * dm_cell_upper(&strip->layout, 0));
-    room->corners = zeros(arena, 8 * (size_t)strip->cells);
     uint32_t *numbers = dm_arena_take(arena, 2 * (size_t)n * sizeof *numbers);
     if (!room->memory || !room->scalars || !room->buffer || !room->A || !vectors || !room->old ||
-        !room->corners || !numbers)
+        !numbers)
         return 0;
     room->p = vectors;
     room->r = vectors + n;
     room->dx = vectors + 2 * (size_t)n;
-    room->z = vectors + 3 * (size_t)n;
-    room->slope = vectors + 4 * (size_t)n;
-    room->scratch = vectors + 5 * (size_t)n;
+    room->scratch = vectors + 3 * (size_t)n;
     room->pivot = numbers;
     room->order = numbers + n;
     for (uint32_t i = 0; i < n; i++) room->order[i] = i;
     room->band.order = room->order;
     return 1;
+}
+
+int dm_strip_open_heights(dm_strip_room *room, dm_arena *arena) {
+    const size_t n = room->band.n;
+    if (!room->z) room->z = zeros(arena, 2 * n);
+    room->slope = room->z ? room->z + n : NULL;
+    return room->z != NULL;
+}
+
+int dm_strip_open_laws(dm_strip_room *room, dm_arena *arena) {
+    if (!room->corners) room->corners = zeros(arena, 8 * (size_t)room->strip->cells);
+    return room->corners != NULL;
 }
 
 /* On a ring the first node once more behind the last, so that every cell has a right one. */
@@ -128,12 +137,9 @@ void dm_strip_momenta(dm_strip_room *room, double *p) {
     const uint32_t n = s->layout.values;
     memset(p, 0, dm_strip_unknowns(s) * sizeof *p);
     dm_strip_collect(room, &s->after, 0, p);
-    for (uint32_t k = 0; k < n; k++) {
-        const double *lower = room->memory + dm_cell_lower(&s->layout, k);
-        const double *upper = room->memory + dm_cell_upper(&s->layout, k);
-        for (uint32_t i = 0; i < s->nodes; i++) {
-            const double c = s->absorbs[(size_t)i * n + k];
-            if (c != 0.0) p[(size_t)i * n + k] -= 0.5 * c * (upper[i] - lower[i]);
-        }
+    for (int side = 0; side < 2; side++) {
+        const uint32_t i = dm_strip_end(s, side);
+        for (uint32_t k = 0; k < n && s->absorbs[side] != 0.0; k++)
+            p[(size_t)i * n + k] -= 0.5 * s->absorbs[side] * dm_strip_moved(room, i, k);
     }
 }

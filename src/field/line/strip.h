@@ -29,12 +29,12 @@ typedef struct {
     /* second derivatives: -> d(slopes)/d(lower, upper), slopes = R of boxes, else S_lower and
      * S_upper, 4 values each in a row */
     dm_cell_map hessian;
-    dm_cell_map slopes;    /* -> S_lower[2 values], S_upper[2 values] */
-    int autonomous;        /* S_t = 0 */
-    uint32_t moving;       /* which value is the displacement of a node, from 1; 0: none */
-    double width;          /* of a cell whose nodes have not moved */
-    const uint8_t *held;   /* [nodes * values] 1: value and equation of that number are left out */
-    const double *absorbs; /* [nodes * values] c of the force -c u_t */
+    dm_cell_map slopes;  /* -> S_lower[2 values], S_upper[2 values] */
+    int autonomous;      /* S_t = 0 */
+    uint32_t moving;     /* which value is the displacement of a node, from 1; 0: none */
+    double width;        /* of a cell whose nodes have not moved */
+    const uint8_t *held; /* [nodes * values] 1: value and equation of that number are left out */
+    double absorbs[2];   /* c of the force -c u_t at the first node and at the last; 0: none */
 } dm_strip;
 
 /* what a level is solved in, made by dm_strip_open */
@@ -66,6 +66,10 @@ static inline uint32_t dm_strip_unknowns(const dm_strip *s) {
 static inline uint32_t dm_strip_rows(const dm_strip *s) {
     return s->boxes ? s->layout.values : 2 * s->layout.values;
 }
+/* the node of an end, 0 the left, 1 the right */
+static inline uint32_t dm_strip_end(const dm_strip *s, int right) {
+    return right ? s->nodes - 1 : 0;
+}
 static inline int dm_strip_is_ring(const dm_strip *s) {
     return s->nodes == s->cells;
 }
@@ -86,6 +90,10 @@ uint32_t dm_strip_stride(uint32_t cells);
 /* Room in `arena`; 0 without memory. The columns of `memory` are to be filled in by the caller. */
 int dm_strip_open(dm_strip_room *room, const dm_strip *strip, dm_arena *arena);
 
+/* More room, where it is not there: for unknown heights, and for dm_strip_residual. */
+int dm_strip_open_heights(dm_strip_room *room, dm_arena *arena);
+int dm_strip_open_laws(dm_strip_room *room, dm_arena *arena);
+
 /* A vector of all nodes from and to a level (dm_cell_lower or dm_cell_upper of value 0). */
 void dm_strip_put(dm_strip_room *room, size_t level, const double *x);
 void dm_strip_get(const dm_strip_room *room, size_t level, double *x);
@@ -102,6 +110,12 @@ dm_status dm_strip_solve(dm_strip_room *room, double *height, double target,
  * all cells. */
 void dm_strip_collect(dm_strip_room *room, const dm_cell_map *f, uint32_t first, double *out);
 void dm_strip_sum(dm_strip_room *room, const dm_cell_map *f, uint32_t count, double *out);
+
+/* upper - lower of value k at node i */
+static inline double dm_strip_moved(const dm_strip_room *room, uint32_t i, uint32_t k) {
+    const dm_cell_layout *l = &room->strip->layout;
+    return room->memory[dm_cell_upper(l, k) + i] - room->memory[dm_cell_lower(l, k) + i];
+}
 
 /* The momenta of the upper level, forces of absorbing ends among them. */
 void dm_strip_momenta(dm_strip_room *room, double *p);

@@ -27,15 +27,14 @@ static void begin(dm_strip_room *room) {
         return;
     }
     for (uint32_t i = 0; i < s->nodes; i++)
-        for (uint32_t k = 0; k < n; k++) {
-            const size_t at = (size_t)i * n + k;
-            double force = 0.0;
-            if (s->absorbs[at] != 0.0)
-                force = -0.5 * s->absorbs[at] *
-                        (room->memory[dm_cell_upper(&s->layout, k) + i] -
-                         room->memory[dm_cell_lower(&s->layout, k) + i]);
-            room->r[(size_t)dm_strip_place(s, i) * n + k] = room->p[at] + force;
-        }
+        for (uint32_t k = 0; k < n; k++)
+            room->r[(size_t)dm_strip_place(s, i) * n + k] = room->p[(size_t)i * n + k];
+    for (int side = 0; side < 2; side++) {
+        const uint32_t i = dm_strip_end(s, side);
+        for (uint32_t k = 0; k < n && s->absorbs[side] != 0.0; k++)
+            room->r[(size_t)dm_strip_place(s, i) * n + k] -=
+                0.5 * s->absorbs[side] * dm_strip_moved(room, i, k);
+    }
 }
 
 /* cell c, number i of its block: equations of its nodes or its own, and the matrix */
@@ -90,11 +89,11 @@ static void hold(dm_strip_room *room, int matrix) {
 static void add_absorbing(dm_strip_room *room) {
     const dm_strip *s = room->strip;
     const uint32_t n = s->layout.values;
-    for (uint32_t u = 0; u < dm_strip_unknowns(s); u++) {
-        if (s->absorbs[u] == 0.0) continue;
-        const uint32_t row = dm_strip_place(s, u / n) * n + u % n;
-        room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, row)] -=
-            0.5 * s->absorbs[u];
+    for (int side = 0; side < 2; side++) {
+        const uint32_t first = dm_strip_place(s, dm_strip_end(s, side)) * n;
+        for (uint32_t row = first; row < first + n; row++)
+            room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, row)] -=
+                0.5 * s->absorbs[side];
     }
 }
 

@@ -52,13 +52,15 @@ static void add_momenta(const dm_strip_room *room, uint32_t c, uint32_t i, const
 /* absorbing ends: the force -c/2 (upper - lower) of the lower equation */
 static void add_forces(dm_strip_room *room, const double *lower) {
     const dm_strip *s = room->strip;
-    for (uint32_t u = 0; u < room->band.n; u++) {
-        const uint32_t row = place_of(s, u);
-        if (s->absorbs[u] == 0.0) continue;
-        room->r[row] -= 0.5 * s->absorbs[u] * lower[u];
-        room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, row)] -=
-            0.5 * s->absorbs[u];
-    }
+    const uint32_t n = s->layout.values;
+    for (int side = 0; side < 2; side++)
+        for (uint32_t k = 0; k < n && s->absorbs[side] != 0.0; k++) {
+            const size_t at = (size_t)dm_strip_end(s, side) * n + k;
+            const uint32_t row = place_of(s, at);
+            room->r[row] -= 0.5 * s->absorbs[side] * lower[at];
+            room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, row)] -=
+                0.5 * s->absorbs[side];
+        }
 }
 
 /* held values keep their variation */
@@ -105,7 +107,12 @@ static dm_status vary_slab(dm_strip_room *room, const double *lower, double *upp
     dm_band_solve(room->r, room->A, room->pivot, &room->band, room->scratch);
     for (uint32_t u = 0; u < n; u++) upper[u] = room->r[place_of(s, u)];
     if (!dp) return DM_OK;
-    for (uint32_t u = 0; u < n; u++) dp[u] = -0.5 * s->absorbs[u] * (upper[u] - lower[u]);
+    memset(dp, 0, n * sizeof *dp);
+    for (int side = 0; side < 2; side++)
+        for (uint32_t k = 0; k < s->layout.values && s->absorbs[side] != 0.0; k++) {
+            const size_t at = (size_t)dm_strip_end(s, side) * s->layout.values + k;
+            dp[at] = -0.5 * s->absorbs[side] * (upper[at] - lower[at]);
+        }
     pass(room, lower, upper, dp);
     return DM_OK;
 }

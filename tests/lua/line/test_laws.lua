@@ -21,7 +21,7 @@ local function strip_of(action, n, cells, ring)
   local zeros = core.zeros(n * nodes)
   local place = core.zeros(cells)
   for c = 1, cells do place[c] = 0.4 * c end
-  return core.strip(action, { values = n, cells = cells, ring = ring, held = zeros, absorbs = zeros, place = place }), n * nodes
+  return core.strip(action, { values = n, cells = cells, ring = ring, held = zeros, absorbs = { 0, 0 }, place = place }), n * nodes
 end
 local function random_level(count, row, size)
   local random, out = dm.random(5), core.zeros(count)
