@@ -15,8 +15,7 @@ M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
   "henon_heiles", "escape", "stiff_spring", "resonance_tongues", "bounded_but_wrong",
   "least_model", "game_loop", "exact_oscillator", "variational_runge_kutta",
   "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential",
-  "rough_rod", "two_scales", "tunnel", "soliton" }
-  "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential", "kinks", "free_knots" }
+  "rough_rod", "two_scales", "tunnel", "soliton", "kinks", "free_knots" }
 
 local function text_of(file)
   local handle = io.open(file)
