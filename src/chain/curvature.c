@@ -107,7 +107,7 @@ static dm_status make_pattern(dm_curvature *c, uint32_t n, dm_arena *arena) {
 dm_status dm_curvature_open(dm_curvature *c, const dm_sum *const *sums, uint32_t count, uint32_t n,
                             dm_compile *compile, dm_arena *arena) {
     size_t work = 0;
-    *c = (dm_curvature){.sums = count};
+    *c = (dm_curvature){.sums = count, .constant = 1};
     c->sum = dm_arena_take(arena, (count + 1) * sizeof *c->sum);
     if (!c->sum) return DM_NO_MEMORY;
     memset(c->sum, 0, (count + 1) * sizeof *c->sum);
@@ -115,6 +115,8 @@ dm_status dm_curvature_open(dm_curvature *c, const dm_sum *const *sums, uint32_t
         const dm_status status = make_loop(c->sum + k, sums[k], n, compile, arena);
         if (status != DM_OK) return status;
         const dm_cell_loop *l = &c->sum[k].loop;
+        for (uint32_t j = 0; j < l->columns; j++)
+            c->constant &= sums[k]->column[l->column[j]].data != NULL;
         const size_t need = dm_cell_loop_work(l) + (size_t)l->outputs * BLOCK;
         if (need > work) work = need;
     }

@@ -15,10 +15,11 @@ typedef struct {
     int32_t *place[2];  /* [cells][outputs] in the values of A, and beyond the diagonal; -1: none */
 } dm_curvature_sum;
 
-typedef struct {
+typedef struct dm_curvature {
     dm_sparse A; /* [n, n], all of the diagonal is stored; its values are those of the last call */
     dm_curvature_sum *sum; /* [sums] */
     uint32_t sums;
+    int constant; /* they depend on data alone */
     double *work;
 } dm_curvature;
 

@@ -191,3 +191,7 @@ const double *dm_loops_factors(const dm_kernel *gradient, const double *x) {
     if (w->outer.eval) eval_outer(w, x, w->y);
     return w->y;
 }
+
+int dm_loops_constant(const dm_kernel *gradient) {
+    return !((const whole *)gradient->pool)->outer.eval;
+}

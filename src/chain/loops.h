@@ -30,5 +30,6 @@ dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_
 struct dm_cells;
 const struct dm_cells *dm_loops_cells(const dm_kernel *gradient);
 const double *dm_loops_factors(const dm_kernel *gradient, const double *x);
+int dm_loops_constant(const dm_kernel *gradient); /* the factors are numbers */
 
 #endif

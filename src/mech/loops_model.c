@@ -6,6 +6,7 @@
 #include "mech/model.h"
 
 #include "algebra/derive.h"
+#include "chain/curvature.h"
 #include "chain/lattice.h"
 #include "chain/loops.h"
 #include "code/tape/tape.h"
@@ -209,6 +210,19 @@ static dm_status make_gradient(const builder *b, dm_kernel *out, int momenta) {
                              m->source.compile, m->source.arena);
 }
 
+/* of the sums that the force is made of, in their order */
+static dm_status make_curvature(const builder *b) {
+    dm_arena *arena = b->m->source.arena;
+    uint32_t count = 0;
+    for (const dm_sum *s = dm_sums(b->g); s; s = s->next) count++;
+    dm_node *factor = dm_arena_take(arena, (count + 1) * sizeof *factor);
+    b->m->curvature = dm_arena_take(arena, sizeof *b->m->curvature);
+    if (!factor || !b->m->curvature) return DM_NO_MEMORY;
+    const dm_sum **sums = dm_cells_sums(b->g, b->L, factor, &count, arena);
+    if (!sums) return DM_NO_MEMORY;
+    return dm_curvature_open(b->m->curvature, sums, count, b->m->n, b->m->source.compile, arena);
+}
+
 /* value, force, slope and energy, as far as they are wanted; stages would want n x n tables */
 static dm_status make_kernels(const builder *b, unsigned want) {
     dm_model *m = b->m;
@@ -222,6 +236,7 @@ static dm_status make_kernels(const builder *b, unsigned want) {
         const dm_node energy = dm_sub(b->g, b->energy, b->L);
         status = dm_loops_value(&m->energy, b->g, energy, compile, arena);
     }
+    if (status == DM_OK && want & DM_WANT_CURVATURE) status = make_curvature(b);
     m->has |= want;
     return status;
 }

@@ -52,6 +52,7 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CHART = 1 << 21, /* of a system on a group, the charts of mech/group.h: this bit
                                  shifted by the number of a dm_tau */
        DM_WANT_CHARTS = 31 << 21,
+       DM_WANT_CURVATURE = 1 << 27, /* of a field (DM_CELLS): L_qq as a sparse matrix */
        DM_WANT_LIFT = 524288, /* of a system on a group: its collective lift (mech/group_lift.c) */
        DM_WANT_JOINTS = 1048576, /* of a chart that is wanted: dm_group_joints, in its place */
        DM_WANT_ON_GROUP = DM_WANT_CHARTS | DM_WANT_LIFT | DM_WANT_JOINTS,
@@ -78,6 +79,7 @@ typedef struct {
     const double *mass_matrix;    /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
     const uint8_t *cyclic;        /* [n]: 1 where L does not depend on q_i */
+    struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */
     uint32_t sphere; /* q is cut into unit vectors of so many entries (DM_CELLS); 0: it is not */
     const uint8_t *held;          /* [n]: 1 where no step moves q_i (DM_CELLS); NULL: nowhere */
     uint32_t operations;          /* of L itself */

@@ -117,6 +117,8 @@ void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
     luaL_error(L,
                "%s cannot be had of a field: its kinetic energy must be a sum of m v^2 / 2 over "
                "cells with masses that are numbers, as v:dot(v) / 2 is, and no rule may ask for a "
-               "full matrix of second derivatives (\"verlet\", its compositions do without)",
+               "full matrix of second derivatives (verlet, midpoint, trapezoidal, gauss(s), "
+               "lobatto(s) "
+               "and compositions do without)",
                why);
 }

@@ -1,5 +1,6 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/run/stepping.h"
+#include "bind/dec/bind_sparse.h"
 #include "bind/model/model_constraints.h"
 #include "bind/model/model_map.h"
 #include "bind/model/model_sums.h"
@@ -71,6 +72,13 @@ static const void *bring(lua_State *L, const dml_stepping *r) {
     return dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
 }
 
+/* the library of sparse solvers, for steps that ask for it; members in other threads have none,
+ * since it takes memory from Lua */
+static const dm_solvers *solvers_for(const dml_stepping *r) {
+    const char *why;
+    return r->wants & DM_WANT_CURVATURE && !r->apart ? dml_solvers(&why) : NULL;
+}
+
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     dml_solver *s = r->solver;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
@@ -106,6 +114,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .rule = s->nodes,
                               .plain = s->plain,
                               .threads = r->apart ? 1 : s->threads,
+                              .solvers = solvers_for(r),
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
     if (s->method->traits & DM_OF_FUNCTIONS) r->stepper.brought = bring(L, r);

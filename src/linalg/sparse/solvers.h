@@ -27,7 +27,7 @@ typedef struct {
     int32_t solves; /* set: how many there were */
 } dm_eigen_problem;
 
-typedef struct {
+typedef struct dm_solvers {
     const char *name; /* "CHOLMOD, UMFPACK, ARPACK" */
     /* The factorization of a square matrix, for Cholesky of the symmetric one whose upper triangle
      * it has. A must stay. Its memory comes from the arena's allocator. DM_SINGULAR: it is
