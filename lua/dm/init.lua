@@ -149,9 +149,17 @@ local rows = {
   ["ensemble:plot"] = "dm.show.fan",
 }
 
--- modules that change what the core has, or that C asks for
-local AT_ONCE = { "dm.session.missing", "dm.sweep.methods", "dm.reduce.methods",
-  "dm.dec.fields.methods", "dm.group" }
+-- what a group can do: methods of spaces
+local OF_GROUPS = { "Ad", "ad", "bonds", "cayley", "cayleyinv", "coAd", "coad", "compose", "dcay",
+  "dcayinv", "dexp", "dexpinv", "distance", "exp", "flat", "hat", "identity", "inverse", "left",
+  "left_tangent", "log", "matrix", "project", "random", "right", "right_tangent", "unflat",
+  "valid", "vee" }
+
+-- methods of the core that modules wrap
+local WRAPPED = { ["dm.solver"] = { run = "dm.reduce.methods", ensemble = "dm.reduce.methods" },
+  ["dm.system"] = { solver = "dm.reduce.methods" },
+  ["dm.ensemble"] = { failures = "dm.reduce.methods" },
+  ["dm.path"] = { momentum = "dm.group" }, ["dm.discrete_lagrangian"] = { momentum = "dm.group" } }
 
 local dm = {}
 
@@ -182,10 +190,22 @@ for name, module in pairs(rows) do
   local owner, method = name:match "^([%w_]+):([%w_]+)$"
   if owner then class.later("dm." .. owner, method, module) else M.lazy[name] = module end
 end
-for _, module in ipairs(AT_ONCE) do require(module) end
+for _, name in ipairs(OF_GROUPS) do class.later("dm.space", name, "dm.group") end
+for owner, methods in pairs(WRAPPED) do
+  for name, module in pairs(methods) do class.wrapped_later(owner, name, module) end
+end
+for _, name in ipairs { "semidirect", "discrete_lagrangian" } do
+  class.function_later(name, "dm.group")
+  M.lazy[name] = "dm.group"
+end
+-- asked for where an error speaks of a nil: the module puts its own functions here
+local registry = debug.getregistry()
+for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_forget = "forget" } do
+  registry[name] = function(...) return require "dm.session.missing"[own](...) end
+end
 -- what stands for modules alone is not seen in dm: its doc begins with "core."
 for name, value in pairs(core) do
-  local doc = core.docs[value]
+  local doc = not M.lazy[name] and core.docs[value]
   if doc and not doc:find "^core%." then dm[name] = value end
 end
 setmetatable(dm, M)

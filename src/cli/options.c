@@ -55,7 +55,7 @@ static int part_option(dml_command *c, char **argv, int *i) {
 /* Behind "NAME" or "NAME=": "" or what follows; NULL when the option is another. */
 static const char *value_of(const char *option, const char *name) {
     const size_t length = strlen(name);
-    if (strncmp(option, name, length) != 0) return NULL;
+    if (!option || strncmp(option, name, length) != 0) return NULL;
     if (option[length] == '\0') return "";
     return option[length] == '=' ? option + length + 1 : NULL;
 }

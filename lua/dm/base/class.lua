@@ -33,8 +33,62 @@ function M.later(class, name, module)
   core.docs[stand_in] = nil
 end
 
+---- methods and functions of the core that a module wraps, once it is loaded ----
+
+-- stand-in -> { get, put (of the place where it stands), plain, doc, module, f (once loaded) }
+local wrapping = {}
+
+local unwrapped = {} -- modules that have begun to wrap
+
+-- what the module has put in the place of a stand-in; where somebody else has wrapped this one, he
+-- stays
+local function wrapped_now(stand_in)
+  local row = wrapping[stand_in]
+  if row.f then return row.f end
+  local outer, is_loaded = row.get(), package.loaded[row.module]
+  if unwrapped[row.module] and not is_loaded then return row.plain end -- while it is loaded
+  local outer_doc = outer ~= stand_in and rawget(core.docs, outer)
+  if outer ~= stand_in and not is_loaded then row.put(row.plain, row.doc) end
+  require(row.module)
+  row.f = row.get()
+  if outer ~= stand_in and not is_loaded then row.put(outer, outer_doc) end
+  return row.f
+end
+
+local function wrap_later(get, put, module)
+  local plain, stand_in = get(), nil
+  function stand_in(...) return wrapped_now(stand_in)(...) end
+  wrapping[stand_in] = { get = get, put = put, plain = plain,
+    doc = rawget(core.docs, plain), module = module }
+  put(stand_in, "")
+  core.docs[stand_in] = nil
+end
+
+--- The method `name` of a class is wrapped by `module`, which is loaded when the method is first
+-- called or its doc is read; the module begins with M.unwrap.
+function M.wrapped_later(class, name, module)
+  local methods = debug.getregistry()[class].methods
+  wrap_later(function() return methods[name] end,
+    function(f, doc) core.method(class, name, f, doc) end, module)
+end
+
+--- The same of a function of the core.
+function M.function_later(name, module)
+  wrap_later(function() return core[name] end,
+    function(f, doc) core[name], core.docs[f] = f, doc end, module)
+end
+
+--- What stands in the places that `module` wraps is plain again.
+function M.unwrap(module)
+  unwrapped[module] = true
+  for stand_in, row in pairs(wrapping) do
+    if row.module == module and row.get() == stand_in then row.put(row.plain, row.doc) end
+  end
+end
+
 setmetatable(core.docs, { __index = function(docs, f)
   if unloaded[f] then return docs[loaded(f)] end
+  if wrapping[f] then return docs[wrapped_now(f)] end
 end })
 
 return M

@@ -6,6 +6,8 @@ local kits = require "dm.group.kit"
 
 local M = {}
 
+require "dm.base.class".unwrap "dm.group"
+
 -- raises where G.exp(xi) was written for G:exp(xi)
 local function check_space(space)
   if kits.class_of(space) ~= "dm.space" then
@@ -31,6 +33,7 @@ local discrete = core.discrete_lagrangian
 core.discrete_lagrangian = blame.caller(function(...)
   return require "dm.group.discrete".new(...) or discrete(...)
 end)
+M.semidirect, M.discrete_lagrangian = core.semidirect, core.discrete_lagrangian
 core.docs[core.discrete_lagrangian] = core.docs[discrete]
   .. " On a group elements take the place of q, and momenta are body covectors; of a system rule "
   .. "is lie(s): class dm.group_lagrangian."

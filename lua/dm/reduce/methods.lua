@@ -2,6 +2,10 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
+require "dm.base.class".unwrap "dm.reduce.methods"
+require "dm.sweep.methods"
+require "dm.dec.fields.methods"
+
 -- rsprk(rule) is one more name of a rule, of reduced systems
 local solver, solver_doc = core.method("dm.system", "solver")
 

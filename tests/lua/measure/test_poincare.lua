@@ -71,7 +71,7 @@ end
 local rows, ends = members { every = 2 }, members {}
 local drawn = fan.series(rows)
 ok(#drawn == 64 and drawn[1].ylabel == "x" and drawn[1].xlabel == "t", "64 of 200 paths, the first column against t", #drawn)
-ok(drawn[1].name == "member 1" and drawn[64].name == "member 200" and drawn[1].colour == "#4477aa" and drawn[64].colour == "#ee6677", "from the first to the last, in shades")
+ok(drawn[1].name == "member 1" and drawn[64].name == "member 200" and drawn[1].colour == dm.palette "lines"[1] and drawn[64].colour == dm.palette "lines"[2], "from the first to the last, in shades")
 near(drawn[64].y[#drawn[64].y], rows.q[200][1], 0, "a path ends where the member does")
 ok(#fan.series(rows, "x", "p_y", 5) == 5 and fan.series(rows, "x", "p_y", { 7 })[1].name == "member 7", "as many as asked for, or those asked for")
 local points = fan.series(ends, "x", "p_y")[1]

@@ -144,6 +144,7 @@ for _, row in ipairs(require "dm.manual".options) do
   ok(all and shells, row.name .. " is in --help, the man page and the completions")
   local value = row.name == "-e" and "''" or row.name == "-l" and "io" or ""
   if row.name == "--color" then value = "=never" elseif row.name == "--part" then value = " 1/1"
+  elseif row.name == "--where" then value = " lua"
   elseif row.name == "--jupyter" then value = "=/proc/none"
   elseif value ~= "" then value = " " .. value end
   local answer = run(dmlua, "printf '' | LUA " .. row.name .. value)
