@@ -55,6 +55,7 @@ local rows = {
   stability = "dm.stability",
   stability_limit = "dm.stability.linear",
   sweep = "dm.sweep",
+  bench = "dm.measure.time",
   time = "dm.measure.time",
   who = "dm.session.help",
   -- methods of systems

@@ -11,8 +11,10 @@
 
 const char *dml_program = "dmlua";
 
-static lua_State *volatile running;          /* the thread, for the signal handler */
-static volatile sig_atomic_t was_terminated; /* by SIGTERM, which ends as Ctrl-C does */
+static lua_State *volatile running;           /* the thread, for the signal handler */
+static volatile sig_atomic_t was_terminated;  /* by SIGTERM, which ends as Ctrl-C does */
+static volatile sig_atomic_t was_interrupted; /* by SIGINT */
+static int ended_by_stop;                     /* has Ctrl-C ended what was called last? */
 
 /* ---- Ctrl-C ---- */
 
@@ -68,6 +70,7 @@ static void wake(int signal) {
 static void stop(int signal) {
     set_signal(signal, SIG_DFL, NULL);
     if (signal == SIGTERM) was_terminated = 1;
+    if (signal == SIGINT) was_interrupted = 1;
     dml_stop = 1;
     set_hook();
     set_signal(SIGALRM, wake, NULL);
@@ -91,6 +94,10 @@ int dml_interrupted(void) {
 
 int dml_terminated(void) {
     return was_terminated;
+}
+
+int dml_ended_by_interrupt(void) {
+    return was_interrupted && ended_by_stop;
 }
 
 void dml_drop_interrupts(void) {
@@ -135,9 +142,30 @@ static void leave_out_blame(lua_State *L) {
     lua_replace(L, -2);
 }
 
+int dml_is_failure(lua_State *L, int index) {
+    if (!lua_istable(L, index) || !lua_getmetatable(L, index)) return 0;
+    luaL_getmetatable(L, "dm.failure");
+    const int same = lua_rawequal(L, -1, -2) && !lua_isnil(L, -1);
+    lua_pop(L, 2);
+    return same;
+}
+
+/* Is the value at 1 what Ctrl-C raises? */
+static int is_stop(lua_State *L) {
+    const char *text = lua_tostring(L, 1);
+    if (text) return strstr(text, "interrupted!") != NULL;
+    if (!dml_is_failure(L, 1)) return 0;
+    lua_getfield(L, 1, "code");
+    text = lua_tostring(L, -1);
+    const int stopped = text && strcmp(text, "stopped") == 0;
+    lua_pop(L, 1);
+    return stopped;
+}
+
 /* The message handler of scripts: an object with __tostring gives its text, all else gets a
  * traceback. */
 static int add_traceback(lua_State *L) {
+    ended_by_stop = is_stop(L);
     if (!lua_tostring(L, 1)) {
         if (luaL_callmeta(L, 1, "__tostring") && lua_type(L, -1) == LUA_TSTRING) return 1;
         lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
@@ -148,14 +176,6 @@ static int add_traceback(lua_State *L) {
     luaL_traceback(L, L, lua_tostring(L, 1), 1);
     leave_out_blame(L);
     return 1;
-}
-
-int dml_is_failure(lua_State *L, int index) {
-    if (!lua_istable(L, index) || !lua_getmetatable(L, index)) return 0;
-    luaL_getmetatable(L, "dm.failure");
-    const int same = lua_rawequal(L, -1, -2) && !lua_isnil(L, -1);
-    lua_pop(L, 2);
-    return same;
 }
 
 static int keep_failure(lua_State *L) {

@@ -26,6 +26,9 @@ void dml_drop_interrupts(void);
 /* Did SIGTERM end what ran? */
 int dml_terminated(void);
 
+/* Did Ctrl-C end the script, and no pcall of it? */
+int dml_ended_by_interrupt(void);
+
 /* Is the value at `index` a dm.failure? */
 int dml_is_failure(lua_State *L, int index);
 

@@ -288,5 +288,6 @@ int main(int argc, char **argv) {
     dml_report(L, status);
     lua_close(L);
     if (dml_terminated()) return 128 + SIGTERM;
+    if (!fine && dml_ended_by_interrupt()) return 128 + SIGINT;
     return fine && status == LUA_OK ? EXIT_SUCCESS : EXIT_FAILURE;
 }

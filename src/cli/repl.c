@@ -7,7 +7,9 @@
 #include "cli/line.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 typedef struct {
@@ -83,6 +85,38 @@ static int explain(lua_State *L) {
     return 0;
 }
 
+/* !cmd: a command of the shell, whose status is told where it is not 0 */
+static int run_command(lua_State *L) {
+    const char *command = lua_tostring(L, lua_upvalueindex(1));
+    fflush(stdout);
+    const int status = system(command);
+    if (status == -1) return luaL_error(L, "!: no shell");
+    if (WIFEXITED(status) && WEXITSTATUS(status)) {
+        lua_pushfstring(L, "status %d", WEXITSTATUS(status));
+        dml_message(NULL, lua_tostring(L, -1));
+    }
+    return 0;
+}
+
+/* Of "x?" where x is a name, as path.drift, the length of x; else 0. */
+static size_t asked_behind(const char *text) {
+    const size_t n = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                  "0123456789_.:");
+    return n && text[n] == '?' && text[n + 1 + strspn(text + n + 1, " \t")] == '\0' ? n : 0;
+}
+
+/* push the function of a line that is no Lua: ?x, x? or !cmd; 0 where it is none of these */
+static int push_special(lua_State *L, const char *text) {
+    const size_t n = asked_behind(text);
+    if (*text != '?' && *text != '!' && !n) return 0;
+    if (n)
+        lua_pushlstring(L, text, n);
+    else
+        lua_pushstring(L, text + 1);
+    lua_pushcclosure(L, *text == '!' ? run_command : explain, 1);
+    return 1;
+}
+
 /* "=x", as in Lua 5.2, is the expression x; the text on top is replaced */
 static void drop_equals(lua_State *L) {
     const char *text = lua_tostring(L, -1);
@@ -140,10 +174,8 @@ static int read_entry(const session *s) {
     if (got != DML_LINE) return got == DML_LINE_END ? -2 : -1;
     const char *text = lua_tostring(L, 1);
     const char *first = text + strspn(text, " \t");
-    if (*first == '?') {
+    if (push_special(L, first)) {
         remember(s, text);
-        lua_pushstring(L, first + 1);
-        lua_pushcclosure(L, explain, 1);
         return LUA_OK;
     }
     if (is_farewell(L, first)) return -2;

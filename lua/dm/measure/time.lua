@@ -50,4 +50,42 @@ end
 
 core.docs[M.time] = doc_time
 
+local doc_bench = [[
+dm.bench(f [, k]) -> number, string
+Seconds of one call f(), the best of k batches (default 10) of 20 ms or one call each; and as a text
+with the spread, the largest batch over the best.]]
+
+local BATCH = 0.02 -- s
+
+function M.bench(f, k)
+  k = k == nil and 10 or math.tointeger(k)
+  if type(f) ~= "function" then
+    error(("dm.bench: a function is needed (got %s); write dm.bench(function() ... end)")
+      :format(type(f)), 2)
+  end
+  if not k or k < 2 or k > 10000 then
+    error("dm.bench: the number of batches must be a whole number from 2 to 10000", 2)
+  end
+  local calls, once = 1, batch(f, 1)
+  while once < BATCH / 2 do
+    calls = calls * 2
+    once = batch(f, calls)
+  end
+  local best, worst, loop = math.huge, 0, math.huge
+  for _ = 1, k do
+    local start = core.clock()
+    for _ = 1, calls do end
+    local between = core.clock()
+    for _ = 1, calls do f() end
+    loop = math.min(loop, between - start)
+    local took = core.clock() - between
+    best, worst = math.min(best, took), math.max(worst, took)
+  end
+  best, worst = math.max(best - loop, 0) / calls, math.max(worst - loop, 0) / calls
+  return best, ("%s per call, best of %d x %d, spread %.0f %%"):format(text(best), k, calls,
+    best > 0 and 100 * (worst / best - 1) or 0)
+end
+
+core.docs[M.bench] = doc_bench
+
 return M

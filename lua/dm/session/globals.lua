@@ -2,7 +2,7 @@
 local M = {}
 
 local MODULES = { help = "dm.session.help", apropos = "dm.session.help", who = "dm.session.help",
-  demo = "dm.session.demo" }
+  demo = "dm.session.demo", format = "dm.session.pretty" }
 
 local stand_ins = {}
 

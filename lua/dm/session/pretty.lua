@@ -74,7 +74,7 @@ local function other_keys(t, n, limit)
   return keys, more
 end
 
-local show
+local show, long_text, is_long_now
 
 local function key_text(state, key, depth)
   if is_name(key) then return paint(state, "key", key) .. " = " end
@@ -138,10 +138,59 @@ function show(state, value, depth)
     return depth == 0 and paint(state, kind, value) or quoted(state, value)
   end
   if kind == "function" then return paint(state, kind, function_text(value)) end
-  local text = tostring(value)
+  local text = is_long_now() and long_text(state, value) or tostring(value)
   if kind == "userdata" and depth > 0 then return (gsub(text, "\n", "\n" .. rep("  ", depth))) end
   return paint(state, kind, text)
 end
+
+---- digits ----
+
+local LONG, is_long = "%.17g", false
+
+function is_long_now() return is_long end
+
+-- a float with all of its digits, a float still where it is whole
+local function long_number(x)
+  local text = format(LONG, x)
+  return find(text, "^-?%d+$") and text .. ".0" or text
+end
+
+-- entries of a vector on one line, as many as a line shows of short ones
+local function long_vector(state, x)
+  local list, n = {}, #x
+  for i = 1, min(n, state.length) do list[i] = format(LONG, x[i]) end
+  if n > state.length then list[#list + 1] = format("... (%d)", n) end
+  return "[" .. concat(list, ", ") .. "]"
+end
+
+local function long_matrix(state, x)
+  local rows, n = {}, #x
+  for i = 1, min(n, state.length) do rows[i] = long_vector(state, x[i]) end
+  if n > state.length then rows[#rows + 1] = format("... %d rows", n) end
+  return "[" .. concat(rows, ",\n ") .. "]"
+end
+
+-- the text of a value in long digits, or nothing where they change nothing
+function long_text(state, value)
+  if mathtype(value) == "float" and value - value == 0 then return long_number(value) end
+  local meta = type(value) == "userdata" and getmetatable(value)
+  local class = type(meta) == "table" and meta.__name
+  if class == "dm.vector" then return long_vector(state, value) end
+  if class == "dm.matrix" then return long_matrix(state, value) end
+end
+
+local doc_format = [[
+format("long" | "short")
+Numbers, vectors and matrices in a session with 17 digits, which give the number back bit for bit,
+or with 14 again.]]
+
+M.format = blame.caller(function(what)
+  option.one_of({ format = what }, "format", "format", { "long", "short" })
+  if what == nil then option.fail("format", "\"long\" or \"short\" is needed") end
+  is_long = what == "long"
+end)
+
+core.docs[M.format] = doc_format
 
 local doc_pretty = [[
 dm.pretty(value, {depth=, length=, width=, colour=}) -> string
