@@ -4215,6 +4215,16 @@ function dm.asin(x) end
 ---@return number
 function dm.atan(y, x) end
 
+---dm.bench(f [, k]) -> number, string
+---
+---Seconds of one call f(), the best of k batches (default 10) of 20 ms or one call each; and as a text
+---with the spread, the largest batch over the best.
+---@param f? any
+---@param k? any
+---@return number
+---@return string
+function dm.bench(f, k) end
+
 ---dm.bundle{system=, h=, segments=, bias=} -> dm.bundle   or   dm.bundle{Q=, h=, bias=}
 ---
 ---A discrete tangent bundle: to every (q, v) belongs a curve segment of duration h. segments: "straight" (the default), the name of a one-step method that follows the field of the system, or a dm.curve; bias (1/2 for straight segments, else 1): the part of h behind q. With straight segments and Q alone: Moser-Veselov pairs.
