@@ -30,6 +30,7 @@ return {
   },
   -- examples without a chart of rules: name, why
   charts = {
+    figure_for_paper = "a picture; kepler has the chart",
     game_loop = "a deadline, which charts do not know",
     porous_hole = "an equation on a mesh, no rule of time",
     falling_cat = "loops of shapes, no rule of time",

@@ -2,7 +2,7 @@
 local M = {}
 
 --- Files of examples/, without .lua.
-M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
+M.names = { "kepler", "figure_for_paper", "outer_solar_system", "satellite", "reduced_satellite",
   "double_spherical_pendulum", "reduced_pendulum", "families",
   "falling_cat", "foucault", "three_rotors", "locked_formation", "mesh_curvature",
   "spherical_pendulum", "slack_rope", "own_forces", "taylor_segments", "damped_double_pendulum",
