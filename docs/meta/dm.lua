@@ -44,15 +44,19 @@ function dm_action_class:free(z) end
 ---@return any
 function dm_action_class:generator(z) end
 
----action:invariant(f | system | Ld) -> true, defect   or   false, violation
+---action:invariant(f | system | Ld) -> true, defect   or   false, violation [, symmetry]
 ---
 ---Is a function f(z), the Lagrangian of a dm.system (under the lift to velocities) or a discrete
 ---Lagrangian (under the joint action) invariant? Compared at random points to 1e-9; the first
 ---violation has point, g, before, after, defect, and prints as a sentence. Systems of several bodies
----are moved body by body. Raises when the value is finite nowhere.
+---are moved body by body; an action on one coordinate more than the system has moves (q, t), and is
+---tested by its generators. Where L is invariant up to a divergence dB/dt and a multiple c L of itself
+---alone, the third result is { generator, divergence, scale } as path:noether takes it (of a group of
+---more dimensions a list of these). Raises when the value is finite nowhere.
 ---@param f? any
 ---@return boolean
 ---@return any|boolean
+---@return any
 ---@return any
 function dm_action_class:invariant(f) end
 
@@ -112,6 +116,123 @@ function dm_action_class:tangent() end
 ---@param z? any
 ---@return boolean
 function dm_action_class:transitive(z) end
+
+---dm.avi_cells: the cells of the potential of a field, each with a step of its own
+---what field:solver{ rule = "avi" } runs
+---@class dm.avi_cells
+local dm_avi_cells_class = {}
+
+---cells:limits() -> dm.vector
+---
+---2 / omega of every cell alone at q, with its share of the masses of its entries.
+---@return dm.vector
+function dm_avi_cells_class:limits() end
+
+---cells:resonances(margin) -> number
+---
+---Pairs of cells with a common entry of which one kicks the other near a multiple of its half period, omega_K h_L = k pi, by so many half periods.
+---@param margin? any
+---@return number
+function dm_avi_cells_class:resonances(margin) end
+
+---cells:run(p, h, times, half) -> dm.path, code, events
+---
+---Steps h of every cell from q and p at times[1]; a row at every time.
+---@param p? any
+---@param h? any
+---@param times? any
+---@param half? any
+---@return dm.path
+---@return any
+---@return any
+function dm_avi_cells_class:run(p, h, times, half) end
+
+---cells:sums() -> list of { call, cells }
+---
+---The sums of the potential in the order of their cells: number of the sum in L, and cells.
+---@return table
+function dm_avi_cells_class:sums() end
+
+---dm.box_run: the recorded levels of boxes; #run rows
+---fields: by the name of each component a matrix, run.u[i] (a vector of all nodes), t[i], z[i] (all
+---components, node after node, without what they gain), gain (by name: what a component gains round
+---the ring), steps, h, boxes, solver
+---@class dm.box_run
+local dm_box_run_class = {}
+
+---run:animate(file, {of=, title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser moves the line through its rows, without a network. of: "u",
+---"p2", a component of boxes; seconds: how long all rows take.
+---@param file? string
+---@param options? table
+---@return string
+function dm_box_run_class:animate(file, options) end
+
+---run:balance("energy" | "momentum" | "multisymplectic") -> number
+---
+---The largest residual, over all boxes, of a local law D_t(density) + D_x(flux) = 0. With m the mean
+---over a box and D the differences: energy has the density S(m z) - <m z, K D_x z>/2 and the flux
+---<m z, K D_t z>/2; momentum exchanges M and K, density and flux; multisymplectic: <v, M w> and
+---<v, K w> of two first variations, random at the start (Bridges, Reich 2001). Round-off for quadratic
+---S, multisymplectic for every S; the others have order 2.
+---@param energy? any
+---@return number
+function dm_box_run_class:balance(energy) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
+---is an array of all nodes; dm.load reads it.
+---@param file? string
+---@return string
+function dm_box_run_class:npy(file) end
+
+---run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+---
+---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
+---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.
+---@param name? any
+---@param options? table
+---@return string|nil
+function dm_box_run_class:plot(name, options) end
+
+---run:vtk(file) -> {file, ...}
+---
+---A file file_00001.vtk, ... for every row, the nodes as a line with their values, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_box_run_class:vtk(file) end
+
+---dm.box_solver: boxes with a height, made by boxes:solver
+---fields: boxes, h, held (names of components with a gauge mode, whose first node is held)
+---@class dm.box_solver
+local dm_box_solver_class = {}
+
+---solver:run{z = {name = f, ...}, steps= | t=, every=, t0=} -> dm.box_run
+---
+---z: functions of x, or lists of a number for every node, for the components that have a z_t; others
+---follow, where they are left out, from rows without z_t, and where none tells them they start at
+---their mean over the first step (only their means over steps occur in the equations).
+---@param options? table
+---@return dm.box_run
+function dm_box_solver_class:run(options) end
+
+---dm.boxes: M z_t + K z_x = grad S(z) on a ring, made by dm.multisymplectic
+---fields: M, K, S, names, from, to, cells, dx
+---@class dm.boxes
+local dm_boxes_class = {}
+
+---boxes:solver{h=} -> dm.box_solver
+---
+---h: the height of a box. Refused where the step is singular since the ring has an even number of
+---cells and det K = 0. A component whose constant nothing determines (a gauge mode, as of KdV's
+---potential) is held at the first node: solver.held names it.
+---@param options? table
+---@return dm.box_solver
+function dm_boxes_class:solver(options) end
 
 ---dm.branch: relative equilibria followed in the momentum by shape:continue
 ---fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
@@ -459,6 +580,47 @@ function dm_chart_class:table() end
 ---@class dm.columns
 local dm_columns_class = {}
 
+---dm.complex_vector: complex numbers at points, as path.psi[i] of a wave
+---fields: re, im (dm.vectors), x (points), weight (of integrals); #v; + - and * / by numbers
+---@class dm.complex_vector
+local dm_complex_vector_class = {}
+
+---v:abs2() -> dm.vector
+---
+---|v|^2, entry by entry: the density of a wave.
+---@return dm.vector
+function dm_complex_vector_class:abs2() end
+
+---v:arg() -> dm.vector
+---
+---The phase of the entries, from -pi to pi; 0 where an entry is 0.
+---@return dm.vector
+function dm_complex_vector_class:arg() end
+
+---v:dot(w) -> re, im
+---
+---<v, w>, the integral of conj(v) w by the weights of the points: linear in w. Raises for another
+---length.
+---@param w? any
+---@return any
+---@return any
+function dm_complex_vector_class:dot(w) end
+
+---v:norm() -> number
+---
+---The root of <v, v>: 1 for a normalized wave. On a ring the integral is exact for what the points
+---can show.
+---@return number
+function dm_complex_vector_class:norm() end
+
+---v:times(re, im) -> dm.complex_vector
+---
+---(re + i im) v.
+---@param re? any
+---@param im? any
+---@return dm.complex_vector
+function dm_complex_vector_class:times(re, im) end
+
 ---dm.cone: an operator from chains of degree k to degree k + 1, made by K:cone(); p(c) is p of a chain
 ---fields: mesh, rule, hub, poincare (has the mesh the homology of a point, so that d p + p d = 1 but
 ---for the hub?), critical (critical[k], k from 0: cells in no pair of the matching; rules "matching",
@@ -784,6 +946,29 @@ function dm_diffeo_class:spatial_velocity(t) end
 ---fields: Q, Ld, h, name, coordinates, units, params, system, rule, constraint, map
 ---@class dm.discrete_lagrangian
 local dm_discrete_lagrangian_class = {}
+
+---Ld:against_exact{q=, v=, h={...}} -> { h, value, momentum, value_slope, momentum_slope }
+---
+---The discrete Lagrangian of a system and a rule beside the exact one, for several steps h, between
+---the ends of the motion from q with velocity v: value is |Ld - L_exact|, momentum the largest
+---difference of a Legendre transform from the momentum of the motion. The slopes are exponents of h,
+---2s + 1 and 2s for gauss(s); nil where fewer than two errors are above round-off (Leok 5.1.1, Marsden
+---& West 2001, 2.3). Raises for a formula Ld(q0, q1) of a script.
+---@param options? table
+---@return table
+function dm_discrete_lagrangian_class:against_exact(options) end
+
+---Ld:average(group | action [, {points=}]) -> dm.discrete_lagrangian
+---
+---The mean of Ld(g q0, g q1) over a compact group, by its standard action on Q or the given one: it
+---is invariant, so that its steps keep the momentum map (Leok, remark 5.2). points: of every angle
+---(8), by the trapezoidal rule on SO(2) and T^n, by Euler's angles on SO(3) with Gauss nodes of the
+---cosine, by factors on products. Invariance is looked at to 1e-12: raises where more points are
+---needed, for a group that is not compact, and for rules whose Ld is found by solving.
+---@param group? any
+---@param options? table
+---@return dm.discrete_lagrangian
+function dm_discrete_lagrangian_class:average(group, options) end
 
 ---Ld:coefficients() -> {a, d, b, c, beta}
 ---
@@ -1695,6 +1880,282 @@ function dm_journal_file_class:sync() end
 ---@return any
 function dm_journal_file_class:truncate(size) end
 
+---dm.lagrange_poincare: a discrete Lagrangian reduced by a group, made by dm.lagrange_poincare{group=,
+---base=, h=, l=} or system:reduce{group=, rule=, h=}
+---fields: group, base, h, connection, system (on Q = base x group) and rule (a dm.step), for whatever
+---takes these: charts, events, checkpoints of the unreduced motion.
+---@class dm.lagrange_poincare
+local dm_lagrange_poincare_class = {}
+
+---lp:residual({x0, x1, x2}, {f0, f1}) -> Ver, Hor
+---
+---The discrete Lagrange-Poincare operators (Leok 4.7.1) at x1: Ver = mu1(x0, x1, f0) - mu0(x1, x2,
+---f1), dim G numbers, and Hor = p1(x0, x1, f0) - p0(x1, x2, f1) - <Ver, A(x1)>, dim S numbers, with
+---the continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.
+---@param options? table
+---@param options_? any
+---@return any
+---@return any
+function dm_lagrange_poincare_class:residual(options, options_) end
+
+---lp:solver([{h=, newton=}]) -> dm.reduced_solver
+---
+---What steps the reduced equations, with the step h of lp where none is given; newton as of
+---system:solver.
+---@param options? table
+---@return dm.reduced_solver
+function dm_lagrange_poincare_class:solver(options) end
+
+---dm.level: a system reduced at the spatial momentum J by a group that is not abelian, made by
+---system:routh{group=, mu=} or system:routh{action=, section=, mu=}
+---fields: group, base, mu (J), isotropy (a basis of the algebra of the isotropy group of J), orbit
+---(the dimension of its coadjoint orbit), dimension (of the reduced space), system (on base x group).
+---@class dm.level
+local dm_level_class = {}
+
+---level:amended_potential(x [, nu]) -> number
+---
+---V + (nu - c).I^-1 (nu - c)/2 at the shape x and the body momentum nu (default: J), a point of the
+---coadjoint orbit of J.
+---@param x? any
+---@param nu? any
+---@return number
+function dm_level_class:amended_potential(x, nu) end
+
+---level:connection(x) -> dm.matrix, dim G x dim S
+---
+---The mechanical connection I^-1 L_xix' at the shape x.
+---@param x? any
+---@return dm.matrix
+---@return any
+function dm_level_class:connection(x) end
+
+---level:locked_inertia(x) -> dm.matrix, dim G x dim G
+---
+---L_xixi at the shape x, xi the body velocity.
+---@param x? any
+---@return dm.matrix
+---@return any
+function dm_level_class:locked_inertia(x) end
+
+---level:relative_equilibria{x=, spread=, starts=} -> list of {x, nu, xi, energy, stable}
+---
+---Motions along the group alone: critical points of the amended potential on S x the coadjoint orbit
+---of J, by Newton's method from `starts` (40) random shapes about x (default 0, with deviation spread
+---= 1) and body momenta on the orbit. nu and xi: body momentum and velocity, the motion from g is g
+---exp(xi t); stable: true where the second variation is definite (then it is, modulo the isotropy
+---group of J), else nothing is said.
+---@param options? table
+---@return table
+function dm_level_class:relative_equilibria(options) end
+
+---level:routhian(x, x' [, nu]) -> number
+---
+---L - <nu, xi> at the velocity xi of the group that has the body momentum nu (default: J).
+---@param x? any
+---@param x_? any
+---@param nu? any
+---@return number
+function dm_level_class:routhian(x, x_, nu) end
+
+---level:solver{rule=, h=} -> dm.reduced_solver
+---
+---Steps the reduced system at J by a rule of system:reduce: run{x=, p=, g=, steps=}, with mu = Ad*_g J
+---(g: by default the identity).
+---@param options? table
+---@return dm.reduced_solver
+function dm_level_class:solver(options) end
+
+---dm.levi_civita: a discrete Levi-Civita connection, made by K:levi_civita{frames=, rule=, on=,
+---metric=}
+---fields: mesh, rule ("face" or "thesis"), on ("dual": frames in top cells, or "primal": frames at the
+---vertices of a surface).
+---@class dm.levi_civita
+local dm_levi_civita_class = {}
+
+---A:angle() -> list of numbers
+---
+---The curvature of all cells of codimension 2, in their order: on a surface the deficit 2 pi - sum of
+---angles with its sign, which over a closed surface sums to 2 pi chi; in higher dimensions the angle
+---of the rotation round the cell, 0 to pi; false at the boundary. With on = "primal": of all
+---triangles, the angles at which are those of the surface over 2 pi at every inner vertex.
+---@return table
+function dm_levi_civita_class:angle() end
+
+---A:curvature(cell) -> dm.matrix, n x n
+---
+---The rotation round a cell of codimension 2, in the frame of the top cell round it with the least
+---number, in the sense of the orientation; on a surface by the deficit. With on = "primal": round a
+---triangle, in the frame of its first vertex. Raises at the boundary.
+---@param cell? any
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:curvature(cell) end
+
+---A:frame(cell) -> dm.matrix
+---
+---The frame of a top cell of a mesh with points: its axes in space as columns, ambient x n.
+---@param cell? any
+---@return dm.matrix
+function dm_levi_civita_class:frame(cell) end
+
+---A:holonomy{i, j, ..., i} -> dm.matrix, n x n
+---
+---The rotation along a closed path of neighbours, top cells (on = "primal": vertices), in the frame of
+---the first.
+---@param options? table
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:holonomy(options) end
+
+---A:rotation(i, j) -> dm.matrix, n x n
+---
+---The rotation that takes vectors from the frame of top cell i to that of its neighbour j, as if both
+---were unfolded: edges of the common face go to themselves. With on = "primal": from vertex i to
+---vertex j along their edge. Raises where they are no neighbours.
+---@param i? any
+---@param j? any
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:rotation(i, j) end
+
+---A:transport({i, j, ...}, v) -> dm.vector
+---
+---The vector v, n numbers in the frame of the first cell, taken in parallel along a path of
+---neighbours, in the frame of the last. A:frame gives the axes of a frame in space.
+---@param options? table
+---@param v? any
+---@return dm.vector
+function dm_levi_civita_class:transport(options, v) end
+
+---dm.line_field: a field u(t, x) on a line with a Lagrangian L(u, ut, ux, x, t), made by dm.field
+---fields: from, to, cells, nodes, dx, periodic, values (numbers of u)
+---@class dm.line_field
+local dm_line_field_class = {}
+
+---field:reflection({u=}) -> {left=, right=}
+---
+---The part of a wave that comes back from absorbing ends, (Z - c) / (Z + c) with the impedance Z^2 = -
+---L_utut L_uxux at u = 0 or at the number u. Waves in a medium with dispersion come back more.
+---@param options? table
+---@return table
+function dm_line_field_class:reflection(options) end
+
+---field:solver{rule=, h=, free=} -> dm.line_solver
+---
+---rule: "cell(gauss(r))" (default r = 2) or "cell(corners)", where L is looked at in a cell; h: the
+---height of a slab. free = "t": each slab's height is unknown, its energy that of the first one, whose
+---height is h (Leok 5.5, 5.6); free = "x": the nodes move, too, ends stay; free = {"t", "x"}: both.
+---@param options? table
+---@return dm.line_solver
+function dm_line_field_class:solver(options) end
+
+---field:stability_limit(rule, {u=}) -> number
+---
+---The height h at which the fastest oscillation about the level u (a function of x, nodes; default: 0)
+---begins to grow: (-1)^k v becomes a motion there. math.huge where there is none. L must not depend on
+---t, and not on the sign of ut.
+---@param rule? any
+---@param options? table
+---@return number
+function dm_line_field_class:stability_limit(rule, options) end
+
+---dm.line_run: the recorded levels of a field on a line; #run rows
+---fields: u[i], p[i] (vectors, node after node), t[i], energy[i] (-dS/dh of the slab that ends at the
+---row, first: of the first slab), x[i] (places of the nodes, where they move), nodes (where they are
+---at the start), frozen (numbers of the nodes that stay, where others move), steps, h, rule, field,
+---solver, ns_per_step
+---@class dm.line_run
+local dm_line_run_class = {}
+
+---run:animate(file, {of=, title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser moves the line through its rows, without a network. of: "u",
+---"p2", a component of boxes; seconds: how long all rows take.
+---@param file? string
+---@param options? table
+---@return string
+function dm_line_run_class:animate(file, options) end
+
+---run:column(name) -> dm.vector
+---
+---One number a row: "t", "energy", "u7" or "p7" (entry 7 of u or p).
+---@param name? any
+---@return dm.vector
+function dm_line_run_class:column(name) end
+
+---run:conservation(function(u, x, t) | "t" | "x") -> number
+---
+---The largest residual of a discrete conservation law, a unit of time and length. A generator xi(u, x,
+---t): around each node the sum of S_i . xi_i over the boundary of the cells that meet there, which is
+---round-off where every cell has the symmetry (shifts, rotations of u). "x": the same for shifts of
+---the nodes, round-off with free = "x". "t": the energy of each slab against that of the one before,
+---round-off with free = "t". Else their order, 2. Nodes that are fixed, absorb, or do not move with
+---the others have no law of their own.
+---@param function_? any
+---@return number
+function dm_line_run_class:conservation(function_) end
+
+---run:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column ("energy", "u7") or of a vector of #run entries, its
+---standard error, the mean, and the largest distance from the first row.
+---@param name? any
+---@return table
+function dm_line_run_class:drift(name) end
+
+---run:multisymplectic({seed=}) -> number
+---
+---The largest residual of the multisymplectic form formula: two first variations V, W of the run, from
+---random variations of u and p at the start (entries uniform in [-1, 1]), and around each node the sum
+---of dS_i(V) W_i - dS_i(W) V_i over the boundary of the cells that meet there (Leok 5.1.3). Round-off
+---for every L; nodes that are fixed or absorb have no law. With free heights the times of the levels
+---are held.
+---@param options? table
+---@return number
+function dm_line_run_class:multisymplectic(options) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
+---is an array of all nodes; dm.load reads it.
+---@param file? string
+---@return string
+function dm_line_run_class:npy(file) end
+
+---run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+---
+---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
+---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.
+---@param name? any
+---@param options? table
+---@return string|nil
+function dm_line_run_class:plot(name, options) end
+
+---run:vtk(file) -> {file, ...}
+---
+---A file file_00001.vtk, ... for every row, the nodes as a line with their values, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_line_run_class:vtk(file) end
+
+---dm.line_solver: a rule and a height of slabs for a field on a line, made by field:solver
+---fields: field, rule, h, free ("t", "x", "tx" or nil)
+---@class dm.line_solver
+local dm_line_solver_class = {}
+
+---solver:run{u=, ut= | p=, steps= | t=, every=, t0=} -> dm.line_run
+---
+---u, ut: functions of x, or lists of a number (with values = n: n numbers) for every node; ut is
+---interpolated as u is, so that p_i is the integral of L_ut phi_i; p: those themselves. t: a duration.
+---Rows at the start, every `every` slabs and at the end. A level that is not found raises a
+---dm.failure, whose `path` is the run so far.
+---@param options? table
+---@return dm.line_run
+function dm_line_solver_class:run(options) end
+
 ---dm.matching: an acyclic matching of the cells of a mesh, made by core.matching(K)
 ---M:critical(k): the cells in no pair; chains flow along the pairs to them (Leok 3.11).
 ---@class dm.matching
@@ -1967,6 +2428,12 @@ function dm_mesh_class:d(k, options) end
 ---@return table
 function dm_mesh_class:darcy(options) end
 
+---K:deficits() -> list of numbers or false
+---
+---2 pi - the sum of the angles of the top cells at every cell of codimension 2; false at the boundary. On a surface they are the curvatures of the vertices. Raises where K is no manifold.
+---@return table|boolean
+function dm_mesh_class:deficits() end
+
 ---K:divergence_values(X, "vertices" | "cells" [, flux]) -> dm.vector
 ---
 ---The divergence at the vertices, with the flux through the boundary or without: see field:div.
@@ -1975,6 +2442,13 @@ function dm_mesh_class:darcy(options) end
 ---@param flux? any
 ---@return dm.vector
 function dm_mesh_class:divergence_values(X, vertices, flux) end
+
+---K:dual_ring(cell) -> list of top cells
+---
+---The dual loop round a cell of codimension 2, from the top cell with the least number on, in the sense of the orientation of K. Raises at the boundary.
+---@param cell? any
+---@return table
+function dm_mesh_class:dual_ring(cell) end
 
 ---K:dual_volume(k) -> dm.vector
 ---
@@ -2074,6 +2548,26 @@ function dm_mesh_class:flip_values() end
 ---@return dm.form
 function dm_mesh_class:form(k, values, options) end
 
+---K:frame_places(cell [, frames]) -> dm.matrix, n + 1 x n
+---
+---The vertices of a top cell in its frame, a row each, the first at 0.
+---@param cell? any
+---@param frames? any
+---@return dm.matrix
+---@return any
+function dm_mesh_class:frame_places(cell, frames) end
+
+---K:frame_rotation(i, j [, frames [, printed]]) -> dm.matrix, n x n
+---
+---The rotation from the frame of top cell i to that of its neighbour j; frames: n n numbers a cell, the axes of its frame as columns in the cell's own one; printed = true: the least rotation of the normals.
+---@param i? any
+---@param j? any
+---@param frames? any
+---@param printed? any
+---@return dm.matrix
+---@return any
+function dm_mesh_class:frame_rotation(i, j, frames, printed) end
+
 ---K:fundamental() -> dm.chain
 ---
 ---The sum of all top cells in their coherent orientation; forms of the highest degree are integrated
@@ -2148,6 +2642,20 @@ function dm_mesh_class:laplace_beltrami(options) end
 ---@param options? table
 ---@return dm.operator
 function dm_mesh_class:laplacian(k, options) end
+
+---K:levi_civita{frames=, rule=, on=, metric=} -> dm.levi_civita
+---
+---The discrete Levi-Civita connection of a simplicial manifold of dimension 2 or more (Leok 4.7.3): a
+---frame in every top cell, a rotation for every dual edge. frames(cell): a rotation (an element of
+---SO(n); on surfaces an angle will do) of the cell's own frame, which is Cholesky's of its edges.
+---rule: "face" (default), rotations that keep the common face, or "thesis", the least rotation of one
+---normal to the other, which is wrong for frames of no common chart [E10]. on = "primal", of oriented
+---surfaces: frames at vertices, rotations along edges, curvature of triangles. metric(cell): the
+---matrix e_i . e_j of the edges from the first vertex of a top cell, in place of points or lengths;
+---faces must agree.
+---@param options? table
+---@return dm.levi_civita
+function dm_mesh_class:levi_civita(options) end
 
 ---K:link(k, i) -> dm.mesh, list of vertices   or nothing
 ---
@@ -2321,6 +2829,24 @@ function dm_mesh_class:star_values(k, x, dual, pinv) end
 ---@return any
 function dm_mesh_class:star_weights(k) end
 
+---K:stationary{form=, values=, on=, fixed=, term=, x=, data=, iterations=} -> dm.form, report
+---
+---A form of degree `form` (0 unless given) at which term(A), a sum over cells as the L of K:field has
+---it (K:sum, A:dot(B), A:d(), ...), is stationary: harmonic functions and maps, elastic bodies.
+---values: numbers a cell (1); on = dm.S(m): unit vectors of m + 1 numbers. fixed: cells that keep the
+---values of the start x: "boundary", a list of their numbers or a function of the position. x: a form,
+---a function of the position or a list (0; on spheres it must be given). Newton's method with the
+---sparse Hessian, downhill where that is not positive definite; a step that would make the term NaN or
+---infinite, as a cell turned inside out does, is cut. The result is a list of forms where a cell has
+---several values. report: code ("ok", "no_convergence"), text, value, iterations (at most 100, or as
+---given), residual (the norm of the gradient), kind ("minimum", "saddle"). Raises where the term is
+---not finite at the start, with the cell that is inverted, and where neighbours are opposite on a
+---sphere.
+---@param options? table
+---@return dm.form
+---@return any
+function dm_mesh_class:stationary(options) end
+
 ---K:subcomplex{[k] = {cell, ...}} -> dm.mesh, list of vertices
 ---
 ---The closure of cells, given by their numbers in every degree: a mesh of its own with the metric of
@@ -2402,6 +2928,40 @@ function dm_mesh_class:wedge_values(k, a, l, b, rule) end
 ---@param x? any
 ---@return dm.vector
 function dm_mesh_class:weighted_dual(k, x) end
+
+---dm.msfem_solution: finite elements for (a u')' = f, u = 0 at the ends
+---fields: u (dm.vector, at all nodes), x (nodes), elements ("multiscale", "linear")
+---@class dm.msfem_solution
+local dm_msfem_solution_class = {}
+
+---s:exact(x) -> number
+---
+---The solution itself, int F/a - (int_all F/a)/G_all G(x), G and F the integrals of 1/a and f.
+---@param x? any
+---@return number
+function dm_msfem_solution_class:exact(x) end
+
+---s:plot{file=, ...} -> file name or nothing
+---
+---The exact solution, that of the elements and its values at the nodes; options as of dm.plot.
+---@param options? table
+---@return string|nil
+function dm_msfem_solution_class:plot(options) end
+
+---s:shape(i, x) -> number
+---
+---The shape function of node i at x: 1 at the node, 0 at all others and beyond its elements.
+---@param i? any
+---@param x? any
+---@return number
+function dm_msfem_solution_class:shape(i, x) end
+
+---s:value(x) -> number
+---
+---The finite element solution at x. Raises outside of the nodes.
+---@param x? any
+---@return number
+function dm_msfem_solution_class:value(x) end
 
 ---dm.multigrid: nested meshes and what leads from one to the next, made by dm.multigrid{K1, ..., Kn}
 ---fields: meshes (the coarsest first), fixed; #mg levels
@@ -2577,6 +3137,17 @@ function dm_path_class:energy() end
 ---@return dm.form
 function dm_path_class:form(i, q) end
 
+---path:frequency(name [, {above=}]) -> omega
+---
+---The strongest frequency (radians per unit of time) of a column of a run that resolves it, by its
+---spectrum under Hann's window: the fast one for dm.multiscale (Leok 5.7.3: ten periods of 200 steps
+---give four digits). above: only frequencies above this one. Rows must be equally far apart. Raises
+---where there are fewer than 3 periods, or fewer than 3 rows in a period.
+---@param name? any
+---@param options? table
+---@return any
+function dm_path_class:frequency(name, options) end
+
 ---path:mass(q [, t]) -> dm.matrix, dim Q x dim Q
 ---
 ---d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L again; t: default that of the first row. Raises where it is not finite.
@@ -2603,6 +3174,16 @@ function dm_path_class:momentum(group, options) end
 ---@return any
 function dm_path_class:multipliers() end
 
+---path:noether{generator=, divergence=, scale=} -> dm.vector
+---
+---p . xi - E tau - B - c S at every row, a number each: what Noether's theorem keeps of a symmetry
+---generator(q, t) -> xi [, tau] (tau: how time moves) whose prolongation changes L by dB/dt + c L,
+---divergence(q, t) = B, scale = c (S: the action from the first row, by the rule's own quadrature).
+---action:invariant finds B and c. Momenta of symmetries of Q alone are path:momentum.
+---@param options? table
+---@return dm.vector
+function dm_path_class:noether(options) end
+
 ---path:npy(file) -> file name
 ---
 ---The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of
@@ -2613,7 +3194,12 @@ function dm_path_class:npy(file) end
 
 ---path:phases() -> {total, dynamic, geometric}
 ---
----How far the group variable has come along a path of a reduced system, each a dm.matrix, #path x dim
+---How far the group variable has come along a path of a reduced system. On SO(3) (dm.euler_poincare,
+---dm.lagrange_poincare): dm.vectors of a number a row, about the spatial momentum J and not wrapped.
+---total is the turn of g_k S g_0^-1 about J, S the shortest rotation from the first body momentum to
+---that of row k; dynamic sums what turn a step has beyond the shortest rotation between its body
+---momenta; geometric is minus the area of their geodesic polygon, closed to the start; the sum is
+---exact for the rows that are kept. Of an abelian group each is a dm.matrix, #path x dim
 ---G: dynamic, h sum_j b_j I^-1 (mu - c) over the stages, what the momentum alone would turn, and
 ---geometric, -h sum_j b_j A x', the holonomy of the mechanical connection along the shapes (Marsden,
 ---Montgomery & Ratiu 1990).
@@ -2693,6 +3279,52 @@ function dm_random_class:normal(i, k, mean, deviation) end
 ---@param b? any
 ---@return number
 function dm_random_class:uniform(i, k, a, b) end
+
+---dm.reduced_path: a run of a reduced system, of solver:run{x=, p=, mu=} of dm.lagrange_poincare
+---fields: x, p, mu (a dm.vector a row: shape, its momentum, body momentum), f (f[k] leads from row k
+---to the next, f = g_k^-1 g_(k+1)), t, path (the dm.path on Q, for functions that take one), #run
+---rows; after reconstruct{g=} also g, elements. Other fields and methods are those of path.
+---@class dm.reduced_path
+local dm_reduced_path_class = {}
+
+---path:phases() -> {total, dynamic, geometric}
+---
+---Of a run on SO(3): how far the body has turned about its spatial momentum J, a dm.vector of a number
+---a row, not wrapped: see path:phases of dm.path.
+---@return table
+function dm_reduced_path_class:phases() end
+
+---path:reconstruct{g=} -> dm.reduced_path
+---
+---The run on Q over a reduced one that begins at the element g (default: the identity), g_(k+1) = g_k
+---f_k: the same rows, with elements .g and a dm.path .path on Q.
+---@param options? table
+---@return dm.reduced_path
+function dm_reduced_path_class:reconstruct(options) end
+
+---dm.reduced_solver: what steps a reduced system, made by lp:solver()
+---fields: solver (the dm.solver on Q, for what is not listed here), system, rule, h; its other methods
+---are those of solver.
+---@class dm.reduced_solver
+local dm_reduced_solver_class = {}
+
+---solver:ensemble{members=, x=, p=, mu=, g=, momentum=, steps=, ...} -> dm.ensemble
+---
+---Members of the reduced system: x, p, mu, g and momentum as of solver:run, each a value for all or a
+---function of the member's number. The dm.ensemble is one on Q.
+---@param options? table
+---@return dm.ensemble
+function dm_reduced_solver_class:ensemble(options) end
+
+---solver:run{x=, p=, mu=, steps=, ...} -> dm.reduced_path
+---
+---A run of the reduced equations from the shape x, its momentum p and the body momentum mu; or from g=
+---and momentum= J, the spatial momentum, mu = Ad*_g J: the level of J reduced by a group that is not
+---abelian (Routh); or from v = (x', xi), where the system has velocities. g is the element at the
+---start (default: the identity). Other options are those of a dm.solver: t, every, at, watch, events.
+---@param options? table
+---@return dm.reduced_path
+function dm_reduced_solver_class:run(options) end
 
 ---dm.remesh: takes forms of a mesh to another mesh of the same set, made by dm.remesh(K, M)
 ---fields: from, to (meshes), rule; T(a) is the form on the other mesh
@@ -2792,6 +3424,75 @@ function dm_scene_class:run(options) end
 ---cost and error, and why it was kept or dropped; the reference, the check, the choice.
 ---@return string
 function dm_scene_class:why() end
+
+---dm.schroedinger: a Schroedinger equation on a ring or between walls
+---fields: x (points), weight (of integrals), V (at `nodes`), nodes, N, from, to, hbar, m, g, space,
+---boundary
+---@class dm.schroedinger
+local dm_schroedinger_class = {}
+
+---wave:current(psi) -> j, density
+---
+---hbar/m Im(psi* psi_x) and |psi|^2 at the points, dm.vectors: density_t + j_x = 0. The current of the
+---phase (Leok 5.8, signs corrected) is -hbar times both. psi: a complex vector or a function of x.
+---@param psi? any
+---@return any
+---@return any
+function dm_schroedinger_class:current(psi) end
+
+---wave:eigen(k) -> {values, psi}
+---
+---The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
+---norm 1: by dense rotations up to 1200 points. Beyond it raises: take fewer points, an energy is good
+---to round-off on as many as its state needs.
+---@param k? any
+---@return table
+function dm_schroedinger_class:eigen(k) end
+
+---wave:equation() -> dm.wave_equation
+---
+---What stands behind it in C, made when it is first asked for.
+---@return dm.wave_equation
+function dm_schroedinger_class:equation() end
+
+---wave:observe(psi) -> {norm, energy, x, momentum}
+---
+---Of a state: the integral of |psi|^2; that of psi* (T + V) psi + g/2 |psi|^4; means of x and p.
+---@param psi? any
+---@return table
+function dm_schroedinger_class:observe(psi) end
+
+---wave:resume(file | path) -> dm.wave_solver
+---
+---The solver of a run, which goes on from where that ended, bit for bit: run it without psi. From a
+---path or from the file that path:checkpoint wrote. Raises where the wave is another one.
+---@param file? string
+---@return dm.wave_solver
+function dm_schroedinger_class:resume(file) end
+
+---wave:solver{rule=, h=, norm=, unstable=, plan=, wisdom=} -> dm.wave_solver
+---
+---What steps a wave. rule: "strang" (half a kick by V + g |psi|^2, a drift, half a kick) and every
+---composition and splitting of dm.rules(), "yoshida(4)"; "gauss(s)", "crank-nicolson" = "gauss(1)", by
+---the modes of H up to 1200 points and by iteration for what these do not have (g, s <= 24); "slab",
+---Gauss with a degree in time that resolves every mode, or "slab(s)"; "two-step", Leok's linear
+---functions in time, with norm = true the multiplier that keeps the norm, with unstable = true beyond
+---its limit. plan = "measure": FFTW chooses by timing, kept in the file wisdom = (unless given, in
+---the user's cache), so that the next run has the same bits. Raises, with the reason, on rules that
+---are not unitary.
+---@param options? table
+---@return dm.wave_solver
+function dm_schroedinger_class:solver(options) end
+
+---wave:stability_limit(rule) -> h, exact
+---
+---The largest step that does not let modes grow: sqrt(3) hbar/E_max for "two-step"; for kicks and
+---drifts with g that of resonances, pi hbar/T_max (Weideman & Herbst 1986); infinite for all that is
+---unitary. exact = false: an estimate.
+---@param rule? any
+---@return any
+---@return any
+function dm_schroedinger_class:stability_limit(rule) end
 
 ---dm.section: the crossings of a surface by one run or several, made by solver:section{g=, ...}
 ---fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of
@@ -3478,6 +4179,71 @@ function dm_stability_map_class:table(most) end
 ---@return any
 function dm_stability_map_class:theory(row) end
 
+---dm.strip: levels of a field on a line, as Lua modules see them
+---Two levels with a row of cells between them; made by core.strip. Fields and boxes on lines are made of it.
+---@class dm.strip
+local dm_strip_class = {}
+
+---strip:cells(lower, upper, t, h, "value" | "slopes" | "hessian") -> dm.matrix
+---
+---A row for every cell: the action or the equations, and their derivatives.
+---@param lower? any
+---@param upper? any
+---@param t? any
+---@param h? any
+---@param value? any
+---@return dm.matrix
+function dm_strip_class:cells(lower, upper, t, h, value) end
+
+---strip:energies{u=, t=} -> dm.vector, dm.vector
+---
+----dS/dh and dS/dt of every slab.
+---@param options? table
+---@return dm.vector
+---@return dm.vector
+function dm_strip_class:energies(options) end
+
+---strip:limit(u, least, most) -> number
+---
+---The height at which the fastest oscillation about u begins to grow.
+---@param u? any
+---@param least? any
+---@param most? any
+---@return number
+function dm_strip_class:limit(u, least, most) end
+
+---strip:momenta(lower, upper, t, h) -> dm.vector
+---
+---The momenta of the upper level.
+---@param lower? any
+---@param upper? any
+---@param t? any
+---@param h? any
+---@return dm.vector
+function dm_strip_class:momenta(lower, upper, t, h) end
+
+---strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number
+---
+---The largest boundary sum of a law around a node, over area.
+---@param options? table
+---@return number
+function dm_strip_class:residual(options) end
+
+---strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=} -> table
+---
+---Levels from u (and p, of an action) on: u, p (matrices, a row a level), t, energy, code, status, done, iterations, residual, h, tangled.
+---@param options? table
+---@return table
+function dm_strip_class:run(options) end
+
+---strip:vary{u=, t=, v=, dp=} -> dm.matrix, dp
+---
+---First variations along known levels from v, and dp of an action, at the first.
+---@param options? table
+---@return dm.matrix
+---@return any
+function dm_strip_class:vary(options) end
+
 ---dm.sweep: what dm.sweep{run =} has found, a row for each member
 ---fields: columns (names), a dm.vector for each of them (NaN where a member failed), status[i] ("ok"
 ---or a code of dm.failure), journal ({ file, found, run } where there is one); #sweep members
@@ -3685,6 +4451,16 @@ function dm_system_class:lagrangian(q, v, t) end
 ---@return dm.vector
 function dm_system_class:legendre(q, v, t) end
 
+---system:level{group=, mu=, factor=} -> dm.level   or   {action=, section=, mu=} -> dm.level
+---
+---What system:routh makes for a group that is not abelian: the system at the spatial momentum J = mu.
+---Q is a product with the group as a factor; or coordinates with a free left action (a dm.action; of
+---one body, or of all bodies alike) and section(x), a point of Q for every shape. Raises where L is
+---not invariant, the locked inertia singular, or the action not free (the dimension of the isotropy).
+---@param options? table
+---@return dm.level|table
+function dm_system_class:level(options) end
+
 ---shape:lift(x, v [, theta] [, t]) -> q, v
 ---
 ---The state of the unreduced system over the state (x, v) of the shape at the momentum mu: the
@@ -3782,6 +4558,17 @@ function dm_system_class:momentum(q, v, t) end
 ---@return dm.vector
 function dm_system_class:multipliers(q, v, t) end
 
+---system:reduce{group=, rule=, h=, factor=, connection=} -> dm.lagrange_poincare
+---
+---The discrete Lagrange-Poincare equations of a system on a product with the group as a factor (of
+---equal ones the first, or number `factor`), whose other factors are shapes: dm.R(n), dm.T(n) or
+---dm.SO(2). rule: "lie(s [, quadrature] [, exp | cayley])" (abelian groups: also gauss(s)):
+---its steps are those of the unreduced rule, to round-off, without the group elements in
+---the equations. Raises where L is not invariant under the group.
+---@param options? table
+---@return dm.lagrange_poincare
+function dm_system_class:reduce(options) end
+
 ---shape:reduction() -> {full, mu, cyclic, shape, group}
 ---
 ---Where a reduced system comes from: the unreduced system, the momentum (a vector), the numbers of the
@@ -3816,6 +4603,7 @@ function dm_system_class:rolling(q, v, t) end
 ---system:routh{cyclic=, mu=, q=, v=, connection=} -> dm.system
 ---
 ---system:routh{action=, section=, branch=, dimension=, names=, at=, mu=, ...} -> dm.system
+---system:routh{group=, mu=} or {action=, section=, mu=} of a group that is not abelian -> dm.level
 ---The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are
 ---left, whose Lagrangian is the classical Routhian L - mu . theta' at the momentum mu. cyclic: the
 ---coordinates that L does not depend on, by name or number (default: all of them); mu: their momentum,
@@ -3877,6 +4665,9 @@ function dm_system_class:slice(what, options) end
 ---system:solver{rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=} -> dm.solver
 ---
 ---A solver for this system: see dm.solver and dm.rules().
+---Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a function(cell) of the
+---cells of the potential (default: half of what each allows), start = "half" for half a kick at the
+---start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003).
 ---Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps
 ---as `rule`, whose p is s + mu A.
 ---@param options? table
@@ -4048,6 +4839,172 @@ function dm_vector_field_class:flat(options) end
 ---@return string|nil
 function dm_vector_field_class:plot(options) end
 
+---dm.wave_equation: the equation behind a dm.schroedinger
+---fields: n (unknowns), fft (who makes transforms)
+---@class dm.wave_equation
+local dm_wave_equation_class = {}
+
+---w:eigen(k) -> values, list of dm.vector
+---
+---The k least energies of H and values of real eigenfunctions of norm 1 at the points; up to 1200 unknowns.
+---@param k? any
+---@return any
+---@return table
+function dm_wave_equation_class:eigen(k) end
+
+---w:energies() -> dm.vector, exact
+---
+---The energies of all modes of H, without g; beyond 1200 unknowns bounds of them, exact = false.
+---@return dm.vector
+---@return any
+function dm_wave_equation_class:energies() end
+
+---w:matrix() -> dm.matrix
+---
+---H of the amplitudes sqrt(weight) psi, real symmetric, without g.
+---@return dm.matrix
+function dm_wave_equation_class:matrix() end
+
+---w:observe(re, im) -> norm, energy, x, momentum
+---
+---The integral of |psi|^2, the energy, and means of x and p.
+---@param re? any
+---@param im? any
+---@return any
+---@return any
+---@return any
+---@return any
+function dm_wave_equation_class:observe(re, im) end
+
+---w:slope(re, im) -> re, im
+---
+---The derivative in x at the points.
+---@param re? any
+---@param im? any
+---@return any
+---@return any
+function dm_wave_equation_class:slope(re, im) end
+
+---dm.wave_path: the rows of a run of a wave
+---fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
+---title, notes (what to know of its accuracy), ns_per_step; #path rows
+---@class dm.wave_path
+local dm_wave_path_class = {}
+
+---path:animate(file, {title=}) -> file name
+---
+---A page, name.html, on which a browser shows |psi|^2 in time, coloured by the phase, with V behind
+---it, without a network: at most 400 of the rows.
+---@param file? string
+---@param options? table
+---@return string
+function dm_wave_path_class:animate(file, options) end
+
+---path:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; wave:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_wave_path_class:checkpoint(file) end
+
+---path:column(name) -> dm.vector
+---
+---"t", "norm" (integral of |psi|^2), "energy" (of psi* (T + V) psi + g/2 |psi|^4), "x" and "momentum"
+---(means), "noether": the discrete Noether quantity of the phase, of "two-step" hbar Re<psi, psi+> -
+---h/3 Im<psi, H psi+>, else hbar times the norm.
+---@param name? any
+---@return dm.vector
+function dm_wave_path_class:column(name) end
+
+---path:csv(file) -> file name   or   path:csv() -> string
+---
+---The columns as comma-separated values, 17 significant digits; psi is left out.
+---@param file? string
+---@return string
+function dm_wave_path_class:csv(file) end
+
+---path:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope of a column, or of #path numbers, against time, as of other paths.
+---@param name? any
+---@return table
+function dm_wave_path_class:drift(name) end
+
+---path:plot("density" | "phase" | "re" | "im", {rows=, file=, ...}) -> file or nothing   or   path:plot(x, y | {y1, y2, ...}, {file=, ...}) -> file or nothing
+---
+---Over x at the rows (first and last, unless given), the density with V behind it, scaled; or columns
+---("t", "norm", "energy", "x", "momentum", "noether") over one of them. Options as of dm.plot: without
+---a file in the terminal.
+---@param density? any
+---@param options? table
+---@return any
+function dm_wave_path_class:plot(density, options) end
+
+---path:spacetime{of = "density" | "phase", file=, title=, width=, height=} -> file or nothing
+---
+---x across, t up, |psi|^2 or the phase by colours with their scale, in a .png, .svg or .pdf; without a
+---file by characters in the terminal.
+---@param options? table
+---@return any|nil
+function dm_wave_path_class:spacetime(options) end
+
+---dm.wave_solver: a rule that steps a wave
+---fields: wave, rule, h
+---@class dm.wave_solver
+local dm_wave_solver_class = {}
+
+---solver:report() -> {rule, h, fft, steps, ns_per_step, iterations, residual, degree, parasitic}
+---
+---Who makes the transforms ("FFTW", "GSL", "none" between walls); of the last run steps and time;
+---iterations so far and the residual of the last, where a step is solved for; degree in time of Gauss
+---and slabs; parasitic: the share of the parasitic mode in the start of "two-step".
+---@return table
+function dm_wave_solver_class:report() end
+
+---solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=} -> dm.wave_path
+---
+---Steps from psi, a function of x that returns re and im (left out: 0), a complex vector or
+---{ re =, im = }; t: a duration, up to the step that reaches it. A row for `every` steps and the last.
+---seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. What ends
+---a run early, Ctrl-C too, is a dm.failure with the path so far. The rows: path.psi[i], and columns t,
+---norm, energy, x, momentum, noether.
+---@param options? table
+---@return dm.wave_path
+function dm_wave_solver_class:run(options) end
+
+---dm.wave_stepper: steps of a wave
+---fields: iterations, residual (of the last step that was solved for), parasitic
+---@class dm.wave_stepper
+local dm_wave_stepper_class = {}
+
+---s:run(t0, first, steps, every [, seconds]) -> rows, done, code, seconds
+---
+---Steps from the state, which is step `first` of a run from t0, and a row for `every` of them: t, norm, energy, x, momentum, noether, tail, edge, then re and im of psi in turn. code as of a dm.failure, "ok" where nothing failed.
+---@param t0? any
+---@param first? any
+---@param steps? any
+---@param every? any
+---@param seconds? any
+---@return any
+---@return any
+---@return any
+---@return any
+function dm_wave_stepper_class:run(t0, first, steps, every, seconds) end
+
+---s:start(re, im)
+---
+---Set the state to the values of psi at the points.
+---@param re? any
+---@param im? any
+function dm_wave_stepper_class:start(re, im) end
+
+---s:state([numbers]) -> dm.vector
+---
+---All that a run needs to go on bit for bit; given, it is set first.
+---@param numbers? any
+---@return dm.vector
+function dm_wave_stepper_class:state(numbers) end
+
 ---dm.worker: another process, made by core.worker(f)
 ---Members of dm.sweep run in such ones; it is ended when it is collected.
 ---@class dm.worker
@@ -4168,6 +5125,18 @@ function dm.acos(x) end
 ---@param options? table
 ---@return dm.action
 function dm.action(options) end
+
+---dm.adapt{W=, f=, x = {from, to, elements}, ends = {a, b}} -> {x, u, energy, force, frozen, ...}
+---
+---The least integral of W(u') - f u over broken lines u with that many elements, over values and knots
+---alike (Leok 5.6). W(s), f(x): functions; ends: u at both ends, a number or "free". x, u: knots and
+---values; force: the derivative of the energy by each knot, 0 inside, so that without f W - s W_s is
+---equal on all elements; frozen: numbers of the knots beside which u is affine, which nothing moves;
+---exact: f is integrated to round-off (by 10 or 20 points an element); iterations. A minimum near the
+---one on equal elements: energies with several are not searched. Raises where none is found.
+---@param options? table
+---@return table
+function dm.adapt(options) end
 
 ---dm.amplification(rule, z) -> dm.matrix, dm.vector, dm.vector
 ---
@@ -4426,7 +5395,7 @@ function dm.differential_invariants(options) end
 
 ---dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, h=})
 ---
----The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...)
+---The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...), or with "exact": the action of the motion from q0 to q1 itself, by gauss(8) on as many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no motion is found
 ---Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with record = { "impulses" }); momenta are D2 Ld, as they are. map(q, p): the step of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each behind them), where it is known: runs then take it (rule "map") in place of solving for q1. It is compared with Ld and its forces at made-up points here, and at the start of every run: raises with the point where it is not their step. rolling(q0, q1 [, h [, params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 (Leok 2.8.2). On a group elements take the place of q, and momenta are body covectors; of a system rule is lie(s): class dm.group_lagrangian.
 ---@param options? table
 ---@return dm.discrete_lagrangian
@@ -4497,6 +5466,27 @@ function dm.exp(x) end
 ---@param v? any
 ---@return any
 function dm.extremum(value, f, y, q, v) end
+
+---dm.fft(x [, y]) -> re, im
+---
+---The discrete Fourier transform of x + i y, n numbers each (y left out: 0), n >= 1: entry k + 1 is sum_j (x_j + i y_j) exp(-2 pi i j k/n), j, k = 0 .. n - 1, as two dm.vectors. By FFTW, where dm/fft.so was built (libfftw3-dev), else by GSL, which takes n^2 operations for large prime factors of n. Raises on entries that are not finite and on vectors of two lengths.
+---@param x? any
+---@param y? any
+---@return any
+---@return any
+function dm.fft(x, y) end
+
+---dm.field{x = {from, to, cells, periodic=}, L=, values=, fixed=, absorbing=} -> dm.line_field
+---
+---A field on a line: L(u, ut, ux, x, t) is its Lagrangian density; u is a number, or with values = n a
+---vector. Cells of space and time are bilinear, and their action is made stationary (Leok 5.1.2).
+---fixed = "ends", "left", "right": u stays there as at the start. Other ends are natural: the momentum
+---of the field flows out of none. absorbing = "ends", "left", "right", c for both or { left = c, right
+---= c }: the force -c u_t at the end node, c = 1 by default, lets waves out whose impedance c is;
+---field:reflection() says how much of others comes back. See solver, stability_limit.
+---@param options? table
+---@return dm.line_field
+function dm.field(options) end
 
 ---dm.figure{panel, panel, ..., file=, title=, columns=, share=, letters=, width=, height=, size=, dpi=, font=, fontsize=, linewidth=, text=, ascii=} -> file or nothing
 ---
@@ -4594,6 +5584,15 @@ function dm.hyperdual(f, a, b, ab) end
 ---@return dm.matrix
 function dm.identity(n) end
 
+---dm.ifft(re [, im]) -> x, y
+---
+---The inverse of dm.fft: sum_k (re_k + i im_k) exp(2 pi i j k/n)/n.
+---@param re? any
+---@param im? any
+---@return any
+---@return any
+function dm.ifft(re, im) end
+
 ---dm.invariant_problem{frame=, L=, points=, invariants=, constraint=, inside=, name=} -> problem
 ---
 ---The variational problem sum L(I) = extremal over sequences of points, invariant under the action of
@@ -4614,6 +5613,31 @@ function dm.invariant_problem(options) end
 ---@param file? string
 ---@return dm.journal
 function dm.journal(file) end
+
+---dm.lab{sliders=, run=, file=, points=, dim=, draw=, rods=, bodies=, trail=, plots=, names=, title=, frames=, t=} -> file name
+---
+---A page with sliders, for a lecture: every position was run when the page was made, so that it needs
+---no server and no network. sliders = { h = { 0.01, 0.5, 12, "log" }, rule = { "verlet", "rk4" } }:
+---{ from, to, count [, "log"] }, or a list of texts; run = function(h, rule) returns the path of a
+---position, or a list of paths that move side by side; its arguments have the names of the sliders.
+---The other options are those of path:animate, frames by default 240. Where run fails the page shows
+---its message. In a notebook the page stands there without a file. Raises when the page would have
+---more than 4 MB, with what to lower.
+---@param options? table
+---@return string
+function dm.lab(options) end
+
+---dm.lagrange_poincare{group=, base=, h=, l=, connection=, name=} -> dm.lagrange_poincare
+---
+---The discrete Lagrange-Poincare equations of l(x0, x1, f, h), a discrete Lagrangian on base x group
+---that sees the elements as f = g0^-1 g1 alone (without a base: of l(f, h), discrete Euler-Poincare).
+---p0 = -D1 l, p1 = D2 l at fixed f, whatever the connection is (left out: the trivial one), which
+---enters lp:residual alone; mu1 is the left derivative by f, mu0 = Ad*(f^-1) mu1, kept on its
+---coadjoint orbit to round-off. lp:solver():run{x=, p=, mu=, steps=}. The reduced equations are not
+---canonical: an ordinary symplectic rule applied to them is not this one, and does not keep the orbit.
+---@param options? table
+---@return dm.lagrange_poincare
+function dm.lagrange_poincare(options) end
 
 ---dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 ---
@@ -4725,6 +5749,18 @@ function dm.modf(x) end
 ---@return any
 function dm.moving_frame(options) end
 
+---dm.msfem{a=, f=, x=, period=, antiderivative=, shape=} -> dm.msfem_solution
+---
+---(a u')' = f with u = 0 at both ends of the nodes x, a growing list; a and f: functions of x, a > 0.
+---The shape functions follow a (shape = "multiscale", unless given), so that the values at the nodes
+---are those of the solution to round-off on any mesh; shape = "linear": hats, for comparison. period:
+---of a, where it varies fast; antiderivative: of 1/a, where it is known (it is checked). Integrals are
+---by 12 Gauss points on panels that are halved until nothing changes. Raises on a <= 0, on nodes that
+---do not grow, and on integrals that do not settle.
+---@param options? table
+---@return dm.msfem_solution
+function dm.msfem(options) end
+
 ---dm.multigrid{coarsest, ..., finest, fixed = "boundary" | "nothing"} -> dm.multigrid
 ---
 ---Nested meshes: every cell of one is a union of cells of the next; or each next one has the midpoints
@@ -4751,6 +5787,18 @@ function dm.multigrid(options) end
 ---@param options? table
 ---@return dm.rule
 function dm.multiscale(options) end
+
+---dm.multisymplectic{M=, K=, S=, x = {from, to, cells, periodic = true}, names=, gain=} -> dm.boxes
+---
+---The equations M z_t + K z_x = grad S(z) for z with d components, by Preissman's box: one equation a
+---box and component, between means and differences of its four corners. M, K: antisymmetric d x d
+---matrices; S(z): a function of a vector; names: of the components (default z1, z2, ...); gain: names
+---of those that gain a constant round the ring (S must not depend on them).
+---So Klein-Gordon, sine-Gordon, KdV, Schroedinger and Zakharov equations are written; boxes:solver{h=}
+---steps them.
+---@param options? table
+---@return dm.boxes
+function dm.multisymplectic(options) end
 
 ---dm.pair(a, b) -> dm.pair   or   dm.pair(q0, q1, ..., qp) -> dm.pair_tuple
 ---
@@ -4938,6 +5986,18 @@ function dm.scaling(options) end
 ---@return dm.scene
 function dm.scene(options) end
 
+---dm.schroedinger{x = {from, to, N}, V=, hbar=, m=, g=, space=, boundary=} -> dm.schroedinger
+---
+---The equation i hbar psi_t = -hbar^2/2m psi_xx + (V + g |psi|^2) psi in one dimension. On a ring
+---(boundary = "ring", unless given) of the even number N of points from + (j - 1) (to - from)/N;
+---boundary = "walls": psi = 0 at both ends, N Chebyshev points with the ends among them. V: a function
+---of x, a number (0) or a list of N values; hbar = m = 1 and g = 0 unless given. space =
+---"collocation", or "galerkin" on a ring: Leok's trigonometric polynomials with exact integrals of the
+---interpolated V, g = 0. Raises on odd rings, where V is not finite, and on V of x and t.
+---@param options? table
+---@return dm.schroedinger
+function dm.schroedinger(options) end
+
 ---dm.semidirect(G, V [, action]) -> dm.space
 ---
 ---The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, w) = (g h, v + g w), where g w is action(g, w), linear in w (left out: the standard one of G, matrix times vector). The algebra has that of G first, then V.
@@ -4995,9 +6055,9 @@ function dm.sinh(x) end
 ---@return table
 function dm.smith(A) end
 
----dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=} -> dm.solver
+---dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, threads=} -> dm.solver
 ---
----A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated").
+---A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated"). threads: of a step, of fields on meshes by kicks and drifts and rattle; the bits are those of one.
 ---@param options? table
 ---@return dm.solver
 function dm.solver(options) end
@@ -5080,9 +6140,9 @@ function dm.stationary(options) end
 ---@return dm.rule
 function dm.step(options) end
 
----dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number
+---dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, within=, margin=, box=, block=}]) -> number
 ---
----Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, m_i) for dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = k: f also gets the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the first. pairs = true: all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets vectors. In L of a system f is traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs 100 times one of 10^3. f must not use other arguments of L than those it is given. Loops are for explicit rules, for kinetic energies that are sums of m v^2/2 and without constraints; implicit rules, constraints and forces write the sums out, up to 400 coordinates.
+---Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, m_i) for dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = k: f also gets the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the first. pairs = true: all pairs i < j. within = r: of these the ones nearer than r alone, by the positions in the first vector (1 to 3 coordinates), found by lists that are kept until a body has moved margin/2 (margin: r/10 by default); box = L or a list of sides (math.huge: open): a periodic box, sides at least 2 (r + margin), in which f gets the image of x_j that is nearest to x_i. A term that does not end at 0 at the distance r makes the energy jump there. block = 3: a body has 3 neighbouring entries, f gets vectors. In L of a system f is traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs 100 times one of 10^3. f must not use other arguments of L than those it is given. Loops are for explicit rules, for kinetic energies that are sums of m v^2/2 and without constraints; implicit rules, constraints and forces write the sums out, up to 400 coordinates, but none within a distance.
 ---@param x? any
 ---@param ... any
 ---@return number
