@@ -27,7 +27,7 @@ floors.lua = {
   "base", "group", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
   "wave", "wave/pictures", "elements",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/curvature", "dec/fields",
-  "dec/pictures", "dec/flow",
+  "dec/flow", "dec/pictures",
   "dec/dynamics", "line", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "trial", "stability",
   "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run", "reduce/lagrange_poincare",

@@ -73,7 +73,15 @@ local function add_numbers(lines, name, values)
   for i = 1, #values do lines[#lines + 1] = ("%.17g"):format(values[i]) end
 end
 
--- forms of degree 0 at points, of degree n as densities of cells
+local function add_vectors(lines, name, X)
+  lines[#lines + 1] = ("VECTORS %s double"):format(name)
+  for i = 1, #X do
+    local v = X[i]
+    lines[#lines + 1] = ("%.17g %.17g %.17g"):format(v[1], v[2] or 0, v[3] or 0)
+  end
+end
+
+-- forms of degree 0 at points, of degree n as densities of cells, others of degree 1 as vectors
 local function split(K, forms)
   local at_points, at_cells = {}, {}
   for name, a in pairs(forms) do
@@ -88,10 +96,12 @@ local function split(K, forms)
     if is_primal and a.degree == 0 then at_points[#at_points + 1] = { name, a.values }
     elseif is_primal and a.degree == K.dimension then
       at_cells[#at_cells + 1] = { name, a:star().values }
+    elseif is_primal and a.degree == 1 then
+      at_cells[#at_cells + 1] = { name, a:sharp { to = "cells" }, vectors = true }
     elseif not is_primal and a.degree == 0 then at_cells[#at_cells + 1] = { name, a.values }
     else
-      fail("option 'forms': '%s' is a %s; .vtk takes those of degree 0 and %d", name, form.name(a),
-        K.dimension)
+      fail("option 'forms': '%s' is a %s; .vtk takes primal ones of degree 0, 1 and %d", name,
+        form.name(a), K.dimension)
     end
   end
   local function by_name(x, y) return x[1] < y[1] end
@@ -118,7 +128,9 @@ function writers.vtk(K, forms)
   for _, data in ipairs { { "POINT_DATA", K:count(0), at_points }, { "CELL_DATA", #cells,
     at_cells } } do
     if #data[3] > 0 then lines[#lines + 1] = data[1] .. " " .. data[2] end
-    for _, entry in ipairs(data[3]) do add_numbers(lines, entry[1], entry[2]) end
+    for _, entry in ipairs(data[3]) do
+      (entry.vectors and add_vectors or add_numbers)(lines, entry[1], entry[2])
+    end
   end
   return lines
 end
@@ -138,6 +150,7 @@ end, [[
 K:save(file, {forms=}) -> file name
 The mesh as .off or .obj (surfaces and lines, read back with the same bits) or .vtk (dimension 1 to
 3) with forms = {name = form}: those of degree 0 at the points, those of the highest degree as
-densities. Cells are written in their coherent orientation.]])
+densities, others of degree 1 as vectors in the cells. Cells are written in their coherent
+orientation.]])
 
 return M

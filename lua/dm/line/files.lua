@@ -2,7 +2,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local npy = require "dm.data.npy"
-local option = require "dm.base.options"
+local series = require "dm.data.series"
 local text_file = require "dm.base.text_file"
 
 local M = {}
@@ -66,20 +66,10 @@ local function vtk_lines(run, matrices, i)
 end
 
 local function write_vtk(run, prefix, where)
-  if type(prefix) ~= "string" then
-    option.fail(where, "the beginning of file names is needed (got %s)", option.got(prefix))
-  end
-  local matrices, list, entries = matrices_of(run), {}, {}
-  local base = prefix:match "[^/]*$"
-  for i = 1, #run do
-    local number = ("_%05d.vtk"):format(i)
-    list[i] = text_file.write(prefix .. number, vtk_lines(run, matrices, i), where)
-    entries[i] = ('    { "name": "%s%s", "time": %.17g }'):format(base, number, run.t[i])
-  end
-  local series = ('{\n  "file-series-version": "1.0",\n  "files": [\n%s\n  ]\n}\n')
-    :format(table.concat(entries, ",\n"))
-  list[#list + 1] = text_file.write(prefix .. ".vtk.series", series, where)
-  return list
+  local matrices = matrices_of(run)
+  return series.vtk(prefix, #run, function(i) return run.t[i] end, where, function(i, file)
+    return text_file.write(file, vtk_lines(run, matrices, i), where)
+  end)
 end
 
 --- Gives a class of runs these methods.

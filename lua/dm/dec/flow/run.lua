@@ -184,4 +184,9 @@ run:npy(file) -> file name
 The rows as a NumPy array with fields t, w (of one number a vertex), energy, enstrophy, circulation;
 dm.load reads it.]])
 
+-- in a room above this one
+for _, name in ipairs { "animate", "plot", "vtk" } do
+  class.later("dm.flow", name, "dm.dec.pictures.motion")
+end
+
 return M

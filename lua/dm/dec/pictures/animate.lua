@@ -22,7 +22,9 @@ body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff
 h1 { font-size: 1.15em; margin: 0.2em 0; }
 p { margin: 0.2em 0 0.6em; color: #666; }
 canvas { width: 100%; height: 74vh; border: 1px solid #ddd; touch-action: none; }
-#controls { display: flex; gap: 14px; align-items: center; flex-wrap: wrap; margin: 8px 0; }
+#controls, #film:not([hidden]) { display: flex; gap: 14px; align-items: center; margin: 8px 0; }
+#controls { flex-wrap: wrap; }
+#row { flex: 1; }
 button { width: 5em; font: inherit; }
 </style>
 </head>
@@ -35,6 +37,10 @@ button { width: 5em; font: inherit; }
 <label>form <select id="form"></select></label>
 <label><input id="edges" type="checkbox"> edges</label>
 <label><input id="arrows" type="checkbox" checked> arrows</label>
+</div>
+<div id="film" hidden>
+<button id="go" type="button">pause</button>
+<input id="row" type="range" min="0" value="0"> <span id="time"></span>
 </div>
 <script type="application/json" id="data">@DATA@</script>
 <script>
@@ -71,9 +77,23 @@ local function entry(name, d)
     stops = scale.stops, values = page.floats(d.values), arrows = ends_of(d.arrows) }
 end
 
--- forms by name, or a list of them
-local function entries_of(K, forms)
-  local out, names = { entry("mesh", drawing.mesh(K)) }, {}
+--- What the page has of a mesh that is drawn, and its first form, the mesh alone.
+function M.data(d)
+  return { dim = d.dim, points = page.floats(flat(d.points, 0)),
+    faces = page.wholes(flat(d.faces, -1)), edges = page.wholes(flat(d.edges, -1)),
+    forms = { entry("mesh", d) } }
+end
+
+--- The text of the page.
+function M.page(title, note, data)
+  local parts = { TITLE = page.escaped(title), NOTE = page.escaped(note), DATA = page.json(data),
+    SCRIPT = require "dm.dec.pictures.script" }
+  return (PAGE:gsub("@(%u+)@", parts))
+end
+
+-- forms by name, or a list of them, behind those that are there
+local function add_entries(out, K, forms)
+  local names = {}
   for name in pairs(forms) do names[#names + 1] = name end
   table.sort(names, function(a, b) return tostring(a) < tostring(b) end)
   for _, name in ipairs(names) do
@@ -87,7 +107,6 @@ local function entries_of(K, forms)
         tostring(name), option.got(a))
     end
   end
-  return out
 end
 
 class.method("dm.mesh", "animate", function(K, file, options)
@@ -102,14 +121,11 @@ class.method("dm.mesh", "animate", function(K, file, options)
   end
   local d = drawing.mesh(K)
   local title = options.title or ("mesh of %d vertices"):format(K:count(0))
-  local data = { dim = d.dim, points = page.floats(flat(d.points, 0)),
-    faces = page.wholes(flat(d.faces, -1)), edges = page.wholes(flat(d.edges, -1)),
-    forms = entries_of(K, forms) }
+  local data = M.data(d)
+  add_entries(data.forms, K, forms)
   local note = ("%d vertices, %d edges, %d faces drawn; drag to turn, wheel to come nearer")
     :format(K:count(0), #d.edges, #d.faces)
-  local parts = { TITLE = page.escaped(title), NOTE = page.escaped(note), DATA = page.json(data),
-    SCRIPT = require "dm.dec.pictures.script" }
-  return text_file.write(file, (PAGE:gsub("@(%u+)@", parts)), WHERE)
+  return text_file.write(file, M.page(title, note, data), WHERE)
 end, [[
 K:animate(file, {forms=, title=}) -> file name
 A page, name.html, in which a browser turns the mesh, without a network: colours by one of the forms

@@ -121,6 +121,21 @@ function M.arrows(d, X)
   return d
 end
 
+--- The numbers of a form on what is drawn of its mesh: { values, on, name }, without arrows. Dual
+-- 1-forms have vectors alone, so they are refused.
+function M.values(d, a)
+  local K, n = a.mesh, a.mesh.dimension
+  local out = setmetatable({}, { __index = d })
+  if a.side == "dual" then a = a:star() end
+  if a.degree == 0 then by_vertices(out, a.values, "value")
+  elseif a.degree == 1 then by_edges(out, K, a)
+  elseif a.degree == 2 then
+    local values = n == 2 and K:oriented(a.values) or a.values
+    by_cells(out, d.face_cells, densities(K, 2, values), "faces", "per area")
+  else fail("a %s has no values on the boundary, which is what is drawn", form.name(a)) end
+  return out
+end
+
 --- The mesh with a form on it.
 function M.form(a)
   local K, n = a.mesh, a.mesh.dimension

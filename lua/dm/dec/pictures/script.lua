@@ -1,22 +1,32 @@
 --- The script of a page that turns a mesh (K:animate), as text: plain JavaScript on a canvas, no
 -- library, no network. Faces are drawn from the farthest to the nearest; #form=2 in the address
--- chooses a form, and the picture stands still then.
+-- chooses a form, #row=5 a row of a film, and the picture stands still then.
 return [==[
 "use strict";
 const scene = JSON.parse(document.getElementById("data").textContent);
 const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
 const element = id => document.getElementById(id);
-const points = new Float32Array(bytes(scene.points));
+const scenePoints = new Float32Array(bytes(scene.points)), points = scenePoints;
 const faces = new Uint32Array(bytes(scene.faces)), edges = new Uint32Array(bytes(scene.edges));
 for (const form of scene.forms) {
   if (form.values) form.values = new Float32Array(bytes(form.values));
   form.arrows = new Float32Array(bytes(form.arrows));
 }
-const canvas = element("picture");
+const canvas = element("picture"), film = scene.motion; // values of a form row by row, or nothing
+if (film) {
+  film.t = new Float64Array(bytes(film.t));
+  film.values = new Float32Array(bytes(film.values));
+  film.points = film.points ? new Float32Array(bytes(film.points)) : null;
+  film.size = film.values.length / film.frames;
+  film.row = 0;
+  film.runs = true;
+  film.shown = 0; // seconds since this row came
+}
 const state = { form: scene.forms.length > 1 ? 1 : 0, turning: scene.dim === 3, azimuth: -0.6,
   height: 0.35, zoom: 1 };
 
 const box = (() => {
+  const points = film && film.points || scenePoints; // of all rows
   const lo = [Infinity, Infinity, Infinity], hi = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < points.length; i++) {
     lo[i % 3] = Math.min(lo[i % 3], points[i]);
@@ -54,6 +64,16 @@ function colour(form, x) {
 }
 for (const form of scene.forms) {
   form.colours = form.values ? Array.from(form.values, x => colour(form, x)) : [];
+}
+// row i of a film: its values are those of the second form
+function show(i) {
+  film.row = i;
+  const form = scene.forms[1], n = points.length;
+  form.values = film.values.subarray(i * film.size, (i + 1) * film.size);
+  form.colours = Array.from(form.values, x => colour(form, x));
+  if (film.points) points.set(film.points.subarray(i * n, (i + 1) * n));
+  element("row").value = i;
+  element("time").textContent = "t = " + film.t[i].toPrecision(4);
 }
 
 // a context whose unit is the CSS pixel, cleared
@@ -189,12 +209,22 @@ function turn(on) {
   element("turn").textContent = state.turning ? "pause" : "turn";
 }
 
+// the next rows, as many as fit into the time that passed; is there a new one?
+function advance(seconds) {
+  if (!film || !film.runs) return false;
+  const each = film.seconds / film.frames;
+  film.shown += seconds;
+  const steps = Math.floor(film.shown / each);
+  film.shown -= steps * each;
+  if (steps > 0) show((film.row + steps) % film.frames);
+  return steps > 0;
+}
+
 let before = null;
 function tick(now) {
-  if (state.turning && before !== null) {
-    state.azimuth += 0.4 * Math.min(0.1, (now - before) / 1000);
-    draw();
-  }
+  const passed = before === null ? 0 : Math.min(0.1, (now - before) / 1000);
+  if (state.turning) state.azimuth += 0.4 * passed;
+  if (advance(passed) || state.turning && before !== null) draw();
   before = now;
   requestAnimationFrame(tick);
 }
@@ -217,6 +247,26 @@ function watchMouse() {
   }, { passive: false });
 }
 
+function watchFilm() {
+  const run = on => { film.runs = on; element("go").textContent = on ? "pause" : "play"; };
+  element("film").hidden = false;
+  element("row").max = film.frames - 1;
+  element("row").addEventListener("input", e => {
+    run(false);
+    show(Number(e.target.value));
+    draw();
+  });
+  element("go").addEventListener("click", () => run(!film.runs));
+  window.addEventListener("keydown", e => {
+    if (e.key !== " ") return;
+    run(!film.runs);
+    e.preventDefault();
+  });
+  const row = /row=(\d+)/.exec(location.hash);
+  show(row ? Math.min(film.frames, Number(row[1])) - 1 : 0);
+  if (row) run(false);
+}
+
 scene.forms.forEach((form, i) => {
   const choice = document.createElement("option");
   choice.value = i;
@@ -235,6 +285,7 @@ for (const id of ["edges", "arrows"]) element(id).addEventListener("change", dra
 element("turn").addEventListener("click", () => turn(!state.turning));
 window.addEventListener("resize", draw);
 watchMouse();
+if (film) watchFilm();
 draw();
 requestAnimationFrame(tick);
 ]==]
