@@ -1,5 +1,5 @@
---- Runs of forms on a mesh, flows and paths of fields, drawn: a row as a picture, all rows as a page
--- in motion, as VTK files with their times, as NumPy records.
+--- Runs of forms on a mesh, flows and paths of fields, drawn: a row as a picture, all rows as a
+-- page in motion, as VTK files with their times, as NumPy records.
 local class = require "dm.base.class"
 local colours = require "dm.dec.pictures.colours"
 local drawing = require "dm.dec.pictures.drawing"
@@ -175,16 +175,16 @@ be turned, without a network; seconds: how long all of them take (10).]])
 class.method("dm.flow", "vtk", function(flow, prefix)
   return write_vtk(of_flow(flow), prefix, "flow:vtk")
 end, [[
-run:vtk(prefix) -> list of file names
-prefix_00001.vtk, ... for every row, with w and psi at the vertices, and as the last one
-prefix.vtk.series, which gives ParaView their times.]])
+run:vtk(file) -> list of file names
+file_00001.vtk, ... for every row, with w and psi at the vertices, and as the last one
+file.vtk.series, which gives ParaView their times.]])
 
 class.method("dm.path", "vtk", function(path, prefix)
   return write_vtk(of_path(path, "path:vtk"), prefix, "path:vtk")
 end, [[
-path:vtk(prefix) -> list of file names
-Of a field on a mesh: prefix_00001.vtk, ... for every row with q and p (q1, q2, ... of several
-values), forms of degree 1 as vectors in the cells, and as the last one prefix.vtk.series, which
+path:vtk(file) -> list of file names
+Of a field on a mesh: file_00001.vtk, ... for every row with q and p (q1, q2, ... of several
+values), forms of degree 1 as vectors in the cells, and as the last one file.vtk.series, which
 gives ParaView their times.]])
 
 ---- what of_fields.lua gives to paths ----
