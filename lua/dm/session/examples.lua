@@ -5,6 +5,7 @@ local M = {}
 M.names = { "kepler", "figure_for_paper", "outer_solar_system", "satellite", "reduced_satellite",
   "double_spherical_pendulum", "reduced_pendulum", "families",
   "falling_cat", "foucault", "three_rotors", "locked_formation", "mesh_curvature",
+  "rigid_body_phase", "bead", "rods", "boosts",
   "spherical_pendulum", "slack_rope", "own_forces", "taylor_segments", "damped_double_pendulum",
   "pendulum_chain", "chain",
   "carousel", "charged_particle", "runge_lenz", "sliding_plate",

@@ -90,6 +90,14 @@ for k = 1, 61 do
   worst = max(worst, abs(rod.kappa[k] * rod.w[k] - 0.1))
 end
 ok(worst < 1e-10, "kappa^2 tau = kappa w is kept along a rod", worst)
+-- far enough that the frame turns by more than half a turn
+local long = space:extremal { L = bending, start = { kappa = { 1, 0.4 }, w = { 0.2 } }, length = 14,
+  steps = 700 }
+worst = 0
+for k = 2, 701 do
+  worst = max(worst, abs((long.points:row(k) - long.points:row(k - 1)):norm() / 0.02 - 1))
+end
+ok(worst < 1e-4, "a long rod by arclength, through every turn of its frame", worst)
 local tangent = (rod.points:row(2) - rod.points:row(1)):norm() / 0.05
 near(tangent, 1, 1e-3, "by arclength")
 

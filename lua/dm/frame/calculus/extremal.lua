@@ -4,6 +4,7 @@
 local core = require "dm.core"
 local groups = require "dm.group"
 local F = require "dm.frame.calculus.field"
+local flats = require "dm.group.flat"
 local lists = require "dm.base.lists"
 local normal = require "dm.frame.calculus.normal"
 local option = require "dm.base.options"
@@ -115,11 +116,11 @@ local function reader(C, first, orders, tops)
   end
 end
 
--- d/ds of the flat coordinates of g = rho^-1: g near(-e R), by e
-local function frame_rate(kit, width)
+-- d/ds of the flat coordinates of g = rho^-1: g near(-e R), by e; coordinates without a branch
+local function frame_rate(kit, place, width)
   local r = kit.dimension
   local slope = core.derivative(function(e, y)
-    return core.vector(kit.flat(kit.compose(kit.unflat(y), kit.near(e))))
+    return core.vector(place.carry(y, place.near(e)))
   end, r, width)
   return function(y, R)
     local J, out = slope(core.zeros(r), y), {}
@@ -132,8 +133,8 @@ local function frame_rate(kit, width)
 end
 
 -- R^a and the normalized point, which may need one derivative more than the state has
-local function right_side(C, orders, tops, first, m, kit, width)
-  local read, rate = reader(C, first, orders, tops), frame_rate(kit, width)
+local function right_side(C, orders, tops, first, m, kit, place, width)
+  local read, rate = reader(C, first, orders, tops), frame_rate(kit, place, width)
   local R = {}
   for a = 1, C.r do R[a] = normal.rate(C, 1, a) end
   return function(y)
@@ -175,7 +176,7 @@ local function curve_of(C, path, data)
     local y = path.q[k]
     local at, g = data.read(y), {}
     for i = 1, data.width do g[i] = y[data.m + i] end
-    local element = data.kit.unflat(core.vector(g))
+    local element = data.place.element(data.place.tidy(g))
     local z = {}
     for i = 1, C.n do
       local e = normal.entry(C, i)
@@ -202,9 +203,10 @@ function M.run(C, L_of, o)
   local start = start_of(C, o.start, orders)
   local kit = groups.kit(C.action.group)
   local g = o.frame == nil and kit.identity() or groups.element(C.action.group, o.frame)
-  local flat = kit.flat(g)
+  local place = flats.of(kit)
+  local flat = place.flat(g)
   for i = 1, #flat do start[m + i] = flat[i] end
-  local f, read = right_side(C, orders, tops, first, m, kit, #flat)
+  local f, read = right_side(C, orders, tops, first, m, kit, place, #flat)
   local n = #start
   local system = core.system { Q = core.R(n), H = function(y, p)
     local sum = 0
@@ -213,7 +215,7 @@ function M.run(C, L_of, o)
   end, name = "extremal" }
   local path = system:solver { rule = o.rule or "gauss(4)", h = length / steps }
     :run { q = start, p = core.zeros(n), steps = steps }
-  return curve_of(C, path, { read = read, m = m, width = #flat, kit = kit })
+  return curve_of(C, path, { read = read, m = m, width = #flat, place = place })
 end
 
 return M

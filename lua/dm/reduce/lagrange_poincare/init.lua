@@ -1,6 +1,7 @@
 --- Discrete Lagrange-Poincare equations (Leok 4.7.1): dm.lagrange_poincare of a formula l(x0, x1,
 -- f, h), system:reduce of a system and a rule. The state is (x, p, mu) with p = D2 l at fixed f and
--- the body momentum mu; f = g0^-1 g1. What steps is a dm.step (step.lua) on Q = base x group.
+-- the body momentum mu; f = g0^-1 g1. What steps is, on Q = base x group, a dm.step of a formula
+-- (step.lua) or the rule of a system whose L has no g.
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
@@ -20,7 +21,8 @@ local WHERE = "dm.lagrange_poincare"
 local Class = core.class({ __name = "dm.lagrange_poincare" }, [[
 dm.lagrange_poincare: a discrete Lagrangian reduced by a group, made by dm.lagrange_poincare{group=,
 base=, h=, l=} or system:reduce{group=, rule=, h=}
-fields: group, base, h, connection, system (on Q = base x group) and rule (a dm.step), for whatever
+fields: group, base, h, connection, system (on Q = base x group, its L without g) and rule (of a
+formula a dm.step), for whatever
 takes these: charts, events, checkpoints of the unreduced motion.]])
 
 function Class.__tostring(lp)
@@ -62,10 +64,12 @@ end
 
 local function assemble(S, system, given, way, where)
   check_connection(S, given.connection, where)
-  local P = system.place
-  local rule = step.rule(S, P, way.action, way.beta, way.tau,
-    { places = places_of(S, P), name = way.name or "lagrange-poincare", order = way.order or 1 })
-  require "dm.measure.declared_order".trust(rule, system) -- that of l is the script's
+  local P, rule = system.place, way.rule
+  if not rule then
+    rule = step.rule(S, P, way.action, way.beta, way.tau,
+      { places = places_of(S, P), name = "lagrange-poincare", order = 1 })
+    require "dm.measure.declared_order".trust(rule, system) -- that of l is the script's
+  end
   local base
   for i, part in ipairs(S.factors) do
     if i ~= S.factor then base = base and core.product(base, part) or part end
@@ -136,7 +140,8 @@ M.reduce = blame.caller(function(system, o)
     option.fail(REDUCE, "L depends on the time, and the reduced steps do not know it")
   end
   source.check_invariance(S, system, REDUCE)
-  return assemble(S, system, o, source.of_rule(S, system.place, system, o.rule, REDUCE), REDUCE)
+  local way = source.of_rule(S, system, o.rule, REDUCE)
+  return assemble(S, way.system, o, way, REDUCE)
 end)
 
 ---- runs ----

@@ -1,16 +1,12 @@
---- Where the action of a reduced step comes from: a formula l(x0, x1, f, h), or a system and a rule
--- lie(s) (Leok 5.3). Both give S(q0, V, h) of the stage velocities V in a chart tau.
+--- Where a reduced step comes from: a formula l(x0, x1, f, h), as an action S(q0, V, h) of the
+-- stage velocity V in a chart tau, or a system and a rule lie(s) (Leok 5.3).
 local core = require "dm.core"
 local bound = require "dm.base.bound"
 local kits = require "dm.group.kit"
-local lists = require "dm.base.lists"
 local option = require "dm.base.options"
-local place = require "dm.group.place"
 local space = require "dm.reduce.lagrange_poincare.space"
 
 local M = {}
-
-local part = lists.part
 
 ---- a formula ----
 
@@ -50,67 +46,27 @@ end
 
 ---- a system and a rule ----
 
--- s, quadrature and map of a rule's name
-local function rule_of(name, S, where)
+-- the name of a rule as those of groups are called
+local function name_of(name, S, where)
   local text = tostring(name):gsub("%s", "")
   local flat = S.kit.euclidean or S.kit.abelian
   local stages = flat and text:match "^gauss%((%d+)%)$"
   if stages then text = ("lie(%s)"):format(stages) end
-  local inside = text:match "^lie%((.*)%)$"
-  if not inside then
+  if not text:find "^lie%(%d" then
     option.fail(where, "the rule must be lie(s [, quadrature] [, exp | cayley])%s (got %s)",
-      flat and " or gauss(s)" or ", on a group that is not abelian",
-      tostring(name))
+      flat and " or gauss(s)" or ", on a group that is not abelian", tostring(name))
   end
-  local tau = inside:match ",(%a+)$"
-  if tau then inside = inside:gsub(",%a+$", "") end
-  local s, quadrature = inside:match "^(%d+),(.+)$"
-  s = math.tointeger(tonumber(s or inside))
-  if not s or tau and tau ~= "exp" and tau ~= "cayley" then
-    option.fail(where, "the rule must be lie(s [, quadrature] [, exp | cayley]) (got %s)",
-      tostring(name))
-  end
-  return s, quadrature or ("gauss(%d)"):format(s), tau or "exp", text
+  return text
 end
 
--- a, d, b, beta of the curves: those of galerkin on R^n
-local function curves(s, quadrature)
-  local line = core.system { Q = core.R(1), L = function(_, v) return v[1] * v[1] / 2 end }
-  return core.discrete_lagrangian(line, { rule = ("galerkin(%d, %s)"):format(s, quadrature),
-    h = 1 })
-    :coefficients()
-end
-
-local function order_of(s, quadrature)
-  local points = math.tointeger(tonumber(quadrature:match "%((%d+)%)"))
-  if quadrature:find "^gauss" and points == s then return 2 * s end
-  if quadrature:find "^lobatto" and points == s + 1 then return 2 * s end
-  return 1
-end
-
---- S = h sum_i b_i L(q0 tau(xi_i), dtau_L(xi_i) xi'_i) with the identity in the place of g.
-function M.of_rule(S, P, system, name, where)
-  local s, quadrature, tau, text = rule_of(name, S, where)
-  local c, N, D = curves(s, quadrature), P.size, S.D
-  local chart = place.chart(P, tau)
-  if not chart then option.fail(where, "%s has no map '%s'", tostring(S.Q), tau) end
+--- The system with the identity in the place of g, and the rule's name on it: an L that does not
+-- see g has the same steps, without g in their equations.
+function M.of_rule(S, system, name, where)
+  local text = name_of(name, S, where)
   local L = bound(system.given.L, system.given.params)
-  local function combined(row, V, factor)
-    local sum = core.zeros(D)
-    for j = 1, s do sum = sum + part(V, (j - 1) * D, D) * (row[j] * factor) end
-    return sum
-  end
-  local function action(q0, V, h)
-    local sum = 0
-    for i = 1, #c.b do
-      local y = chart(q0, nil, combined(c.a[i], V, h), combined(c.d[i], V, 1))
-      local q = space.at_identity(S, P.element(part(y, 0, N)))
-      sum = sum + L(q, part(y, N, D), 0) * c.b[i]
-    end
-    return sum * h
-  end
-  return { action = action, beta = lists.entries(c.beta), tau = tau, name = text,
-    order = order_of(s, quadrature) }
+  local reduced = core.system { Q = S.Q, name = system.name,
+    L = function(q, v) return L(space.at_identity(S, q), v, 0) end }
+  return { system = reduced, rule = text, name = text }
 end
 
 ---- invariance ----
