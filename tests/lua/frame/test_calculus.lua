@@ -159,6 +159,26 @@ ok(identity(sim, function(J) return J.s[1] ^ 2 end), "Noether's identity of simi
 -- d theta = kappa ds is invariant under both: the turn has no equation
 is(sim:euler_lagrange(function() return 1 end), "0", "omega is the turn")
 
+-- projective curves: a group of dimension 8
+local projective = calculus(dm.SL(3), 2, 1, { eta = 9 }, function(z)
+  return { z[1], z[2], z[3], z[4] - 1, z[5], z[6], z[7] - 1, z[8] }
+end)
+is(projective:euler_lagrange(function(J) return J.eta[1] end),
+  "eta_sssss/3 - 4 eta eta_sss/3 - 8 eta_s eta_ss/3 + 32 eta^2 eta_s/27", "projective curvature")
+ok(identity(projective, function(J) return J.eta[1] end), "Noether's identity of SL(3)")
+
+-- sections that need solving: of a pair of entries, of a square with a branch
+local pair = calculus(dm.SE(2), 2, 1, { k = 4 },
+  function(z) return { z[1] - z[2], z[1] + z[2] - 2, z[3] } end)
+is(pair:iota(6), "k_ss + 3 k^3", "two linear equations")
+local slanted = calculus(dm.SE(2), 2, 1, { k = 4 },
+  function(z) return { z[1], z[2], z[3] ^ 2 - 1 } end, function(z) return z[3] end)
+is(slanted:iota(5), "k_s + 3 k^2/2", "the root on the branch, u_x = 1")
+local graph = calculus(dm.SO(2), 2, 1, { r = 1, a = 3 }, function(z) return { z[2] } end,
+  function(z) return z[1] end)
+is(graph:maurer_cartan(), "R^1 = -a/r", "a section of points alone")
+is(graph:euler_lagrange(function(J) return J.r[1] end), "0", "r dr is exact")
+
 -- SO(2) about the origin: radius and angle
 local turn = calculus(dm.SO(2), 2, nil, { r = 1, a = 3, b = 4 }, function(z) return { z[2] } end)
 is(turn:syzygies()[1], "r_x - a", "r' is the radial velocity")
@@ -224,6 +244,7 @@ raises("linear in an entry", function()
 end)
 raises("'abs' has no exact formula",
   function() plane:euler_lagrange(function(J) return dm.abs(J.kappa[1]) end) end)
+raises("not finite", function() plane:euler_lagrange(function(J) return J.kappa[1] / 0 end) end)
 raises("left actions", function()
   dm.differential_invariants { action = dm.action { group = dm.SE(2), on = dm.R(2),
     side = "right" },

@@ -54,7 +54,8 @@ local function point_series(C, space, value)
     out[k] = series.of(space, { [1] = value(k) })
     local one = {}
     for j = 1, C.p do one[j] = j == i and 1 or 0 end
-    out[k] = out[k] + series.of(space, { [space.place[table.concat(one, ",")]] = 1 })
+    local place = space.place[table.concat(one, ",")] -- none in order 0
+    if place then out[k] = out[k] + series.of(space, { [place] = 1 }) end
   end
   for c, k in ipairs(C.dependent) do
     local terms = {}
