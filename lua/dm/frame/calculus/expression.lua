@@ -101,7 +101,8 @@ end
 --- A number as an expression: a fraction, or an atom where it is none with a small denominator.
 function M.number(field, x)
   if x == 0 then return expression(field, {}) end
-  if x - x ~= 0 then error(("an exact formula has a number that is not finite: %s"):format(x), 0) end
+  if x - x ~= 0 then error(("an exact formula has a number that is not finite: %s"):format(x),
+    0) end
   local p, q = fraction(x)
   if p then return expression(field, { p }, q) end
   local text
