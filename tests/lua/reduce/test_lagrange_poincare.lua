@@ -119,6 +119,25 @@ local event = lp:solver():run { x = 0.4, p = 0.1, mu = mu, steps = 60,
   events = { bottom = function(q) return q[1][1] - 0.1 end } }
 ok(#half.path == 31 and #event.events > 0, "events look at Q")
 
+-- other groups, and shapes that are angles: the chart moves these too
+for _, row in ipairs { { "SO(2)", dm.SO(2) }, { "SE(2)", dm.SE(2) }, { "SE(3)", dm.SE(3) },
+  { "SL(2)", dm.SL(2) }, { "Heisenberg", dm.Heisenberg(3) } } do
+  local K = row[2]
+  local r, has = K.dimension, row[1] ~= "Heisenberg"
+  local other = dm.lagrange_poincare { group = K, base = dm.T(1), h = 0.05, l = function(a, b, f, h)
+    local x, v, w = (a[1] + b[1]) / 2, (b[1] - a[1]) / h, has and K:cayleyinv(f) or K:log(f)
+    local sum = v ^ 2 / 2 + 0.5 * cos(x)
+    for i = 1, r do sum = sum + (1 + 0.2 * i + 0.1 * cos(x)) * (w[i] / h) ^ 2 / 2 end
+    return h * sum
+  end }
+  local momentum = {}
+  for i = 1, r do momentum[i] = 0.4 / i end
+  local moved = other:solver():run { x = 0.3, p = 0.2, mu = momentum, steps = 60 }
+  local v, w = other:residual({ moved.x[50], moved.x[51], moved.x[52] },
+    { moved.f[50], moved.f[51] })
+  ok(v:norm() < 1e-12 and w:norm() < 1e-12, row[1] .. " over angles: Ver and Hor vanish", w:norm())
+end
+
 ---- phases ----
 
 -- a symmetric top: precession about J by |J|/I1 t, closed forms
@@ -159,6 +178,12 @@ raises("L is not invariant under SO(3)", function()
 end)
 local free = dm.system { Q = dm.product(R1, G), L = function(_, v) return v:dot(v) / 2 end }
 raises("the rule must be lie(s", function() free:reduce { group = G, rule = "verlet", h = 0.1 } end)
+raises("behind the degree come", function()
+  free:reduce { group = G, rule = "lie(1, foo)", h = 0.1 }
+end)
+raises("is a vector space", function()
+  dm.lagrange_poincare { group = dm.R(2), base = R1, h = 0.1, l = function() return 0 end }
+end)
 raises("has no factor SE(2)", function()
   free:reduce { group = dm.SE(2), rule = "lie(1)", h = 0.1 }
 end)

@@ -98,11 +98,12 @@ M.lagrange_poincare = blame.caller(function(o)
   local l = core.one(o.l, "l")
   local Q = o.base and core.product(o.base, o.group) or o.group
   local S = space.of(Q, o.group, Q.parts and #Q.parts or nil, WHERE)
-  local system = core.system { Q = Q, L = source.lagrangian_of(S, l, o.h), name = o.name }
-  if not system.place then
+  local function square(_, v) return v:dot(v) end
+  if not core.system { Q = Q, L = square }.place then
     option.fail(WHERE, "%s is a vector space: its discrete Lagrangian is dm.discrete_lagrangian's",
       tostring(o.group))
   end
+  local system = core.system { Q = Q, L = source.lagrangian_of(S, l, o.h), name = o.name }
   return assemble(S, system, o, source.of_formula(S, system.place, l, WHERE), WHERE)
 end)
 
@@ -140,7 +141,7 @@ M.reduce = blame.caller(function(system, o)
     option.fail(REDUCE, "L depends on the time, and the reduced steps do not know it")
   end
   source.check_invariance(S, system, REDUCE)
-  local way = source.of_rule(S, system, o.rule, REDUCE)
+  local way = source.of_rule(S, system, o.rule, o.h, REDUCE)
   return assemble(S, way.system, o, way, REDUCE)
 end)
 

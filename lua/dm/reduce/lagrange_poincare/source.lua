@@ -3,17 +3,19 @@
 local core = require "dm.core"
 local bound = require "dm.base.bound"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local place = require "dm.group.place"
 local space = require "dm.reduce.lagrange_poincare.space"
 
 local M = {}
 
 ---- a formula ----
 
---- S = l(x0, x0 + h v, tau(h w), h), V = (v, w): one stage, weight 1.
+--- S = l(x0, x1, f, h), (x1, f) = (x0, e) tau(h V): one stage, weight 1.
 function M.of_formula(S, P, l, where)
-  local kit = S.kit
-  local tau = kit.cayley and "cayley" or "exp"
+  local tau = kits.of(S.Q).cayley and "cayley" or "exp"
+  local chart = place.chart(P, tau)
   local function value(x0, x1, f, h)
     local out
     if S.single then out = l(f, h) else out = l(x0, x1, f, h) end
@@ -24,9 +26,9 @@ function M.of_formula(S, P, l, where)
   end
   local function action(q0, V, h)
     local x0 = space.split(S, P.element(q0))
-    local v, w = space.parts(S, V)
-    local x1 = S.d > 0 and x0 + v * h or x0
-    return value(x0, x1, kit[tau](w * h), h)
+    local y = chart(q0, nil, V * h, V)
+    local x1, f = space.split(S, P.element(lists.part(y, 0, P.size)))
+    return value(x0, x1, f, h)
   end
   return { action = action, beta = { 1 }, tau = tau, value = value }
 end
@@ -61,11 +63,12 @@ end
 
 --- The system with the identity in the place of g, and the rule's name on it: an L that does not
 -- see g has the same steps, without g in their equations.
-function M.of_rule(S, system, name, where)
+function M.of_rule(S, system, name, h, where)
   local text = name_of(name, S, where)
   local L = bound(system.given.L, system.given.params)
   local reduced = core.system { Q = S.Q, name = system.name,
     L = function(q, v) return L(space.at_identity(S, q), v, 0) end }
+  local _ = reduced:solver { rule = text, h = h } -- raises for a rule that there is not
   return { system = reduced, rule = text, name = text }
 end
 
