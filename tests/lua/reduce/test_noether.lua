@@ -67,6 +67,13 @@ raises("option 'generator' is missing", function() path:noether {} end)
 raises("must give xi, 2 numbers", function()
   path:noether { generator = function() return { 1 } end }
 end)
+local saddle = dm.system { Q = dm.R(1), H = function(q, p) return q[1] * p[1] end }
+  :solver { rule = "midpoint", h = 0.1 }:run { q = { 1 }, p = { 2 }, steps = 20 }
+near(spread(saddle:noether { generator = function() return { 0 }, 1 end }), 0, 1e-13,
+  "the energy of an H that no L belongs to")
+raises("finite number, B(q, t)", function()
+  path:noether { generator = function() return { 1, 0 } end, divergence = function() return 1 / 0 end }
+end)
 raises("B(q, t)", function()
   path:noether { generator = function() return { 1, 0 } end,
     divergence = function() return "x" end }

@@ -27,8 +27,8 @@ end
 local function divergence_at(f, q, t)
   if not f then return 0 end
   local B = f(q, t)
-  if type(B) ~= "number" or B ~= B then
-    option.fail(WHERE, "the divergence must give a number, B(q, t) (got %s)", option.got(B))
+  if type(B) ~= "number" or B - B ~= 0 then
+    option.fail(WHERE, "the divergence must give a finite number, B(q, t) (got %s)", option.got(B))
   end
   return B
 end
@@ -54,13 +54,16 @@ M.noether = blame.caller(function(path, o)
   if path.watched then option.fail(WHERE, "needs q and p, but this run recorded only what it "
     .. "watched") end
   if c ~= 0 and not system.given.L then option.fail(WHERE, "a scale needs the action of an L") end
-  local n, out, S = system.Q.dimension, {}, c ~= 0 and action_along(path)
+  local n, out, S, energy = system.Q.dimension, {}, c ~= 0 and action_along(path), nil
   local generator = o.generator
   for k = 1, #path do
     local q, p, t = core.vector(path.q[k]), core.vector(path.p[k]), path.t[k]
     local xi, tau = read(n, generator(q, t))
     local value = p:dot(xi) - divergence_at(o.divergence, q, t)
-    if tau ~= 0 then value = value - system:energy(q, path:velocity(k), t) * tau end
+    if tau ~= 0 then
+      energy = energy or path:column "energy"
+      value = value - energy[k] * tau
+    end
     if S then value = value - c * S[k] end
     out[k] = value
   end
