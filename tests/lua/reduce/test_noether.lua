@@ -72,7 +72,8 @@ local saddle = dm.system { Q = dm.R(1), H = function(q, p) return q[1] * p[1] en
 near(spread(saddle:noether { generator = function() return { 0 }, 1 end }), 0, 1e-13,
   "the energy of an H that no L belongs to")
 raises("finite number, B(q, t)", function()
-  path:noether { generator = function() return { 1, 0 } end, divergence = function() return 1 / 0 end }
+  path:noether { generator = function() return { 1, 0 } end,
+    divergence = function() return 1 / 0 end }
 end)
 raises("B(q, t)", function()
   path:noether { generator = function() return { 1, 0 } end,
