@@ -83,6 +83,11 @@ raises("locked inertia is singular", function()
     v) return (v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) / 2 end }
     :routh { group = G, mu = { 0, 0, 1 } }
 end)
+local needle = dm.system { Q = dm.product(R1, G), L = function(r, v)
+  local x = r[1][1]
+  return (v[1] ^ 2 + x ^ 2 * v[2] ^ 2 + (1 + x ^ 2) * v[3] ^ 2 + v[4] ^ 2) / 2
+end }:routh { group = G, mu = { 0, 0, 1 } }
+raises("singular at the shape [0", function() needle:amended_potential(0) end)
 raises("mu follows from J", function() solver:run { x = 0.7, p = 0, mu = { 0, 0, 1 },
   steps = 1 } end)
 

@@ -209,6 +209,15 @@ local function momentum_of(self, nu, what)
   return lists.numbers(what, nu, self.space.r, "%s: the body momentum must be %d numbers (got %s)")
 end
 
+-- I^-1 b at the shape x
+local function by_inertia(I, b, x)
+  local fine, out = pcall(I.solve, I, b)
+  if fine then return out end
+  if not linear.is_plain(I) then error(out, 0) end
+  option.fail("dm.level", "the locked inertia is singular at the shape %s: a turn of the group costs "
+    .. "no momentum there", tostring(x))
+end
+
 method("locked_inertia", function(self, x)
   local u, xi = rest(self)
   return (self.f.inertia(shape_of(self, x, "level:locked_inertia"), u, xi))
@@ -218,8 +227,9 @@ L_xixi at the shape x, xi the body velocity.]])
 
 method("connection", function(self, x)
   local u, xi = rest(self)
-  local I, C = self.f.inertia(shape_of(self, x, "level:connection"), u, xi)
-  return I:solve(C)
+  x = shape_of(self, x, "level:connection")
+  local I, C = self.f.inertia(x, u, xi)
+  return by_inertia(I, C, x)
 end, [[
 level:connection(x) -> dm.matrix, dim G x dim S
 The mechanical connection I^-1 L_xix' at the shape x.]])
@@ -228,7 +238,7 @@ The mechanical connection I^-1 L_xix' at the shape x.]])
 local function amended(self, x, nu)
   local u, zero = rest(self)
   local I = self.f.inertia(x, u, zero)
-  local xi = I:solve(nu - self.f.momentum(x, u, zero))
+  local xi = by_inertia(I, nu - self.f.momentum(x, u, zero), x)
   return nu:dot(xi) - self.f.value(x, u, xi), xi
 end
 
@@ -246,7 +256,7 @@ method("routhian", function(self, x, u, nu)
   u = shape_of(self, u, what)
   local _, zero = rest(self)
   local I = self.f.inertia(x, u, zero)
-  local xi = I:solve(nu - self.f.momentum(x, u, zero))
+  local xi = by_inertia(I, nu - self.f.momentum(x, u, zero), x)
   return self.f.value(x, u, xi) - nu:dot(xi)
 end, [[
 level:routhian(x, x' [, nu]) -> number
