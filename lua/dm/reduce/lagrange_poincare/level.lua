@@ -214,7 +214,8 @@ local function by_inertia(I, b, x)
   local fine, out = pcall(I.solve, I, b)
   if fine then return out end
   if not linear.is_plain(I) then error(out, 0) end
-  option.fail("dm.level", "the locked inertia is singular at the shape %s: a turn of the group costs "
+  option.fail("dm.level", "the locked inertia is singular at the shape %s: a turn of the group "
+    .. "costs "
     .. "no momentum there", tostring(x))
 end
 
