@@ -119,6 +119,21 @@ function M.callable(t, key, where, of)
   return M.passing(t, key, where, is_function, of and "a function of " .. of or "a function")
 end
 
+-- what a function gave: one value, `what` of the message
+local function one(what, value, ...)
+  local more = select("#", ...)
+  if more > 0 then
+    error(("%s must return one value, not %d: a list of numbers is one as a table, return { a, b }")
+      :format(what, more + 1), 0)
+  end
+  return value
+end
+
+--- A function of a script that must return one value: more of them raise instead of being lost.
+function M.single(f, what)
+  return function(...) return one(what, f(...)) end
+end
+
 --- A text.
 function M.text(t, key, where, default)
   local function is_text(x) return type(x) == "string" end

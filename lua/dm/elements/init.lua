@@ -184,7 +184,8 @@ M.msfem = blame.caller(function(options)
   end
   option.callable(options, "antiderivative", WHERE, "x, the integral of 1/a")
   local shape = option.one_of(options, "shape", WHERE, { "multiscale", "linear" }, "multiscale")
-  local given = { x = read_nodes(options), inverse = inverse(options.a), f = load_at(options.f),
+  local given = { x = read_nodes(options), inverse = inverse(option.single(options.a, "a")),
+    f = load_at(option.single(options.f, "f")),
     period = option.positive(options, "period", WHERE, "a length"),
     antiderivative = options.antiderivative, linear = shape == "linear" }
   local made = settle(given)

@@ -231,14 +231,16 @@ end
 
 M.adapt = blame.caller(function(options)
   local grid, ends = read(options)
+  local W = option.single(options.W, "dm.adapt: W")
+  local f = options.f and option.single(options.f, "dm.adapt: f")
   local p, iterations = { elements = grid.cells }, 0
   local z, exact = first_guess(grid, ends), false
   for level = 1, options.f and #POINTS - 1 or 1 do
-    p.of = derivatives(options.W, options.f, POINTS[level])
+    p.of = derivatives(W, f, POINTS[level])
     local count
     z, count = solve(p, z, ends)
     iterations = iterations + count
-    exact = not options.f or is_exact(p, z, { value = core.trace(element(options.W, options.f,
+    exact = not options.f or is_exact(p, z, { value = core.trace(element(W, f,
       POINTS[level + 1]), 4) })
     if exact then break end
   end

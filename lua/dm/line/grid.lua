@@ -58,6 +58,7 @@ end
 
 local function of_function(grid, f, n, key, where)
   local out = {}
+  f = option.single(f, where .. ": " .. key)
   for i = 1, grid.nodes do
     local x = M.x(grid, i)
     local list = entries_of(f(x), n, key, where, x)

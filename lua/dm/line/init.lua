@@ -82,6 +82,7 @@ local function check_speeds(L, n, grid)
       local fine, a, b = pcall(function()
         return at(sample(random, row, n)), at(sample(random, row, n, k))
       end)
+      if not fine and tostring(a):find "must return" then error(a, 0) end
       if not fine then return end
       seen = seen or a == a
       moves = moves or a ~= b and a == a and b == b

@@ -99,6 +99,7 @@ end
 
 --- L as the rules call it: a table or nothing is told by its name.
 function M.guarded(L, where)
+  L = option.single(L, where .. ": L")
   return function(...)
     local value = L(...)
     if value == nil or type(value) == "table" then

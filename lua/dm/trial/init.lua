@@ -65,12 +65,14 @@ end
 -- a list of functions of (t, h), one for every coordinate, or one function for all
 local function read_functions(given)
   local f = given.functions
-  if type(f) == "function" then return { f }, true end
+  if type(f) == "function" then return { options.single(f, "functions") }, true end
   local fine = type(f) == "table" and #f > 0
   for _, each in ipairs(fine and f or {}) do fine = fine and type(each) == "function" end
   options.demand(fine, given, "functions", GALERKIN,
     "a function(t, h) that returns a list { f1, f2, ... }, or a list of such functions")
-  return f, false
+  local out = {}
+  for i, each in ipairs(f) do out[i] = options.single(each, ("functions[%d]"):format(i)) end
+  return out, false
 end
 
 -- how many functions of a space there are
@@ -109,7 +111,9 @@ local function of_curve(given, quadrature)
   end
   options.need(given, "parameters", GALERKIN, "how many numbers z has")
   local count = options.whole(given, "parameters", GALERKIN, 2, 400)
-  return rule(quadrature, { kind = "curve", curve = curve, start = start, parameters = count,
+  return rule(quadrature, { kind = "curve",
+    curve = options.single(curve, "curve"), start = options.single(start, "start"),
+    parameters = count,
     text = ("galerkin(curve of %d parameters, %s) (own)"):format(count, quadrature.text) })
 end
 

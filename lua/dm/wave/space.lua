@@ -104,14 +104,16 @@ function M.potential(options, wave)
   if takes_time(V) then
     fail "V must be a function of x alone: potentials that depend on time are not stepped"
   end
-  return sampled(V, core.wave_nodes(wave.kind, wave.from, wave.to, wave.unknowns))
+  local nodes = core.wave_nodes(wave.kind, wave.from, wave.to, wave.unknowns)
+  return sampled(option.single(V, "V"), nodes)
 end
 
 ---- psi ----
 
 -- two numbers of what a function of the script gave
 local function value_at(psi, x)
-  local re, im = psi(x)
+  local re, im, more = psi(x)
+  if more ~= nil then fail("psi must return two numbers, re and im: psi(%g) gave more", x) end
   if im == nil then im = 0 end
   if not (is_finite(re) and is_finite(im)) then
     fail("psi(%g) must be two finite numbers, re and im (got %s, %s)", x, option.got(re),

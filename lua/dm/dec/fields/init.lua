@@ -98,6 +98,7 @@ end
 
 -- L of vectors q, v: nil while it is traced, numbers while it is compared
 local function lagrangian(f, L)
+  L = option.single(L, WHERE .. ": L")
   return function(q, v, t, params)
     local around = { n = f.n, held = f.marks, data = f.data, q = q, v = v,
       sphere = f.sphere and f.values }
