@@ -219,8 +219,10 @@ local function help_name(name)
   if written then return write(shown_doc(written)) end
   if docs["dm." .. name] then return help_name("dm." .. name) end
   local same = of_name(name)
-  if same then return write(same) end
-  if not search.about(name) then search.first_mentions(name) end
+  if same then write(same) end
+  if not search.about(name) and not same then
+    search.first_mentions(name)
+  end
 end
 
 -- a group: what its elements look like
