@@ -39,9 +39,9 @@ function M.shapes(B, list, least, what)
   return out
 end
 
---- The lift from q through all shapes x[1], x[2], ..., q over x[1].
+--- The lift from q through all shapes x[1], x[2], ..., q over x[1], up to whole turns of angles.
 function M.multi_lift(own, x, q)
-  local out = { q }
+  local out = { { x[1], q[2] } }
   for l = 1, #x - 1 do out[l + 1] = own.second(out[l], x[l + 1]) end
   return out
 end

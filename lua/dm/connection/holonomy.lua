@@ -55,7 +55,7 @@ connections.method("holonomy", function(A, loop, q0)
   check_steps(B, x)
   q0 = q0 == nil and bundles.at_section(B, x[1]) or B.take(q0, "q0")
   bundles.same_fibre(B, q0[1], x[1], "A:holonomy: q0 must lie over the first point of the loop")
-  return bundles.between(B, q0, lifted(own, x, q0))
+  return bundles.between(B, q0, lifted(own, x, { x[1], q0[2] }))
 end, [[
 A:holonomy({x0, ..., xm} [, q0]) -> h
 The lift of a closed loop of shapes from q0 (left out: { x0, identity }) ends at h q0. xm must be

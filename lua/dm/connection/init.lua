@@ -225,7 +225,7 @@ method("lift", function(A, x0, x1, q0)
   x0, x1 = base_points(B, x0, x1)
   q0 = B.take(q0, "q0")
   bundles.same_fibre(B, q0[1], x0, "A:lift: q0 must lie over x0")
-  return B.give(own.second(q0, x1))
+  return B.give(own.second({ x0, q0[2] }, x1)) -- x0 as it is given, angles may be turns apart
 end, [[
 A:lift(x0, x1, q0) -> point
 The second point of the horizontal lift of (x0, x1) that begins at q0, which lies over x0: (x1, g0
