@@ -38,6 +38,27 @@ race("mesh of tetrahedra", of_arrays(named.cube_tiling(side)))
 race("icosphere by name", by_name("icosphere", level))
 race("cube tiling by name", by_name("cube_tiling", side))
 
+-- curvature: what it costs beside the volumes and duals, the difference of making a mesh with points and without
+local function curvature(made)
+  local given = { simplices = made.simplices, degree = made.degree, points = core.matrix(made.points) }
+  local bare, K = { simplices = made.simplices, degree = made.degree }, core.complex(given)
+  local function best(f)
+    local least = math.huge
+    for _ = 1, REPEATS do
+      collectgarbage()
+      local began = os.clock()
+      f()
+      least = math.min(least, os.clock() - began)
+    end
+    return least / K:count(K.dimension) * 1e9
+  end
+  local stars = best(function() core.complex(given) end) - best(function() core.complex(bare) end)
+  local first = best(function() core.complex(given):levi_civita():angle() end) - best(function() core.complex(given) end)
+  print(("%-28s dmlua                %9.1f ns a cell   (volumes and duals %.1f, the first time %.1f)"):format("Levi-Civita, all angles",
+    best(function() K:levi_civita():angle() end), stars, first))
+end
+curvature(named.icosphere(level))
+
 -- the best of three: run(make()), wall time, as qhull works in a process of its own
 local function seconds(name, size, unit, make, run)
   local best = math.huge

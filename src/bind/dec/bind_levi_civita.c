@@ -3,13 +3,14 @@
 #include "bind/dec/bind_mesh.h"
 #include "bind/dec/bind_sparse.h"
 #include "bind/value/value.h"
+#include "dec/incidence.h"
 #include "dec/levi_civita/deficit.h"
 #include "dec/levi_civita/ring.h"
 #include "dec/levi_civita/rotation.h"
 
 /* the mesh at 1, with a metric and cells of codimension 2 */
-static const dml_mesh *check(lua_State *L) {
-    const dml_mesh *m = dml_checkmesh(L, 1);
+static dml_mesh *check(lua_State *L) {
+    dml_mesh *m = dml_checkmesh(L, 1);
     if (m->K.n < 2)
         luaL_error(L,
                    "the curvature of a mesh is at cells of codimension 2: its dimension must be "
@@ -18,32 +19,42 @@ static const dml_mesh *check(lua_State *L) {
     return m;
 }
 
+/* raises where a cell of codimension 2 has other than one loop or fan of top cells round it; looked
+ * for once */
+static void check_rings(lua_State *L, dml_mesh *m) {
+    if (m->ringed || m->manifold == 1) return;
+    const uint32_t k = m->K.n - 2;
+    uint32_t *ring = lua_newuserdatauv(L, (m->K.count[m->K.n] + 1) * sizeof *ring, 0);
+    const uint32_t torn = dm_ring_torn(ring, &m->K);
+    lua_pop(L, 1);
+    if (torn != UINT32_MAX)
+        luaL_error(L,
+                   "the mesh is no manifold: round %s, cell %d of degree %d, the top cells make no "
+                   "single loop or fan",
+                   dml_pushcell(L, m->K.vertex[k] + (size_t)torn * (k + 1), k + 1), (int)torn + 1,
+                   (int)k);
+    m->ringed = 1;
+}
+
 /* K:deficits(): a list, false where there is no ring of top cells */
 static int mesh_deficits(lua_State *L) {
-    const dml_mesh *m = check(L);
-    const uint32_t count = m->K.count[m->K.n - 2];
+    dml_mesh *m = check(L);
+    const uint32_t k = m->K.n - 2, count = m->K.count[k];
     dml_needmetric(L, m);
+    check_rings(L, m);
     double *deficit = lua_newuserdatauv(L, (count + 1) * sizeof *deficit, 0);
     dm_turn *work = lua_newuserdatauv(L, (count + 1) * sizeof *work, 0);
-    uint32_t *ring = lua_newuserdatauv(L, (m->K.count[m->K.n] + 1) * sizeof *ring, 0), length;
+    unsigned char *mark = lua_newuserdatauv(L, (size_t)count + 1, 0);
+    dm_boundary_marks(mark, &m->K, k);
     dm_deficits(deficit, work, &m->K, &m->metric);
     dml_checkstop(L);
     lua_createtable(L, (int)count, 0);
     dml_setresult(L);
     for (uint32_t i = 0; i < count; i++) {
-        const dm_ring_kind kind = dm_ring(ring, &length, &m->K, i);
-        if (kind == DM_RING_TORN) {
-            const uint32_t k = m->K.n - 2;
-            luaL_error(L,
-                       "the mesh is no manifold: round %s, cell %d of degree %d, the top cells "
-                       "make no single loop or fan",
-                       dml_pushcell(L, m->K.vertex[k] + (size_t)i * (k + 1), k + 1), (int)i + 1,
-                       (int)k);
-        }
-        if (kind == DM_RING_CLOSED)
-            lua_pushnumber(L, deficit[i]);
-        else
+        if (mark[i] || work[i].cells == 0)
             lua_pushboolean(L, 0);
+        else
+            lua_pushnumber(L, deficit[i]);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;

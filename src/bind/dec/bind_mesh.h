@@ -17,6 +17,7 @@ typedef struct {
     double *points;   /* [count[0]][ambient] */
     size_t bytes;     /* of the arena */
     int manifold;     /* it is one; -1: nobody has asked yet */
+    int ringed;       /* every cell of codimension 2 has one loop or fan of top cells round it */
 } dml_mesh;
 
 /* The mesh at arg; raises when it is none. */

@@ -16,6 +16,7 @@ static inline void add(dm_turn *t, double re, double im) {
     t->re = beyond ? -x * scale : x * scale;
     t->im = beyond ? -y * scale : y * scale;
     t->half += (uint32_t)beyond;
+    t->cells++;
 }
 
 /* Triangles: at the vertex opposite to an edge of squared length a, between those of b and c, the
@@ -49,7 +50,7 @@ static void add_cells(dm_turn *t, const dm_complex *K, const dm_metric *metric) 
 
 void dm_deficits(double *deficit, dm_turn *work, const dm_complex *K, const dm_metric *metric) {
     const uint32_t count = K->count[K->n - 2];
-    for (uint32_t i = 0; i < count; i++) work[i] = (dm_turn){1.0, 0.0, 0};
+    for (uint32_t i = 0; i < count; i++) work[i] = (dm_turn){1.0, 0.0, 0, 0};
     if (K->n == 2)
         add_triangles(work, K, metric);
     else

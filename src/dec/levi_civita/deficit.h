@@ -10,7 +10,7 @@
  * out, so that a sum costs products and one arc tangent. */
 typedef struct {
     double re, im;
-    uint32_t half;
+    uint32_t half, cells; /* cells: how many angles were added */
 } dm_turn;
 
 /* deficit[count[n - 2]], 2 pi - sum of the angles of the top cells at every cell, at the boundary

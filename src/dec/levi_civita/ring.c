@@ -72,3 +72,38 @@ dm_ring_kind dm_ring(uint32_t *ring, uint32_t *length, const dm_complex *K, uint
     *length = count;
     return count == facets ? DM_RING_CLOSED : DM_RING_TORN;
 }
+
+/* A fan has two ends: facets of one top cell. A cell at the boundary with two ends may have a loop
+ * beside its fan: then the fan is shorter than what is there. */
+static int single_fan(const dm_complex *K, uint32_t cell) {
+    const uint32_t n = K->n, k = n - 2, *vertex = K->vertex[k] + (size_t)cell * (k + 1);
+    const uint32_t first = K->coface_at[k][cell], last = K->coface_at[k][cell + 1];
+    uint32_t ends = 0, facet = UINT32_MAX, count = 1, side[2] = {0, 1};
+    for (uint32_t i = first; i < last; i++) {
+        const uint32_t f = K->coface[k][i];
+        const uint32_t tops = K->coface_at[n - 1][f + 1] - K->coface_at[n - 1][f];
+        if (tops > 2) return 0;
+        if (tops == 1) ends++, facet = f;
+    }
+    if (ends == 0) return first == last; /* a cell in no top cell */
+    if (ends != 2) return 0;
+    uint32_t top = K->coface[n - 1][K->coface_at[n - 1][facet]];
+    while (top != UINT32_MAX) {
+        sides_of(side, K, top, vertex);
+        const uint32_t *faces = K->face[n] + (size_t)top * (n + 1);
+        const uint32_t place = faces[side[0]] == facet ? side[1] : side[0];
+        facet = faces[place], count++;
+        top = across(K, top, place);
+    }
+    return count == last - first;
+}
+
+uint32_t dm_ring_torn(uint32_t *ring, const dm_complex *K) {
+    uint32_t length;
+    for (uint32_t cell = 0; cell < K->count[K->n - 2]; cell++) {
+        const dm_ring_kind kind = dm_ring(ring, &length, K, cell);
+        if (kind == DM_RING_TORN) return cell;
+        if (kind == DM_RING_BOUNDARY && !single_fan(K, cell)) return cell;
+    }
+    return UINT32_MAX;
+}

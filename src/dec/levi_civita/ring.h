@@ -15,4 +15,8 @@ typedef enum { DM_RING_CLOSED, DM_RING_BOUNDARY, DM_RING_TORN } dm_ring_kind;
  * number; *length of them. Only a closed ring is written. n >= 2, cell of degree n - 2. */
 dm_ring_kind dm_ring(uint32_t *ring, uint32_t *length, const dm_complex *K, uint32_t cell);
 
+/* The first cell of degree n - 2 that is torn, or UINT32_MAX: where there is none, all have a loop
+ * or a single fan. ring[count[n]]. Linear in the cells. */
+uint32_t dm_ring_torn(uint32_t *ring, const dm_complex *K);
+
 #endif
