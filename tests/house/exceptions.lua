@@ -66,6 +66,7 @@ return {
     suslov = "lie(s) alone knows rolling on groups; orders in its picture",
     tilted_disk = "lie(s) alone knows rolling on groups",
     own_forces = "forces of one discrete Lagrangian, no rules of the table",
+    own_space = "spaces of the script, no rules of the table",
     taylor_segments = "methods of the script, no rules of the table",
     slack_rope = "a force that is read off a run; how well rules know it is in its picture",
     sliding_plate = "what a symmetry keeps, asked of one rule",

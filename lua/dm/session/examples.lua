@@ -13,7 +13,8 @@ M.names = { "kepler", "figure_for_paper", "outer_solar_system", "satellite", "re
   "contact_oscillator", "cart", "guiding_centre",
   "free_body", "heavy_top", "hante_top", "gravity_gradient", "two_bodies", "underwater",
   "link_chain", "turntable", "chaplygin_sphere", "suslov", "tilted_disk",
-  "henon_heiles", "escape", "stiff_spring", "resonance_tongues", "bounded_but_wrong",
+  "henon_heiles", "escape", "stiff_spring", "vibrating_spring", "energy_steps", "own_space",
+  "resonance_tongues", "bounded_but_wrong",
   "least_model", "game_loop", "exact_oscillator", "variational_runge_kutta",
   "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential",
   "rough_rod", "two_scales", "tunnel", "soliton", "kinks", "free_knots" }
