@@ -27,6 +27,7 @@ inside:plot("t", "a", { height = 12 })]] },
   claim = function(s)
     local off = math.abs(s.path.q[9][2] - s.fine.q[1][2])
     return off < 1e-4,
-      ([[Eight steps, each %.0f radians of the vibration, give the angle to %.0e.]]):format(s.k ^ 0.5 / 8, off)
+      ([[Eight steps, each %.0f radians of the vibration, give the angle to %.0e.]])
+        :format(s.k ^ 0.5 / 8, off)
   end,
 }
