@@ -253,10 +253,44 @@ local meshes = {
   { "embeddable", dm.embeddable, { { 0, 1, 1 }, { 1, 0, 1 }, { 1, 1, 0 } } },
 }
 
+-- a wave, a solver and a run in one table
+local function waved(o)
+  local wave = dm.schroedinger(o.wave)
+  local path = wave:solver(o.solver):run(o.run)
+  wave:current(path.psi[1])
+  return wave:resume(path):run { steps = 2 }
+end
+local function hill(x) return math.exp(-x * x) end
+local ring = { x = { -4, 4, 16 }, V = hill, hbar = 1, m = 1, g = 0.5, space = "collocation",
+  boundary = "periodic" }
+local start = { psi = function(x) return hill(x), 0.1 * hill(x) end, steps = 3, every = 2, t0 = 1,
+  seconds = 1 }
+local waves = {
+  { "a wave", waved, { wave = ring, solver = { rule = "strang", h = 0.1 }, run = start } },
+  { "a wave by Gauss", waved, { wave = with(ring, { boundary = "walls" }),
+    solver = { rule = "gauss(2)", h = 0.1 }, run = { psi = function(x) return 16 - x * x end,
+      t = 0.3 } } },
+  { "two-step", waved, { wave = { x = { -4, 4, 16 }, V = 1, space = "galerkin" },
+    solver = { rule = "two-step", h = 0.01, norm = true, unstable = false }, run = start } },
+  { "a slab", waved, { wave = { x = { -4, 4, 16 } }, solver = { rule = "slab", h = 0.1 },
+    run = start } },
+  { "spectrum", function(o) return dm.schroedinger(o[1]):eigen(o[2]) end, { ring, 3 } },
+  { "space and time", function(o)
+    return dm.schroedinger(ring):solver({ rule = "strang", h = 0.1 }):run(start):spacetime(o)
+  end, { of = "phase", width = 20, height = 5, title = "x" } },
+  { "a page of a wave", function(o)
+    return dm.schroedinger(ring):solver({ rule = "strang", h = 0.1 }):run(start)
+      :animate(o[1], o[2])
+  end, { "f.html", { title = "x" } } },
+  { "fft", function(o) return dm.fft(o[1], o[2]) end, { { 1, 2, 3 }, { 0, 1, 0 } } },
+  { "msfem", function(o) return dm.msfem(o):value(0.3) end, { a = hill, f = hill, x = { 0, 0.4, 1 },
+    period = 0.5, shape = "multiscale", antiderivative = nil } },
+}
+
 --- All rows.
 function M.rows()
   local out = {}
-  for _, rows in ipairs { systems, measures, symmetries, meshes } do
+  for _, rows in ipairs { systems, measures, symmetries, meshes, waves } do
     for _, row in ipairs(rows) do out[#out + 1] = row end
   end
   return out

@@ -33,7 +33,7 @@ end
 local DOC = "dm.schroedinger{x = {from, to, N}, V=, hbar=, m=, g=, space=, boundary=} "
   .. "-> dm.schroedinger\n" .. [[
 The equation i hbar psi_t = -hbar^2/2m psi_xx + (V + g |psi|^2) psi in one dimension. On a ring
-(boundary = "ring", unless given) of the even number N of points from + (j - 1) (to - from)/N;
+(boundary = "periodic", unless given) of the even number N of points from + (j - 1) (to - from)/N;
 boundary = "walls": psi = 0 at both ends, N Chebyshev points with the ends among them. V: a function
 of x, a number (0) or a list of N values; hbar = m = 1 and g = 0 unless given. space =
 "collocation", or "galerkin" on a ring: Leok's trigonometric polynomials with exact integrals of the
@@ -41,7 +41,7 @@ interpolated V, g = 0. Raises on odd rings, where V is not finite, and on V of x
 
 M.schroedinger = blame.caller(function(options)
   option.check(options, KNOWN, WHERE)
-  local boundary = option.one_of(options, "boundary", WHERE, { "ring", "walls" }, "ring")
+  local boundary = option.one_of(options, "boundary", WHERE, { "periodic", "walls" }, "periodic")
   local of = option.one_of(options, "space", WHERE, { "collocation", "galerkin" }, "collocation")
   local walls, galerkin = boundary == "walls", of ~= "collocation"
   if walls and galerkin then option.fail(WHERE, "space = \"galerkin\" is one of a ring") end
@@ -91,13 +91,14 @@ What stands behind it in C, made when it is first asked for.]])
 local DOC_EIGEN = [[
 wave:eigen(k) -> {values, psi}
 The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
-norm 1: by dense rotations up to 1200 points. Beyond it raises: take fewer points, an energy is good
-to round-off on as many as its state needs.]]
+norm 1: by dense rotations up to 1200 points, beyond it, up to 4096, by Lanczos iterations, which
+need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given.]]
 
 class.method("dm.schroedinger", "eigen", function(wave, k)
   option.whole({ k = k }, "k", "wave:eigen", 1, wave.unknowns)
   if k == nil then k = math.min(6, wave.unknowns) end
-  local values, states = wave:equation():eigen(k)
+  local eq = wave:equation()
+  local values, states = eq[wave.unknowns > MOST_DENSE and "lanczos" or "eigen"](eq, k)
   local psi = {}
   for i, re in ipairs(states) do psi[i] = space.wrap(wave, re, core.zeros(#re)) end
   return core.result { values = values, psi = psi }

@@ -63,6 +63,11 @@ function Path.__tostring(path)
   local text = ("path of %d step%s of %s to t = %.6g: norm off by %.2g, energy off by %.2g; "
     .. "%d rows of %d points"):format(path.steps, path.steps == 1 and "" or "s", path.rule,
     path.t[#path], off(norm), off(energy), #path, path.wave.N)
+  local over = path.asked and path.t[#path] - path.t0 - path.first * path.h - path.asked
+  if over and over > 1e-6 * path.h then
+    text = text .. (" (h = %.6g does not divide the way to %.6g)"):format(path.h,
+      path.t[#path] - over)
+  end
   for _, note in ipairs(path.notes) do text = text .. "\n  " .. note end
   return text
 end
@@ -129,7 +134,7 @@ function M.run(solver, options)
   local t0, first = begin(solver, options)
   local rows, done, code, took = solver.stepper:run(t0, first, steps, every, seconds)
   local path = new(solver, rows, first)
-  path.t0, path.steps = t0, done
+  path.t0, path.steps, path.asked = t0, done, options.t
   path.ns_per_step = done > 0 and took / done * 1e9 or 0
   path.ending = { state = solver.stepper:state(), t0 = t0, step = first + done }
   path.notes = notes.of(path)

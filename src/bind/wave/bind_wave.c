@@ -147,6 +147,18 @@ static void push_mode(lua_State *L, const dm_wave *w, const double *q) {
     lua_pop(L, 1);
 }
 
+int dml_pushstates(lua_State *L, const dm_wave *w, const double *energy, const double *states,
+                   uint32_t count) {
+    memcpy(dml_pushvector(L, count), energy, count * sizeof *energy);
+    lua_createtable(L, (int)count, 0);
+    dml_setresult(L);
+    for (uint32_t k = 0; k < count; k++) {
+        push_mode(L, w, states + (size_t)k * w->n);
+        lua_rawseti(L, -2, k + 1);
+    }
+    return 2;
+}
+
 /* w:eigen(k) */
 static int eigen(lua_State *L) {
     const dm_wave *w = dml_checkwave(L, 1);
@@ -159,15 +171,7 @@ static int eigen(lua_State *L) {
     if (!H) return luaL_error(L, "not enough memory");
     dm_wave_matrix(H, w, 1, 1);
     dml_wavefail(L, dm_modes_dense(&modes, H, w->n, arena, &dml_stop));
-    double *values = dml_pushvector(L, (uint32_t)count);
-    memcpy(values, modes.energy, (size_t)count * sizeof *values);
-    lua_createtable(L, (int)count, 0);
-    dml_setresult(L);
-    for (lua_Integer k = 0; k < count; k++) {
-        push_mode(L, w, modes.Q + (size_t)k * w->n);
-        lua_rawseti(L, -2, k + 1);
-    }
-    return 2;
+    return dml_pushstates(L, w, modes.energy, modes.Q, (uint32_t)count);
 }
 
 /* w:matrix() */

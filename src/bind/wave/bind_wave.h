@@ -21,6 +21,11 @@ void dml_wavefail(lua_State *L, dm_status status);
 /* values re, im at arg and arg + 1 into psi[2 n] */
 void dml_wavevalues(lua_State *L, int arg, double *psi, uint32_t n);
 
+/* Push `count` energies and the list of values of their real states, given by amplitudes
+ * [count][n]; how many values that are, 2. */
+int dml_pushstates(lua_State *L, const dm_wave *w, const double *energy, const double *states,
+                   uint32_t count);
+
 /* Push re and im of psi[2 n] as two vectors. */
 void dml_pushwave(lua_State *L, const double *psi, uint32_t n);
 

@@ -40,6 +40,28 @@ local b = small:solver({ rule = "gauss(3)", h = 0.05 }):run { psi = packet, step
 ok(math.abs(a:column("x")[5] - b:column("x")[5]) < 1e-9, "gauss(3) by iteration on 1250 points", a:column("x")[5] - b:column("x")[5])
 raises("up to 1200", function() wide:solver { rule = "two-step", h = 1e-6 } end)
 
+if require "dm.core".solvers() then
+  local e, off = dm.schroedinger({ x = { -10, 10, 1250 }, V = function(x) return x ^ 2 / 2 end }):eigen(4), 0
+  for k = 1, 4 do off = math.max(off, math.abs(e.values[k] - k + 0.5)) end
+  ok(off < 1e-10 and math.abs(e.psi[1]:norm() - 1) < 1e-12 and #e.psi == 4, "levels on 1250 points, by Lanczos", off)
+  raises("4096", function() dm.schroedinger({ x = { -10, 10, 5000 }, V = V }):eigen(2) end)
+end
+
+-- plans by timing are kept: the next run has the same bits
+local wisdom = os.tmpname()
+local function measured(x)
+  local s = dm.schroedinger({ x = { -8, 8, 90 }, V = x }):solver { rule = "strang", h = 0.1, plan = "measure", wisdom = wisdom }
+  return s:run({ psi = packet, steps = 20 }).psi[21]
+end
+ok(measured(V) == measured(V), "a plan that was measured is used again")
+ok(io.open(wisdom):read "a":find "fftw" or dm.schroedinger { x = { 0, 1, 8 } }:equation().fft ~= "FFTW", "wisdom is in its file")
+os.remove(wisdom)
+raises("goes with", function() small:solver { rule = "strang", h = 0.1, wisdom = "x" } end)
+local by_fftw = small:equation().fft == "FFTW"
+raises(by_fftw and "written" or "no such", function() small:solver { rule = "strang", h = 0.1, plan = "measure", wisdom = "/no/such/folder/x" }
+  if not by_fftw then error "no such" end
+end)
+
 ---- rows, starts, going on ----
 
 local wave = dm.schroedinger { x = { -8, 8, 64 }, V = V }

@@ -83,7 +83,7 @@ ok(worst < 2e-6, "continuity of the density", worst)
 ---- what is kept ----
 
 for _, rule in ipairs { "gauss(1)", "gauss(3)", "crank-nicolson", "slab(6)" } do
-  for _, boundary in ipairs { "ring", "walls" } do
+  for _, boundary in ipairs { "periodic", "walls" } do
     local box = dm.schroedinger { x = { -9, 9, 48 }, V = harmonic, boundary = boundary }
     local p = box:solver({ rule = rule, h = 0.05 }):run { psi = function(x) return exp(-(x - 1) ^ 2 / 2), 0 end, steps = 1000, every = 100 }
     local norm, e = p:drift("norm").largest, p:drift("energy").largest
