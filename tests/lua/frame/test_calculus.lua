@@ -49,6 +49,47 @@ local speed = math.sqrt(1 + cos(0.4) ^ 2)
 near(I.kappa[2], (curvature(0.4 + d) - curvature(0.4 - d)) / (2 * d) / speed, 1e-9,
   "its derivative by arclength")
 
+-- E(L) is the variation of the integral of L ds: by differences along a bump
+local function wavy(J)
+  return J.kappa[1] ^ 4 / 4 + J.kappa[2] ^ 2 * J.kappa[1] + dm.exp(J.kappa[1])
+end
+local function jets_of(size)
+  local f = dm.trace(function(x)
+    return 0.4 * dm.sin(1.3 * x) + 0.2 * x ^ 2 + size * (1 - x ^ 2) ^ 8
+  end, "number")
+  local list = { f }
+  for k = 1, 6 do
+    local g = list[k]
+    list[k + 1] = dm.derivative(function(x) return g(x) end, "number")
+  end
+  return function(x)
+    local out = { x }
+    for k = 1, 7 do out[1 + k] = list[k](x) end
+    return out
+  end
+end
+local function simpson(f)
+  local sum, n = 0, 100
+  for i = 0, n do
+    sum = sum + ((i == 0 or i == n) and 1 or i % 2 == 1 and 4 or 2) * f(-1 + 2 * i / n)
+  end
+  return sum * 2 / (3 * n)
+end
+local function functional(size)
+  local jets = jets_of(size)
+  return simpson(function(x)
+    local z = jets(x)
+    local J = plane:invariants(z)
+    local k, ks = J.kappa[1], J.kappa[2]
+    return (k ^ 4 / 4 + ks ^ 2 * k + exp(k)) * math.sqrt(1 + z[3] ^ 2)
+  end)
+end
+local rest, E = jets_of(0), plane:euler_lagrange(wavy)
+local paired = simpson(function(x)
+  return E:value({ kappa = plane:invariants(rest(x)).kappa })[1] * (1 - x ^ 2) ^ 8
+end)
+near((functional(1e-4) - functional(-1e-4)) / 2e-4 / paired, 1, 1e-4, "E(L) is the variation")
+
 -- extremals keep c, and c is the force and moment that mechanics has
 local law = plane:conservation_law(bending)
 local wire = plane:extremal { L = bending, start = { kappa = { 0.5, 1 } }, length = 2, steps = 100 }
