@@ -191,7 +191,7 @@ M.differential_invariants = blame.caller(function(o)
 end)
 
 core.docs[M.differential_invariants] = [[
-dm.differential_invariants{action=, independent=, cross_section=, invariants=, ...} -> dm.calculus
+dm.differential_invariants{action=, independent=, cross_section=, branch=, invariants=} -> calculus
 The differential invariants of a left action on dm.R(n) by the moving frame of a cross-section of
 its jets, in exact formulas. independent: as in action:jet, an entry of the point or a list of them;
 left out: curves with a parameter that the group leaves alone. cross_section(z): of the jet, in the
