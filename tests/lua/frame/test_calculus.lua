@@ -175,6 +175,46 @@ ok(identity(line, function(J) return J.S[1] ^ 2 / 2 end), "Noether's identity of
 near(line:invariants({ tan(0.3), 1 / cos(0.3) ^ 2, 2 * tan(0.3) / cos(0.3) ^ 2,
   (2 + 6 * tan(0.3) ^ 2) / cos(0.3) ^ 2 }).S[1], 2, 1e-12, "the Schwarzian of tan is 2")
 
+-- u = tan x has S = 2, an extremal of S^2/2: c is kept through its jets
+local tangents, kept = { dm.trace(function(x) return dm.sin(x) / dm.cos(x) end, "number") }, {}
+for k = 1, 6 do
+  local g = tangents[k]
+  tangents[k + 1] = dm.derivative(function(x) return g(x) end, "number")
+end
+local schwarz = line:conservation_law(function(J) return J.S[1] ^ 2 / 2 end)
+for i, x in ipairs { 0.1, 1 } do
+  local z = {}
+  for k = 1, 6 do z[k] = tangents[k](x) end
+  kept[i] = schwarz:value(z)
+end
+ok((kept[1] - kept[2]):norm() < 1e-11 and (kept[1] - dm.vector { 0, 4, -4 }):norm() < 1e-11,
+  "what the tangent keeps", tostring(kept[2]))
+
+-- a helix with kappa^2 = 2 tau^2 is a rod, as a graph over x in a tilted frame
+local b, tilt, dX = 0.5, 0.4, nil
+local a = math.sqrt(2) * b
+local helical = { function(t) return cos(tilt) * b * t + sin(tilt) * a * dm.sin(t) end,
+  function(t) return a * dm.cos(t) end,
+  function(t) return -sin(tilt) * b * t + cos(tilt) * a * dm.sin(t) end }
+dX = dm.derivative(helical[1], "number")
+local function by_x(f)
+  local out = { dm.trace(f, "number") }
+  for k = 1, 4 do
+    local g = dm.derivative(function(t) return out[k](t) end, "number")
+    out[k + 1] = dm.trace(function(t) return g(t) / dX(t) end, "number")
+  end
+  return out
+end
+local ys, zs, rods = by_x(helical[2]), by_x(helical[3]), {}
+local rod_law = space:conservation_law(bending)
+for i, t in ipairs { 0.1, 0.4, 0.8 } do
+  local z = { dm.trace(helical[1], "number")(t), ys[1](t), zs[1](t) }
+  for k = 2, 5 do z[#z + 1], z[#z + 2] = ys[k](t), zs[k](t) end
+  rods[i] = rod_law:value(z)
+end
+ok((rods[1] - rods[2]):norm() < 1e-12 and (rods[1] - rods[3]):norm() < 1e-12,
+  "force and moment of a helical rod", tostring(rods[3]))
+
 -- Kogan & Olver 2003, equi-affine curves
 local affine = calculus(dm.semidirect(dm.SL(2), dm.R(2)), 2, 1, { kappa = 6 },
   function(z) return { z[1], z[2], z[3], z[4] - 1, z[5] } end)
