@@ -20,6 +20,10 @@ typedef struct {
 
 enum { DM_SUM_COLUMNS = 96 }; /* at most */
 
+/* What keeps an entry of q from being moved by its momentum: it is fixed, or it has no mass and
+ * follows from its own equation, dL/dq = 0. */
+enum { DM_HELD = 1, DM_MASSLESS = 2 };
+
 /* sum over shifts from .. to, over rounds i: single bodies have the shift 0, neighbours one
  * other, pairs all of 1 .. bodies - 1 */
 typedef struct dm_sum {
@@ -35,10 +39,10 @@ typedef struct dm_sum {
     double box[3]; /* sides, 0: not periodic */
     uint32_t axes, partner;
     int cells; /* over cells of a mesh: it always stays a loop */
-    /* of sums over cells: entries of q that no step moves, kept by the caller; NULL: none */
+    /* of sums over cells: DM_HELD and DM_MASSLESS entries of q, kept by the caller; NULL: none */
     const uint8_t *held; /* [coordinates] */
     uint32_t coordinates;
-    uint32_t sphere; /* of those: q is cut into unit vectors of so many entries; 0: it is not */
+    uint32_t sphere;     /* of those: q is cut into unit vectors of so many entries; 0: it is not */
     uint32_t input;      /* of the graph that stands for the sum */
     uint32_t call;       /* which of all sums that were asked for while it was traced */
     struct dm_sum *next; /* of the graph, newest first */

@@ -173,7 +173,7 @@ static dm_status open_sum(dm_cells *c, const dm_sum *s, share *shares, uint32_t 
 static uint32_t entry_of(const share *s, uint32_t i) {
     const dm_column *c = s->column;
     const size_t body = c->index ? c->index[i] : i, entry = c->first + c->step * body;
-    if (s->held && s->held[entry % s->coordinates]) return UINT32_MAX;
+    if (s->held && s->held[entry % s->coordinates] == DM_HELD) return UINT32_MAX;
     return (uint32_t)entry;
 }
 

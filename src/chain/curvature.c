@@ -40,7 +40,7 @@ static dm_status make_loop(dm_curvature_sum *k, const dm_sum *s, uint32_t n, dm_
 /* the entry of column c in cell i; -1: it is held */
 static int32_t entry(const dm_sum *s, uint32_t c, uint32_t i) {
     const size_t at = dm_sum_entry(s, s->column + c, i, 0);
-    return s->held && s->held[at] ? -1 : (int32_t)at;
+    return s->held && s->held[at] == DM_HELD ? -1 : (int32_t)at;
 }
 
 /* all pairs of entries of a sum, both ways; returns how many */

@@ -183,6 +183,8 @@ static dm_status keep_mass(const builder *b) {
     const dm_sum *cells = dm_sum_over_cells(b->g);
     if (cells) {
         b->m->held = cells->held;
+        for (uint32_t i = 0; cells->held && i < n; i++)
+            b->m->massless += cells->held[i] == DM_MASSLESS;
         b->m->sphere = cells->sphere;
         b->m->mass_matrix = b->mass; /* also where it is singular */
     }

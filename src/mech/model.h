@@ -81,7 +81,8 @@ typedef struct {
     const uint8_t *cyclic;        /* [n]: 1 where L does not depend on q_i */
     struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */
     uint32_t sphere; /* q is cut into unit vectors of so many entries (DM_CELLS); 0: it is not */
-    const uint8_t *held;          /* [n]: 1 where no step moves q_i (DM_CELLS); NULL: nowhere */
+    const uint8_t *held;          /* [n]: DM_HELD, DM_MASSLESS or 0 (DM_CELLS); NULL: nowhere */
+    uint32_t massless;            /* entries that are DM_MASSLESS */
     uint32_t operations;          /* of L itself */
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;

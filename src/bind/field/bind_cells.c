@@ -71,14 +71,14 @@ static int entries(lua_State *L) {
     return 1;
 }
 
-/* core.marks(vector): one byte an entry, 1 where it is not 0 */
+/* core.marks(vector): one byte an entry */
 static int marks_new(lua_State *L) {
     const long n = dml_length(L, 1);
     luaL_argcheck(L, n >= 0, 1, "a vector expected");
     uint8_t *mark = lua_newuserdatauv(L, (size_t)n + 1, 0);
     const dml_array *a = dml_toarray(L, 1, 1);
     luaL_argcheck(L, a && dml_kindof(a).kind == DML_NUMBER, 1, "a vector of numbers expected");
-    for (long i = 0; i < n; i++) mark[i] = dml_get(a, (uint32_t)i).as.number != 0.0;
+    for (long i = 0; i < n; i++) mark[i] = (uint8_t)dml_get(a, (uint32_t)i).as.number;
     return 1;
 }
 
@@ -338,7 +338,9 @@ static const dml_row functions[] = {
     {"is_symbol", is_symbol,
      "core.is_symbol(x) -> boolean\nIs x a scalar of a trace, or a hyper-dual number?"},
     {"entries", entries, "core.entries(matrix) -> dm.vector\nIts entries, row by row."},
-    {"marks", marks_new, "core.marks(vector) -> userdata\nA byte an entry: 1 where it is not 0."},
+    {"marks", marks_new,
+     "core.marks(vector) -> userdata\nA byte an entry: 1 for one that is held, 2 for one without "
+     "mass."},
     {"cell_sum", cell_sum,
      "core.cell_sum(cells, n, f, held, q, v, sphere) -> number\n"
      "The sum of f(column) over cells; column(source, first, step, table) is an entry of q (source "

@@ -3,6 +3,7 @@
 #include "integ/split/cells_split.h"
 
 #include "chain/cells.h"
+#include "chain/curvature.h"
 #include "chain/loops.h"
 #include "chain/team.h"
 #include "numbers/compensated.h"
@@ -10,7 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 64 }; /* entries at once: forces, then kicks and drifts */
+/* entries at once: forces, then kicks and drifts; passes of Newton's method */
+enum { BLOCK = 64, ELIMINATIONS = 20 };
 
 struct dm_cells_split {
     const dm_model *m;
@@ -166,6 +168,30 @@ static void entries(const dm_cells_split *s, const move *v, int fresh, uint32_t 
 
 /* ---- steps ---- */
 
+/* Values without mass, no two of which meet in a cell: Newton's method for each, dL/dq_i = 0, and
+ * slopes anew. One thread does it all, with the bits of one. */
+static void eliminate(dm_cells_split *s) {
+    const dm_model *m = s->m;
+    const dm_sparse *A = &m->curvature->A;
+    for (int pass = 0; pass < ELIMINATIONS; pass++) {
+        double step = 0.0, size = 0.0;
+        dm_curvature_at(m->curvature, s->factor, s->x);
+        for (uint32_t i = 0; i < m->n; i++) {
+            if (m->held[i] != DM_MASSLESS) continue;
+            double own = 0.0;
+            for (int32_t k = A->start[i]; k < A->start[i + 1]; k++)
+                if (A->row[k] == (int32_t)i) own = A->value[k];
+            const double change = -dm_cells_entry(s->cells, s->slope, i) / own;
+            s->x[i] += change;
+            step = fmax(step, fabs(change));
+            size = fmax(size, fabs(s->x[i]));
+            if (change != change) step = size = NAN;
+        }
+        dm_cells_slopes(s->cells, s->slope, s->factor, s->x, s->scratch, 0, 1);
+        if (!(step > 4e-16 * size)) return;
+    }
+}
+
 /* all slopes at the time t; everybody has moved his entries before */
 static void slopes(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
     dm_team_meet(s->team);
@@ -177,6 +203,19 @@ static void slopes(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
     dm_cells_slopes(s->cells, s->slope, s->factor, s->x, s->scratch + part * s->cells->work, part,
                     parts);
     dm_team_meet(s->team);
+    if (!s->m->massless) return;
+    if (part == 0) eliminate(s);
+    dm_team_meet(s->team);
+}
+
+void dm_cells_split_settle(dm_cells_split *s, double *q, double t) {
+    dm_team *team = s->team;
+    if (!s->m->massless) return;
+    s->team = NULL;
+    memcpy(s->x, q, s->m->n * sizeof *q);
+    slopes(s, t, 0, 1);
+    memcpy(q, s->x, s->m->n * sizeof *q);
+    s->team = team;
 }
 
 /* dm_team_work: all steps of the burst */

@@ -19,6 +19,9 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
 /* `count` steps of h from time t, in place; gives the number of forces. */
 long dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count);
 
+/* Values without mass in q[n] as their own equation has them at time t. */
+void dm_cells_split_settle(dm_cells_split *s, double *q, double t);
+
 void dm_cells_split_close(dm_cells_split *s);
 
 #endif

@@ -51,8 +51,8 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
 
 /* A force; velocities come from the constant mass. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    (void)rule, (void)m;
-    return DM_WANT_FORCE;
+    (void)rule;
+    return DM_WANT_FORCE | (m->massless ? DM_WANT_CURVATURE : 0u);
 }
 
 /* Either kind of loop behind what plain C needs. */
@@ -225,6 +225,14 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return advance(s, state, t, h, 1, &done);
 }
 
+/* Values without mass are what the others make of them. */
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    const layout *l = (const layout *)(const void *)s->work;
+    (void)h;
+    if (l->cells) dm_cells_split_settle(l->cells, state, t);
+    return DM_OK;
+}
+
 /* Threads end. */
 static void close(dm_stepper *s) {
     layout *l = (layout *)(void *)s->work;
@@ -237,6 +245,7 @@ const dm_engine dm_engine_splitting = {
     .wants = wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
     .advance = advance,
     .widen = widen,

@@ -116,6 +116,21 @@ near(J[1], J[2], 1e-12, "rotations of the target keep their momentum")
 local back = maps:solver { rule = "rattle", h = 0.02 }:run { q = path.q[501], p = -path.p[501], steps = 500, every = 500 }
 ok((back.q[2] - path.q[1]):norm() < 1e-11, "rattle is reversible", (back.q[2] - path.q[1]):norm())
 
+-- right triangles: diagonals have no mass; eliminated, they leave Yee's scheme on squares
+local M = 5
+local squares = dm.mesh { grid = M }
+local yee = squares:field { form = 1, fixed = "boundary", massless = "eliminate", L = wave }
+local function square(a) return 4 * M ^ 2 * sin(pi * a / (2 * M)) ^ 2 end
+local found, expected = yee:modes(5, { above = 1 }).values, { square(1), square(1), 2 * square(1), square(2), square(2) }
+for i = 1, 5 do near(found[i], expected[i], 1e-10, "eigenvalue " .. i .. " of Yee's scheme") end
+local tm = squares:form(1, function(x, y) return { sin(pi * y), 0 } end)
+for threads = 1, 2 do
+  path = yee:solver { rule = "verlet", h = 0.05, threads = threads }:run { q = tm, v = 0 * tm, steps = 200 }
+  local slow, worst = 2 / 0.05 * math.asin(0.05 * sqrt(square(1)) / 2), 0
+  for i = 1, #path.q[1] do worst = math.max(worst, math.abs(path.q[201][i] - cos(slow * 10) * path.q[1][i])) end
+  ok(worst < 1e-12, "and a mode of it, diagonals too", worst)
+end
+
 -- a member of an ensemble has the bits of a run; a checkpoint goes on
 local cloud = map:solver { rule = "verlet", h = 0.01 }:ensemble { members = 2, steps = 20, q = function() return function(x, y) return { x + 0.1 * y, y } end end,
   v = function() return function(x) return { 0, x } end end }
@@ -133,6 +148,9 @@ raises("larger cell", function() cavity:field { form = 1, L = function(V, W) ret
 raises("negative", function()
   dm.mesh { points = { { 0, 0 }, { 4, 0 }, { 1, 1 } }, simplices = { { 1, 2, 3 } } }:field { form = 1, L = wave } end)
 raises("zero dual", function() dm.mesh { grid = 4 }:field { form = 1, L = wave } end)
+raises("meet in cell", function() dm.mesh { cube_tiling = 2 }:field { form = 2, massless = "eliminate", L = wave } end)
+raises("take verlet", function() yee:solver { rule = "midpoint", h = 0.1 }:run { q = tm, v = 0 * tm, steps = 1 } end)
+raises("not known yet", function() cavity:field { L = wave, absorbing = "boundary" } end)
 raises("sum of m v^2 / 2", function() cavity:field { L = function(u, w) return cavity:sum(1, function(a) return a[1] * a[2] end, w) end } end)
 raises("no kinetic energy", function() cavity:field { L = function(u, w) return cavity:sum(0, function(a, cell) return 0 * a end, w) - u:dot(u) end } end)
 raises("must return a number", function() cavity:field { L = function(u) return u end } end)

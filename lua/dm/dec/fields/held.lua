@@ -1,4 +1,5 @@
 --- Cells of a field that are fixed: "boundary", a list of numbers, a function of the position.
+local cell_of = require "dm.dec.fields.cell"
 local core = require "dm.core"
 local option = require "dm.base.options"
 
@@ -65,6 +66,46 @@ function M.read(f, fixed)
     end
   end
   return entries, marks
+end
+
+--- Marks the values on free cells whose star is 0 as massless (2); no two of them may meet in a
+-- top cell. Returns a list of their numbers.
+function M.massless(f, stars)
+  local list, met = {}, {}
+  for i = 1, f.cells do
+    if stars[i] == 0 then
+      for c = 1, f.values do
+        local at = (i - 1) * f.values + c
+        if not f.held[at] then
+          list[#list + 1], f.fixed[at] = at, 2
+          met[i] = true
+        end
+      end
+    end
+  end
+  if f.values > 1 and #list > 0 then
+    option.fail(WHERE, "massless = \"eliminate\" is for one value a cell")
+  end
+  local all = core.cell_faces
+  for _, set in ipairs(cell_of.faces_of(f.mesh.dimension, f.degree + 1)) do
+    M.met(f, met, all(f.mesh, f.mesh.dimension, set))
+  end
+  f.meeting = nil
+  return list
+end
+
+-- counts massless faces of top cells
+function M.met(f, met, faces)
+  f.meeting = f.meeting or {}
+  for i = 1, f.mesh:count(f.mesh.dimension) do
+    if met[faces[i]] then
+      f.meeting[i] = (f.meeting[i] or 0) + 1
+      if f.meeting[i] > 1 then
+        option.fail(WHERE, "two cells without kinetic energy meet in cell %d of degree %d: they "
+          .. "cannot be eliminated one by one", i, f.mesh.dimension)
+      end
+    end
+  end
 end
 
 return M

@@ -63,7 +63,7 @@ local function check_mass(f, masses)
   local zeros, negatives, zero, negative = 0, 0, nil, nil
   for i = 1, f.n do
     local m = masses[i]
-    if not f.held[i] and m == 0 then zeros, zero = zeros + 1, zero or i end
+    if not f.held[i] and m == 0 and f.fixed[i] == 0 then zeros, zero = zeros + 1, zero or i end
     if not f.held[i] and m < 0 then negatives, negative = negatives + 1, negative or i end
   end
   local function cell(i)
@@ -116,7 +116,7 @@ end
 
 class.method("dm.mesh", "field", function(K, options)
   option.check(options, KNOWN, WHERE)
-  for _, key in ipairs { "absorbing", "massless", "force" } do
+  for _, key in ipairs { "absorbing", "force" } do
     if options[key] ~= nil then fail("option '%s' is not known yet", key) end
   end
   local k = degree_of(K, options)
@@ -127,6 +127,9 @@ class.method("dm.mesh", "field", function(K, options)
   local f = { mesh = K, degree = k, values = values, sphere = sphere, data = options.data,
     cells = K:count(k), n = values * K:count(k), on = options.on }
   f.held, f.fixed = held.read(f, options.fixed)
+  if option.one_of(options, "massless", WHERE, { "eliminate" }) then
+    f.massless = held.massless(f, mass.of(K, k).values)
+  end
   f.marks = core.marks(f.fixed)
   f.start = function(x, key) return start.read(f, x, key) end
   f.column = function(path, name) return paths.column(f, path, name) end
@@ -148,7 +151,8 @@ the form A and its rate V, sums over cells: A:dot(B), A:d(), A:wedge(B), A:map(f
 The kinetic energy is V:dot(V) / 2 or any sum of m v^2 / 2. values: numbers a cell (default 1); on =
 dm.S(m): unit vectors of m + 1 numbers, by rule = "rattle". fixed: cells that stay where they start,
 "boundary", a list of their numbers or a function of the position of their centre that is true
-there; other boundaries are natural (free). data = { name = form }: numbers by name in the cells of
+there; other boundaries are natural (free). massless = "eliminate": values on cells whose star is 0
+follow from their own equation. data = { name = form }: numbers by name in the cells of
 K:sum. A field is a system: it has solvers, charts, ensembles and checkpoints; q, v and p of a start
 are forms, functions of the position or lists; path:form(i) is row i as a form, path.q[i] its
 values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the largest change of d^T p at

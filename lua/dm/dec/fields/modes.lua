@@ -13,6 +13,16 @@ local function field_of(system, where)
   return f
 end
 
+-- S once values without mass, whose block is a diagonal, follow from their own equation
+local function without(f, S, keep)
+  local marks = core.constant(f.n, 0)
+  for _, i in ipairs(f.massless) do marks[i] = 1 end
+  local own = S:pick(marks, marks):diagonal():map(function(x) return 1 / x end)
+  local all = core.constant(f.n, 1)
+  local beside = S:pick(marks, all)
+  return S - beside:transpose() * beside:scale(own)
+end
+
 -- S and M as an operator of the values
 local function pencil(system, f, q)
   q = q and core.vector(f.start(q, "q")) or core.constant(f.n, 0)
@@ -22,8 +32,9 @@ local function pencil(system, f, q)
   local kind = operator.primal(f.degree)
   local keep = core.constant(f.n, 1)
   for i = 1, f.n do if f.held[i] or f.masses[i] == 0 then keep[i] = 0 end end
-  return operator.new(f.mesh, kind, kind, { weights = f.masses, keep = keep,
-    stiffness = -1 * core.field_hessian(system, q) })
+  local S = -1 * core.field_hessian(system, q)
+  if f.massless and #f.massless > 0 then S = without(f, S, keep) end
+  return operator.new(f.mesh, kind, kind, { weights = f.masses, keep = keep, stiffness = S })
 end
 
 -- the values of one eigenvector as a form, or as one for every value of a cell
