@@ -5449,6 +5449,14 @@ function dm.euler_poincare(options) end
 ---@return table
 function dm.exact(f, g, options) end
 
+---dm.example(name) -> string or nil
+---
+---What is typed at a prompt and answered for a function, a method or a class by its name in help:
+---dm.example "path.drift"; nil where there is no example yet.
+---@param name? any
+---@return string|nil
+function dm.example(name) end
+
 ---math.exp(x) -> number
 ---
 ---The exponential.

@@ -20,6 +20,7 @@ local rows = {
   diffeo = "dm.dec.dynamics.diffeo",
   differential_invariants = "dm.frame.calculus",
   embeddable = "dm.dec.parts",
+  example = "dm.session.example",
   exact = "dm.dec.homology.exact",
   euler_poincare = "dm.reduce.euler_poincare",
   figure = "dm.show.plot",
