@@ -1,4 +1,5 @@
 --- dm.time: how long a call takes.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -57,14 +58,14 @@ with the spread, the largest batch over the best.]]
 
 local BATCH = 0.02 -- s
 
-function M.bench(f, k)
+M.bench = blame.caller(function(f, k)
   k = k == nil and 10 or math.tointeger(k)
   if type(f) ~= "function" then
     error(("dm.bench: a function is needed (got %s); write dm.bench(function() ... end)")
-      :format(type(f)), 2)
+      :format(type(f)), 0)
   end
   if not k or k < 2 or k > 10000 then
-    error("dm.bench: the number of batches must be a whole number from 2 to 10000", 2)
+    error("dm.bench: the number of batches must be a whole number from 2 to 10000", 0)
   end
   local calls, once = 1, batch(f, 1)
   while once < BATCH / 2 do
@@ -84,7 +85,7 @@ function M.bench(f, k)
   best, worst = math.max(best - loop, 0) / calls, math.max(worst - loop, 0) / calls
   return best, ("%s per call, best of %d x %d, spread %.0f %%"):format(text(best), k, calls,
     best > 0 and 100 * (worst / best - 1) or 0)
-end
+end)
 
 core.docs[M.bench] = doc_bench
 
