@@ -24,16 +24,18 @@ local function strip_of(field, action, values, held, absorbs)
     moving = values > field.values and values or 0, width = field.dx })
 end
 
---- The strip that a run steps; held: marks of the nodes whose place is held, where nodes move.
+--- The strip that a run steps, and the action that it is made of; held: marks of the nodes whose
+-- place is held, where nodes move.
 function M.strip(solver, held)
   local field, n = solver.field, solver.field.values
   local forces = { field.absorbing.left or 0, field.absorbing.right or 0 }
   if not solver.moves then
     local action = rules.action(field.L, solver.points, n, field.dx)
-    return strip_of(field, action, n, field.held, forces)
+    return strip_of(field, action, n, field.held, forces), action
   end
-  return strip_of(field, moving.action(field.L, solver.points, n, field.dx), n + 1,
-    moving.joined(field.held, held, field.nodes, n), forces)
+  local action = moving.action(field.L, solver.points, n, field.dx)
+  return strip_of(field, action, n + 1, moving.joined(field.held, held, field.nodes, n), forces),
+    action
 end
 
 -- momenta of the first level: slopes by ut of the integral of L
@@ -81,7 +83,7 @@ function M.new(field, options)
   if solver.stretches and (field.absorbing.left or field.absorbing.right) then
     option.fail(where, "free = \"t\" keeps the energy, which absorbing ends take away")
   end
-  if not solver.moves then solver.strip = M.strip(solver) end
+  if not solver.moves then solver.strip, solver.action = M.strip(solver) end
   return setmetatable(solver, Solver)
 end
 
@@ -130,15 +132,39 @@ local function first_level(solver, options, t0)
   local field, h = solver.field, solver.h
   local u, ut, p = start_of(field, options)
   if not solver.moves then
-    return { strip = solver.strip, u = u, p = p or momenta(solver, u, ut, t0), guess = u + h * ut }
+    return { strip = solver.strip, action = solver.action, u = u,
+      p = p or momenta(solver, u, ut, t0), guess = u + h * ut }
   end
   if p then option.fail("solver:run", "with free = \"x\" a run starts from 'ut'") end
   local n = field.values
   local frozen = moving.affine(field.grid, u, n)
   local from = moving.joined(u, nil, field.nodes, n)
   local speed = moving.joined(ut, nil, field.nodes, n)
-  return { strip = M.strip(solver, frozen), u = from, p = momenta(solver, from, speed, t0),
+  local strip, action = M.strip(solver, frozen)
+  return { strip = strip, action = action, u = from, p = momenta(solver, from, speed, t0),
     guess = from + h * speed, frozen = frozen }
+end
+
+-- Raises where L, called with the numbers of the start, is not what was traced: in the first cell,
+-- one in the middle and the last.
+local function check_trace(solver, level, t0)
+  local field, size = solver.field, #level.u // solver.field.nodes
+  local upper, h = level.guess, solver.h
+  local traced = level.strip:cells(level.u, upper, t0, h, "value")
+  for _, c in ipairs { 1, (field.cells + 1) // 2, field.cells } do
+    local right = c == field.nodes and 1 or c + 1
+    local function corners(x)
+      return lists.joined(lists.part(x, (c - 1) * size, size),
+        lists.part(x, (right - 1) * size, size))
+    end
+    local place = core.vector { field.from + (c - 1) * field.dx }
+    local plain = level.action(corners(level.u), corners(upper), place, core.vector { t0, h })
+    if math.abs(plain - traced[c][1]) > 1e-8 * (math.abs(plain) + field.dx * h) then
+      option.fail("solver:run", "L of the start in cell %d gives %.9g, but what was traced %.9g: "
+        .. "a trace does not see == and truth tests (dm.where), nor globals that change", c, plain,
+        traced[c][1])
+    end
+  end
 end
 
 -- a run of 0 steps takes one, to know the energy
@@ -154,6 +180,7 @@ core.method("dm.line_solver", "run", blame.caller(function(solver, options)
   local plan = { t0 = t0, steps = steps, until_t = until_t,
     every = option.whole(options, "every", "solver:run", 1, 1 << 53, 1) }
   local level = first_level(solver, options, t0)
+  check_trace(solver, level, t0)
   local started = os.clock()
   local outcome = go(solver, level, plan)
   local run = runs.new(solver, level, plan, outcome, os.clock() - started)

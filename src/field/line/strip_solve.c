@@ -14,6 +14,7 @@ static const double LEFT = 2e-14;       /* of the terms of the residual: so may 
 static const double LARGEST = 1e13;     /* a column over its pivot: it has none but round-off */
 static const double SMALL = 1e-3;       /* of the largest value: the least scale of another */
 static const double STRETCH = 1.5;      /* of the height, in one iteration at most */
+static const double EXACT = 1e-15;      /* of the energy: a height that gives it so serves */
 static const double NOISE = 1e-9;       /* an increment of the height that small may be noise */
 
 /* ---- residual and matrix ---- */
@@ -294,7 +295,7 @@ static dm_status solve_height(dm_strip_room *room, double *height, double target
     for (int k = 0; k < MOST; k++) {
         dm_status status = solve_level(room, report);
         if (status == DM_OK) status = evaluate_height(room, target, &f);
-        if (status != DM_OK) return status;
+        if (status != DM_OK || fabs(f.F) <= EXACT * fabs(target)) return status;
         const double dh = next_increment(&f, *height), step = fabs(dh) / *height;
         if (!isfinite(dh)) return DM_NOT_FINITE;
         if (step <= ROUND_OFF || (step <= NOISE && step > 0.5 * last)) return DM_OK;

@@ -84,6 +84,26 @@ end
 near(math.log(errors[1] / errors[2]) / math.log(2), 2, 0.15, "Schroedinger's soliton at order 2")
 raises("component 'b' is needed", function() nls(21):solver { h = 0.1 }:run { z = { a = cos }, steps = 1 } end)
 
+---- Zakharov: i E_t + E_xx = n E, n_tt - n_xx = (|E|^2)_xx, E = a + i b, phi_t = n + |E|^2, phi_x = u ----
+
+local function square()
+  local m = {}
+  for i = 1, 7 do m[i] = { 0, 0, 0, 0, 0, 0, 0 } end
+  return m
+end
+local M, K = square(), square()
+M[1][2], M[2][1], M[5][6], M[6][5] = -1, 1, 0.5, -0.5
+K[1][3], K[3][1], K[2][4], K[4][2], K[6][7], K[7][6] = 1, -1, 1, -1, 0.5, -0.5
+local function sech(x) return 1 / dm.cosh(x) end
+for n = 1, 2 do -- at rest: n = -|E|^2, E = sqrt(2) sech(x) exp(i t)
+  local path = dm.multisymplectic { M = M, K = K, names = { "a", "b", "v", "w", "n", "phi", "u" }, gain = { "phi" }, x = { -15, 15, 100 * n + 1, periodic = true },
+    S = function(z) return z[5] * (z[1] ^ 2 + z[2] ^ 2) / 2 - (z[3] ^ 2 + z[4] ^ 2) / 2 + z[5] ^ 2 / 4 - z[7] ^ 2 / 4 end }:solver { h = 0.05 / n }
+    :run { z = { a = function(x) return math.sqrt(2) * sech(x) end, b = 0, n = function(x) return -2 * sech(x) ^ 2 end, phi = 0 }, t = 1 }
+  errors[n] = worst(path, "a", function(x) return math.sqrt(2) * sech(x) * cos(1) end)
+  below(path:balance "multisymplectic", 1e-11, "Zakharov: multisymplectic")
+end
+near(math.log(errors[1] / errors[2]) / math.log(2), 2, 0.1, "Zakharov's soliton at order 2")
+
 ---- refusals ----
 
 raises("even", function() klein_gordon(32):solver { h = 0.1 } end)
