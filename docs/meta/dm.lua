@@ -1341,6 +1341,15 @@ local dm_failure_class = {}
 ---@class dm.flow
 local dm_flow_class = {}
 
+---run:animate(file, {of = "w" | "psi", title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser shows the rows one after the other on the surface, which can
+---be turned, without a network; seconds: how long all of them take (10).
+---@param file? string
+---@param options? table
+---@return string
+function dm_flow_class:animate(file, options) end
+
 ---run:column(name) -> dm.vector
 ---
 ---"t", "energy", "enstrophy" or "circulation" of every row.
@@ -1371,6 +1380,16 @@ function dm_flow_class:form(i) end
 ---@return string
 function dm_flow_class:npy(file) end
 
+---run:plot("w" | "psi" | column, {row=, file=, title=, azimuth=, height=, label=}) -> file name
+---
+---or nothing
+---The vorticity (or the stream function) of a row, the last by default, as form:plot draws it; or a
+---column, such as "energy", over t. In the terminal, or with file = to a .png, .svg or .pdf.
+---@param w? any
+---@param options? table
+---@return string
+function dm_flow_class:plot(w, options) end
+
 ---run:stream(i) -> dm.form
 ---
 ---The stream function of row i, div grad psi = w: 0 on boundaries, or at one vertex. d psi turned by
@@ -1378,6 +1397,14 @@ function dm_flow_class:npy(file) end
 ---@param i? any
 ---@return dm.form
 function dm_flow_class:stream(i) end
+
+---run:vtk(file) -> list of file names
+---
+---file_00001.vtk, ... for every row, with w and psi at the vertices, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_flow_class:vtk(file) end
 
 ---dm.form: a number for every cell of a degree of a mesh, made by K:form(k, ...)
 ---fields: mesh, degree, side ("primal", "dual"), values (a dm.vector); a[i], #a, + - * / with
@@ -1882,7 +1909,8 @@ function dm_journal_file_class:truncate(size) end
 
 ---dm.lagrange_poincare: a discrete Lagrangian reduced by a group, made by dm.lagrange_poincare{group=,
 ---base=, h=, l=} or system:reduce{group=, rule=, h=}
----fields: group, base, h, connection, system (on Q = base x group) and rule (a dm.step), for whatever
+---fields: group, base, h, connection, system (on Q = base x group, its L without g) and rule (of a
+---formula a dm.step), for whatever
 ---takes these: charts, events, checkpoints of the unreduced motion.
 ---@class dm.lagrange_poincare
 local dm_lagrange_poincare_class = {}
@@ -2497,7 +2525,8 @@ function dm_mesh_class:faces(k, i) end
 ---The kinetic energy is V:dot(V) / 2 or any sum of m v^2 / 2. values: numbers a cell (default 1); on =
 ---dm.S(m): unit vectors of m + 1 numbers, by rule = "rattle". fixed: cells that stay where they start,
 ---"boundary", a list of their numbers or a function of the position of their centre that is true
----there; other boundaries are natural (free). data = { name = form }: numbers by name in the cells of
+---there; other boundaries are natural (free). massless = "eliminate": values on cells whose star is 0
+---follow from their own equation. data = { name = form }: numbers by name in the cells of
 ---K:sum. A field is a system: it has solvers, charts, ensembles and checkpoints; q, v and p of a start
 ---are forms, functions of the position or lists; path:form(i) is row i as a form, path.q[i] its
 ---values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the largest change of d^T p at
@@ -2757,7 +2786,8 @@ function dm_mesh_class:quality() end
 ---
 ---The mesh as .off or .obj (surfaces and lines, read back with the same bits) or .vtk (dimension 1 to
 ---3) with forms = {name = form}: those of degree 0 at the points, those of the highest degree as
----densities. Cells are written in their coherent orientation.
+---densities, others of degree 1 as vectors in the cells. Cells are written in their coherent
+---orientation.
 ---@param file? string
 ---@param options? table
 ---@return string
@@ -3088,6 +3118,8 @@ local dm_path_class = {}
 ---A file .mp4 or .gif is a film, drawn by gnuplot and joined by ffmpeg: fps = 25 frames a second for
 ---seconds = 10, size = {640, 480} pixels; each frame is the recorded row that is nearest to its
 ---time.
+---Of a field on a mesh: options {of = "q" | "p", title=, seconds=}; the mesh is coloured row by row,
+---and where its values are points of its own space (an elastic body) it moves.
 ---@param file? string
 ---@param options? table
 ---@return string
@@ -3188,6 +3220,7 @@ function dm_path_class:noether(options) end
 ---
 ---The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of
 ---the numbers are kept. Raises when the file cannot be written.
+---Of a field on a mesh: fields t, q, p, where a row of q is an array of all values.
 ---@param file? string
 ---@return string
 function dm_path_class:npy(file) end
@@ -3212,6 +3245,8 @@ function dm_path_class:phases() end
 ---arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
 ---in the terminal, with it to a .png, .svg or .pdf.
 ---Two positions of one unit get equal axes unless equal = false.
+---Of a field on a mesh: path:plot("q" | "p", {row=, file=, title=, azimuth=, height=}) draws a row,
+---the last by default, as form:plot does; columns such as "energy" as above.
 ---@param x? any
 ---@param y? any
 ---@param options? table
@@ -3247,6 +3282,15 @@ function dm_path_class:series(x, y, name) end
 ---@return any
 ---@return any|dm.vector
 function dm_path_class:velocity(row) end
+
+---path:vtk(file) -> list of file names
+---
+---Of a field on a mesh: file_00001.vtk, ... for every row with q and p (q1, q2, ... of several
+---values), forms of degree 1 as vectors in the cells, and as the last one file.vtk.series, which
+---gives ParaView their times.
+---@param file? string
+---@return table
+function dm_path_class:vtk(file) end
 
 ---path:worst("constraint" | "rolling") -> number
 ---
@@ -3443,8 +3487,8 @@ function dm_schroedinger_class:current(psi) end
 ---wave:eigen(k) -> {values, psi}
 ---
 ---The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
----norm 1: by dense rotations up to 1200 points. Beyond it raises: take fewer points, an energy is good
----to round-off on as many as its state needs.
+---norm 1: by dense rotations up to 1200 points, beyond it, up to 4096, by Lanczos iterations, which
+---need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given.
 ---@param k? any
 ---@return table
 function dm_schroedinger_class:eigen(k) end
@@ -4859,6 +4903,14 @@ function dm_wave_equation_class:eigen(k) end
 ---@return any
 function dm_wave_equation_class:energies() end
 
+---w:lanczos(k) -> values, list of dm.vector
+---
+---As w:eigen(k), for up to 4096 unknowns, by the library behind dm/sparse.so; raises without it.
+---@param k? any
+---@return any
+---@return table
+function dm_wave_equation_class:lanczos(k) end
+
 ---w:matrix() -> dm.matrix
 ---
 ---H of the amplitudes sqrt(weight) psi, real symmetric, without g.
@@ -5377,7 +5429,7 @@ function dm.derivative(f, n, ...) end
 ---@return dm.diffeo
 function dm.diffeo(K1, K2) end
 
----dm.differential_invariants{action=, independent=, cross_section=, invariants=, ...} -> dm.calculus
+---dm.differential_invariants{action=, independent=, cross_section=, branch=, invariants=} -> calculus
 ---
 ---The differential invariants of a left action on dm.R(n) by the moving frame of a cross-section of
 ---its jets, in exact formulas. independent: as in action:jet, an entry of the point or a list of them;
@@ -5390,7 +5442,7 @@ function dm.diffeo(K1, K2) end
 ---euler_lagrange, conservation_law, extremal, invariants. Raises where the section is not transversal
 ---(the isotropy of the jets), cannot be solved, or an invariant that is needed has no name.
 ---@param options? table
----@return dm.calculus
+---@return any
 function dm.differential_invariants(options) end
 
 ---dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, h=})
@@ -5997,7 +6049,7 @@ function dm.scene(options) end
 ---dm.schroedinger{x = {from, to, N}, V=, hbar=, m=, g=, space=, boundary=} -> dm.schroedinger
 ---
 ---The equation i hbar psi_t = -hbar^2/2m psi_xx + (V + g |psi|^2) psi in one dimension. On a ring
----(boundary = "ring", unless given) of the even number N of points from + (j - 1) (to - from)/N;
+---(boundary = "periodic", unless given) of the even number N of points from + (j - 1) (to - from)/N;
 ---boundary = "walls": psi = 0 at both ends, N Chebyshev points with the ends among them. V: a function
 ---of x, a number (0) or a list of N values; hbar = m = 1 and g = 0 unless given. space =
 ---"collocation", or "galerkin" on a ring: Leok's trigonometric polynomials with exact integrals of the
