@@ -86,21 +86,24 @@ local function gragg(f, y, m)
   return 0.5 * (now + before + h * f(now))
 end
 
-local STEPS = { 2, 4, 6, 8, 10 }
+-- numbers of steps, for an order of twice as many; of large groups less, as the graph would be
+-- too large
+local STEPS, FEWER, LARGE = { 2, 4, 6, 8, 10 }, { 2, 4, 6 }, 7
 
--- what the results of these steps are weighted by: sum over m of c_m T(1/m^2) is T(0) to order 10
-local WEIGHTS = {}
-for k, m in ipairs(STEPS) do
-  WEIGHTS[k] = 1
-  for j, other in ipairs(STEPS) do
-    if j ~= k then WEIGHTS[k] = WEIGHTS[k] * m ^ 2 / (m ^ 2 - other ^ 2) end
+-- what the result of m steps is weighted by: the sum over m of c_m T(1/m^2) is T(0) to that order
+local function weight(steps, m)
+  local c = 1
+  for _, other in ipairs(steps) do
+    if other ~= m then c = c * m ^ 2 / (m ^ 2 - other ^ 2) end
   end
+  return c
 end
 
 -- y(1), extrapolated to steps of 0 (Gragg, Bulirsch and Stoer)
-local function flow(f, y)
-  local sum = WEIGHTS[1] * gragg(f, y, STEPS[1])
-  for k = 2, #STEPS do sum = sum + WEIGHTS[k] * gragg(f, y, STEPS[k]) end
+local function flow(f, y, size)
+  local steps = size > LARGE and FEWER or STEPS
+  local sum = weight(steps, steps[1]) * gragg(f, y, steps[1])
+  for k = 2, #steps do sum = sum + weight(steps, steps[k]) * gragg(f, y, steps[k]) end
   return sum
 end
 
@@ -108,7 +111,7 @@ end
 
 -- x(1), theta(1) and phi(1) of the geodesic that begins at x with the velocity w
 local function shoot(B, metric, f, x, w)
-  local y = flow(f, joined(x, metric(x) * w, lists.zeros(2 * B.d)))
+  local y = flow(f, joined(x, metric(x) * w, lists.zeros(2 * B.d)), B.n + B.d)
   return lists.part(y, 0, B.n), lists.part(y, 2 * B.n + B.d, B.d),
     lists.part(y, 2 * (B.n + B.d), B.d)
 end

@@ -107,6 +107,17 @@ for _, form in ipairs { false, form_of(SO3) } do
   ok(A:check().worst < 1e-12, "geodesic, completed, " .. name, A:check().worst)
   ok(raw:check().equivariance < 1e-12, "geodesic, equivariant, " .. name)
 end
+-- a large group: the graph of the shooting has room
+local function large(x)
+  local rows = {}
+  for i = 1, 8 do
+    rows[i] = {}
+    for j = 1, 8 do rows[i][j] = i == j and 2 + 0.1 * i or 0.1 / (i + j) * (1 + x[1]) end
+  end
+  return dm.matrix(rows)
+end
+ok(dm.connection { group = dm.SE(3), base = dm.R(2), by = "geodesic", metric = large }:check().worst
+  < 1e-12, "geodesic, SE(3) over two dimensions")
 -- of its own mechanical form it is A_E up to order 1 only [E7]
 local mechanical = geodesic(false)
 local flat = dm.connection { group = SO3, base = dm.R(2), form = function(x)
