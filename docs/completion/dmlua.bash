@@ -4,7 +4,7 @@ _dmlua() {
     [[ $COMP_CWORD -gt 1 ]] && first=${COMP_WORDS[COMP_CWORD-2]}
     compopt +o nospace 2>/dev/null
     if [[ $before == --demo || $first$before == --demo= ]]; then
-        COMPREPLY=($(compgen -W "lagrangian noether symplectic order chart curve constraint rolling stiff scales sem chaos ensemble chain drift routh frame elastica stability wrong scene top polhode holonomy forms holes sweep waves fields flow" -- "${word#=}"))
+        COMPREPLY=($(compgen -W "lagrangian noether symplectic order chart curve constraint rolling stiff scales sem chaos ensemble chain drift routh frame elastica stability wrong scene top polhode holonomy forms holes sweep waves fields" -- "${word#=}"))
     elif [[ $before == --color || $before == = ]]; then
         COMPREPLY=($(compgen -W "auto always never" -- "${word#=}"))
     elif [[ $before == -e || $before == -l ]]; then

@@ -2,4 +2,4 @@
 return { "lagrangian", "noether", "symplectic", "order", "chart", "curve", "constraint", "rolling",
   "stiff", "scales", "sem", "chaos", "ensemble", "chain", "drift", "routh", "frame", "elastica",
   "stability", "wrong", "scene", "top", "polhode", "holonomy", "forms", "holes", "sweep", "waves",
-  "fields", "flow" }
+  "fields" }
