@@ -31,7 +31,7 @@ floors.lua = {
   "dec/dynamics", "line", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "trial", "stability",
   "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run", "reduce/lagrange_poincare",
-  "reduce", "scene", "demos", "session/transcripts", "session", "notebook",
+  "reduce", "scene", "demos/line", "demos", "session/transcripts", "session", "notebook",
   "cite",
 }
 

@@ -14,6 +14,8 @@ local fail = require "dm.base.options".failing "demo"
 
 ---- what there is ----
 
+local ROOMS = { fields = "line." }  -- demonstrations in rooms of their own
+
 local function names() return require "dm.demos" end
 
 --- The names of the demonstrations, in the order in which they are best seen.
@@ -26,7 +28,7 @@ end
 --- One of them, by its name.
 function M.find(name)
   for _, known in ipairs(names()) do
-    if known == name then return require("dm.demos." .. name) end
+    if known == name then return require("dm.demos." .. (ROOMS[name] or "") .. name) end
   end
   fail("there is no demonstration '%s'; there are %s", tostring(name), table.concat(names(), ", "))
 end
