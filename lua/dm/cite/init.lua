@@ -17,7 +17,7 @@ local OF_RULES = {
   rkmk4 = { "munthe-kaas-1999" }, ["crouch-grossman3"] = { "crouch-grossman-1993" },
   sprk = { "hlw-2006" }, ["symplectic-euler"] = SPLITTING, degenerate = { "rowley-marsden-2002" },
   del = { "marsden-west-2001" }, map = { "jalnapurkar-2006", "leok-2004" },
-  step = { "marsden-west-2001" }, curve = { "cuell-patrick-2009" },
+  step = { "marsden-west-2001" }, trial = { "marsden-west-2001", "leok-2004" }, curve = { "cuell-patrick-2009" },
   yoshida = { "yoshida-1990" }, suzuki = { "suzuki-1990" }, mclachlan = { "mclachlan-1995" },
   ["kahan-li"] = { "kahan-li-1997" }, ["suzuki-umeno"] = { "suzuki-umeno-1993" },
   ["sofroniou-spaletta"] = { "sofroniou-spaletta-2005" },
