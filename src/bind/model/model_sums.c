@@ -122,3 +122,12 @@ void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
                "and compositions do without)",
                why);
 }
+
+/* Members of an ensemble have none either: they step in threads that must not ask Lua for memory. */
+void dml_refusestages(lua_State *L, const char *rule) {
+    luaL_error(L,
+               "rule '%s' solves for several stages of a field at once, which needs dm/sparse.so "
+               "(libsuitesparse-dev), and cannot be had in an ensemble; take midpoint or a "
+               "composition of it",
+               rule);
+}

@@ -20,4 +20,7 @@ dml_model *dml_standin(lua_State *L, int at, unsigned want);
 /* Raise that `why` cannot be had, of a Lagrangian with sums over cells of a mesh or near pairs. */
 void dml_refusecells(lua_State *L, const dml_model *m, const char *why);
 
+/* Raise that a rule of several stages cannot step a field without a library of solvers. */
+void dml_refusestages(lua_State *L, const char *rule);
+
 #endif

@@ -336,6 +336,7 @@ void dml_stepping_open(lua_State *L, dml_stepping *r) {
     if (status == DM_OK) dml_stepping_checkplain(L, r);
     if (status == DM_OK) return;
     dml_stepping_end(r);
+    if (status == DM_NO_START) dml_refusestages(L, s->nodes[0].name);
     luaL_error(L, "rule '%s' cannot start: %s", s->nodes[0].name, dm_status_text(status));
 }
 
