@@ -123,7 +123,7 @@ void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
                why);
 }
 
-/* Members of an ensemble have none either: they step in threads that must not ask Lua for memory. */
+/* Members of an ensemble have none either: their threads must not ask Lua for memory. */
 void dml_refusestages(lua_State *L, const char *rule) {
     luaL_error(L,
                "rule '%s' solves for several stages of a field at once, which needs dm/sparse.so "

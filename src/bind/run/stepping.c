@@ -72,8 +72,7 @@ static const void *bring(lua_State *L, const dml_stepping *r) {
     return dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
 }
 
-/* the library of sparse solvers, for steps that ask for it; members in other threads have none,
- * since it takes memory from Lua */
+/* the library of sparse solvers, where it is asked for; in other threads it may not be had */
 static const dm_solvers *solvers_for(const dml_stepping *r) {
     const char *why;
     return r->wants & DM_WANT_CURVATURE && !r->apart ? dml_solvers(&why) : NULL;
