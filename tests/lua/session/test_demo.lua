@@ -34,7 +34,7 @@ end
 -- every file is in the list, and says what the engine wants to know
 local files, listed = {}, {}
 for _, name in ipairs(demo.names()) do listed[name] = true end
-for file in output "ls lua/dm/demos":gmatch "([%w_]+)%.lua" do
+for file in output "ls lua/dm/demos lua/dm/demos/line":gmatch "([%w_]+)%.lua" do
   if file ~= "init" then files[#files + 1] = file end
 end
 local strays = {}
