@@ -55,7 +55,7 @@ os.remove(root)
 
 local function copy()
   local objects = [[find . \( -name '*.[od]' -o -name config.mk -o -name flags -o -name '*.a' ]]
-    .. [[-o -name dmlua \) -not -path './tests/*' -not -path './san/*' -not -path './bench/*' ]]
+    .. [[-o -name dmlua \) -not -path './tests/*' -not -path './san/*' -not -path './deb/*' -type f -not -path './bench/*' ]]
     .. "-print0 | tar --format=posix --null -T - -cf -"
   local command = [[mkdir -p '%s/build' && cp -a Makefile .ci src lua examples tests '%s' &&
     cd '%s' && %s | tar -C '%s/build' -xf - &&

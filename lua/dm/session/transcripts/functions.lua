@@ -24,10 +24,8 @@ M["dm.animate"] = [=[
 true]=]
 
 M["dm.apropos"] = [=[
-> pcall(dm.apropos, "solvability")
-solver:solvability{q=, v= | p=, energy=} -> { solvable, h, C, order, energy, why }
-rules of dm.solver{ rule = }, ?name says more:
-  sem  Symplectic-energy-momentum steps: curves of degree s, the action by ...
+> pcall(dm.apropos, "coboundary")
+K:coboundary(k, x) -> dm.vector
 true]=]
 
 M["dm.bench"] = [=[
