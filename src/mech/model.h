@@ -25,7 +25,7 @@ enum {                         /* structure, read off the graph */
        /* H(q, p, t) is given and there is no L (hamiltonian.c): kernels are value and energy, both
         * H at (q, p, t), field and field_curve. DM_SEPARABLE: H = T(p) + V(q, t) */
        DM_HAMILTONIAN = 512,
-       DM_LOOPS = 64, /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       DM_LOOPS = 64,  /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
        DM_CELLS = 1024 /* some of them are over cells of a mesh, and are never written out */
 };
 
@@ -75,16 +75,16 @@ typedef struct {
     /* D1[n] + D2[n] of a pair, rewritten by itself: velocity terms cancel before they are rounded.
      * No eval: Ld has implicit functions or is a callback, take the sum of both */
     dm_kernel pair_sum;
-    const double *inverse_mass;   /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
-    const double *mass_matrix;    /* same shape */
-    const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
-    const uint8_t *cyclic;        /* [n]: 1 where L does not depend on q_i */
+    const double *inverse_mass;     /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
+    const double *mass_matrix;      /* same shape */
+    const double *momentum_shift;   /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
+    const uint8_t *cyclic;          /* [n]: 1 where L does not depend on q_i */
     struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */
     uint32_t sphere; /* q is cut into unit vectors of so many entries (DM_CELLS); 0: it is not */
-    const uint8_t *held;          /* [n]: DM_HELD, DM_MASSLESS or 0 (DM_CELLS); NULL: nowhere */
-    uint32_t massless;            /* entries that are DM_MASSLESS */
-    uint32_t operations;          /* of L itself */
-    uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
+    const uint8_t *held; /* [n]: DM_HELD, DM_MASSLESS or 0 (DM_CELLS); NULL: nowhere */
+    uint32_t massless;   /* entries that are DM_MASSLESS */
+    uint32_t operations; /* of L itself */
+    uint32_t params;     /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
     const struct dm_constraints *constraints; /* NULL: none */
     const struct dm_group *group;             /* NULL: q are coordinates (mech/group.h) */

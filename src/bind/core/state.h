@@ -46,12 +46,12 @@ typedef struct dml_frame {
     dml_symbols *symbols;              /* of its log, or NULL */
     const char *what;                  /* "L": the function as messages name it */
     uint32_t serial;
-    int keeps_sums;         /* as its signature says */
-    uint32_t sums;          /* calls of dm.sum_over so far */
+    int keeps_sums; /* as its signature says */
+    uint32_t sums;  /* calls of dm.sum_over so far */
     /* of the term of a sum over cells: what a scalar of the trace around it is inside, where it
      * becomes one more input; NULL elsewhere: symbols of two traces do not meet */
     dm_node (*capture)(lua_State *L, struct dml_frame *f, uint32_t serial, dm_node node);
-    void *request; /* of it */
+    void *request;          /* of it */
     struct dml_frame *next; /* the trace that this one is nested in */
 } dml_frame;
 

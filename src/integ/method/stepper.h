@@ -125,8 +125,8 @@ struct dm_stepper {
     /* q1[n] that the first step leads to, of a start from two positions; NULL: not known */
     const double *toward;
     const struct dm_solvers *solvers; /* a loaded library (linalg/sparse/solvers.h), or NULL */
-    int threads; /* of one step, where the engine has such; 0: one */
-    int plain;   /* sums without compensation are asked for; report.plain: they are had */
+    int threads;                      /* of one step, where the engine has such; 0: one */
+    int plain; /* sums without compensation are asked for; report.plain: they are had */
     /* the caller's promise, for the next call alone: the state is what the last one left, and
      * this stepper has done nothing else since */
     int goes_on;

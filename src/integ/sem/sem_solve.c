@@ -205,7 +205,7 @@ dm_status dm_sem_fallback(dm_sem *e, dm_stepper *s, double h, double low, double
     if (least < 0) return DM_NO_CONVERGENCE;
     const int k = find_change(at, f, h);
     *flagged = 0;
-    if (k < SCAN) return find_root(e, s, (bracket){at[k], f[k], at[k + 1], f[k + 1]});
+    if (k + 1 < SCAN) return find_root(e, s, (bracket){at[k], f[k], at[k + 1], f[k + 1]});
     const double a = at[least ? least - 1 : 0], b = at[least < SCAN - 1 ? least + 1 : least];
     dm_status status = find_least(e, s, a, b, f[least] < 0.0 ? -1.0 : 1.0, flagged);
     if (status != DM_OK || !*flagged) return status;

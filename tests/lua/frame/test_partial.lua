@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local abs, max = math.abs, math.max
+local max = math.max
 
 ---- slices ----
 

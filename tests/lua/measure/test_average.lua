@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local cos, sqrt, pi = math.cos, math.sqrt, math.pi
+local cos, pi = math.cos, math.pi
 
 local function own(Q, f) return dm.discrete_lagrangian { Q = Q, h = 0.1, Ld = function(a, b, h)
   local w = (b - a) / h

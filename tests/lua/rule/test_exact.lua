@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local cos, sin, pi, abs = math.cos, math.sin, math.pi, math.abs
+local cos, sin, pi = math.cos, math.sin, math.pi
 
 local oscillator = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }

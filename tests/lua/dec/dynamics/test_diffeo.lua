@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local sin, cos, sqrt = math.sin, math.cos, math.sqrt
+local sin, sqrt = math.sin, math.sqrt
 local function single(p) return dm.mesh { points = p, simplices = { { 1, 2, 3 } } } end
 local function cochain(K, k, shift)
   local x = {}
