@@ -220,7 +220,7 @@ const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_
                              dm_arena *arena) {
     uint32_t most = 0;
     for (const dm_sum *s = dm_sums(g); s; s = s->next) most++;
-    const dm_sum **sums = dm_arena_take(arena, (most + 1) * sizeof *sums);
+    const dm_sum **sums = dm_arena_take(arena, (most + 1) * sizeof(void *));
     *count = 0;
     for (const dm_sum *s = dm_sums(g); s && sums; s = s->next) {
         if (!s->cells) continue;
