@@ -166,12 +166,19 @@ static void read_quadrature(lua_State *L, dm_quadrature *q) {
     lua_pop(L, 1);
 }
 
+/* On the stack, with room for a user value: Lua aligns to 8 bytes, a long double wants 16. */
+static dm_trial_row *new_row(lua_State *L) {
+    const size_t step = _Alignof(dm_trial_row);
+    char *memory = lua_newuserdatauv(L, sizeof(dm_trial_row) + step, 1);
+    return (dm_trial_row *)(void *)(memory + (step - (uintptr_t)memory % step) % step);
+}
+
 /* Everything else in the options is for Lua, which reads them again when the rule meets a system.
  */
 static int trial_rule(lua_State *L) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
-    dm_trial_row *row = lua_newuserdatauv(L, sizeof *row, 1);
+    dm_trial_row *row = new_row(L);
     *row = (dm_trial_row){.each = (uint32_t)dml_count(L, 1, "each", 0, 0),
                           .parameters = (uint32_t)dml_count(L, 1, "parameters", 0, 0),
                           .pieces = (uint32_t)dml_count(L, 1, "pieces", 1, 1),
