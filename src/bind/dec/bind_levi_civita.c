@@ -96,7 +96,7 @@ static int mesh_dual_ring(lua_State *L) {
 }
 
 /* frames at arg, n n numbers a top cell, or nothing; the rule behind it */
-static dm_levi_civita read(lua_State *L, int arg, const dml_mesh *m) {
+static dm_levi_civita read_connection(lua_State *L, int arg, const dml_mesh *m) {
     const uint32_t n = m->K.n;
     const int32_t numbers = (int32_t)(m->K.count[n] * n * n);
     dml_needmetric(L, m);
@@ -113,7 +113,7 @@ static dm_levi_civita read(lua_State *L, int arg, const dml_mesh *m) {
 static int mesh_frame_rotation(lua_State *L) {
     const dml_mesh *m = check(L);
     const uint32_t n = m->K.n, i = check_cell(L, 2, m, n), j = check_cell(L, 3, m, n);
-    const dm_levi_civita c = read(L, 4, m);
+    const dm_levi_civita c = read_connection(L, 4, m);
     double *R = dml_pushmatrix(L, n, n);
     if (dm_levi_civita_rotation(R, &c, i, j) != DM_OK)
         luaL_error(L, "the cells %d and %d are no neighbours: they share no face of degree %d",
@@ -125,7 +125,7 @@ static int mesh_frame_rotation(lua_State *L) {
 static int mesh_frame_places(lua_State *L) {
     const dml_mesh *m = check(L);
     const uint32_t n = m->K.n, cell = check_cell(L, 2, m, n);
-    const dm_levi_civita c = read(L, 3, m);
+    const dm_levi_civita c = read_connection(L, 3, m);
     dm_levi_civita_frame(dml_pushmatrix(L, n + 1, n), &c, cell);
     return 1;
 }

@@ -41,7 +41,7 @@ static void need(lua_State *L, dm_status status) {
 static void read_sums(lua_State *L, action *a) {
     uint32_t count = 0;
     for (const dm_sum *s = dm_sums(a->g); s; s = s->next) count++;
-    a->sum = dm_arena_take(a->arena, (count + 1) * sizeof *a->sum);
+    a->sum = dm_arena_take(a->arena, (count + 1) * sizeof(void *));
     a->factor = dm_arena_take(a->arena, (count + 1) * sizeof *a->factor);
     if (!a->sum || !a->factor) luaL_error(L, "not enough memory");
     for (const dm_sum *s = dm_sums(a->g); s; s = s->next) {
