@@ -167,4 +167,13 @@ raises("and a point of S(2) has 3", function() cavity:field { L = wave, on = dm.
 raises("list of 3 numbers", function() maps:solver { rule = "rattle", h = 0.1 }:run { q = zero, v = across, steps = 1 } end)
 raises("no field", function() dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 end }:modes(1) end)
 
+-- what would write L out in symbols says that a field's L stays a loop
+do
+  local small = dm.mesh { triangle = 2 }
+  local f = small:field { form = 0, L = function(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end }
+  tap.raises("written out in symbols", function()
+    f:solver { rule = "verlet", h = 0.01 }:lyapunov { q = function(x) return x end, v = function() return 0 end, t = 1 }
+  end)
+end
+
 tap.done()

@@ -100,6 +100,10 @@ end
 local function lagrangian(f, L)
   L = option.single(L, WHERE .. ": L")
   return function(q, v, t, params)
+    if q and type(q[1]) ~= "number" then
+      fail("L of a field stays a loop over cells and is not written out in symbols: what asks for "
+        .. "that is not had of a field; solvers, charts, ensembles, modes and limits are")
+    end
     local around = { n = f.n, held = f.marks, data = f.data, q = q, v = v,
       sphere = f.sphere and f.values }
     local A = cochain.leaf(f.mesh, f.degree, f.values, 1, around)
