@@ -16,14 +16,7 @@ local M = {}
 local abs, pi = math.abs, math.pi
 
 --- Text of a number, a vector, an element or a point, on one line.
-local function show(x)
-  if type(x) == "table" then
-    local out = {}
-    for i, part in ipairs(x) do out[i] = show(part) end
-    return "{" .. table.concat(out, ", ") .. "}"
-  end
-  return (tostring(x):gsub("%s*\n%s*", " "))
-end
+local show = require "dm.action.points".show
 M.show = show
 
 ---- what a user gives ----

@@ -158,32 +158,16 @@ end
 
 ---- a page in motion ----
 
-local PAGE = [[
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>@TITLE@</title>
-<style>
-body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
-h1 { font-size: 1.15em; margin: 0.2em 0; }
+local STYLE = [[
 canvas { width: 100%; height: 70vh; border: 1px solid #ddd; }
 #controls { display: flex; gap: 14px; align-items: center; margin: 8px 0; }
 #row { flex: 1; }
-button { width: 5em; font: inherit; }
-</style>
-</head>
-<body>
-<h1>@TITLE@</h1>
+]]
+
+local BODY = [[
 <canvas id="picture"></canvas>
 <div id="controls"><button id="go" type="button">pause</button>
 <input id="row" type="range" min="0" value="0"><span id="time"></span></div>
-<script type="application/json" id="data">@DATA@</script>
-<script>
-@SCRIPT@</script>
-</body>
-</html>
 ]]
 
 local SCRIPT = [[
@@ -261,7 +245,7 @@ local function animate(run, file, options)
   local q = quantity(run, options.of or (run.boxes and run.boxes.names[1] or "u"), where)
   local parts = { TITLE = page.escaped(options.title or title_of(run, q.name)),
     DATA = page.json(page_data(run, q, options)), SCRIPT = SCRIPT }
-  return text_file.write(file, (PAGE:gsub("@(%u+)@", parts)), where)
+  return text_file.write(file, page.document(STYLE, BODY, parts), where)
 end
 
 --- Gives a class of runs these methods.

@@ -10,26 +10,14 @@ local M = {}
 
 local WHERE = "mesh:animate"
 
-local PAGE = [[
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>@TITLE@</title>
-<style>
-body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
-h1 { font-size: 1.15em; margin: 0.2em 0; }
-p { margin: 0.2em 0 0.6em; color: #666; }
+local STYLE = [[
 canvas { width: 100%; height: 74vh; border: 1px solid #ddd; touch-action: none; }
 #controls, #film:not([hidden]) { display: flex; gap: 14px; align-items: center; margin: 8px 0; }
 #controls { flex-wrap: wrap; }
 #row { flex: 1; }
-button { width: 5em; font: inherit; }
-</style>
-</head>
-<body>
-<h1>@TITLE@</h1>
+]]
+
+local BODY = [[
 <p>@NOTE@</p>
 <canvas id="picture"></canvas>
 <div id="controls">
@@ -42,11 +30,6 @@ button { width: 5em; font: inherit; }
 <button id="go" type="button">pause</button>
 <input id="row" type="range" min="0" value="0"> <span id="time"></span>
 </div>
-<script type="application/json" id="data">@DATA@</script>
-<script>
-@SCRIPT@</script>
-</body>
-</html>
 ]]
 
 local function flat(lists, shift)
@@ -88,7 +71,7 @@ end
 function M.page(title, note, data)
   local parts = { TITLE = page.escaped(title), NOTE = page.escaped(note), DATA = page.json(data),
     SCRIPT = require "dm.dec.pictures.script" }
-  return (PAGE:gsub("@(%u+)@", parts))
+  return page.document(STYLE, BODY, parts)
 end
 
 -- forms by name, or a list of them, behind those that are there

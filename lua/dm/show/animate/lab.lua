@@ -21,34 +21,21 @@ local PIXELS = 80             -- of its plots over time
 local MOST_BYTES = 4 << 20    -- of the page
 local MOST_POSITIONS = 10000
 
-local PAGE = [[
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>@TITLE@</title>
-<style>
+local STYLE = [[
 @STYLE@
 #sliders label { display: flex; gap: 10px; align-items: center; margin: 3px 0; }
 #sliders span { min-width: 7em; font-variant-numeric: tabular-nums; }
 #sliders input { flex: 1 1 240px; max-width: 40em; }
 #wrong { color: #a00; white-space: pre-wrap; }
-</style>
-</head>
-<body>
-<h1>@TITLE@</h1>
+]]
+
+local BODY = [[
 <div id="sliders">
 @SLIDERS@</div>
 <p id="note"></p>
 <p id="wrong"></p>
 <div id="shown">
 @VIEWER@</div>
-<script type="application/json" id="data">@DATA@</script>
-<script>
-@SCRIPT@</script>
-</body>
-</html>
 ]]
 
 -- the sliders count positions; a position that failed shows its message
@@ -223,7 +210,7 @@ local function text_of(title, sliders, positions)
     SLIDERS = table.concat(inputs), SCRIPT = require "dm.show.animate.script" .. SCRIPT,
     DATA = ('{"sliders":%s,"positions":[%s]}'):format(json.encode(data),
       table.concat(positions, ",")) }
-  return (PAGE:gsub("@(%u+)@", parts))
+  return page.document(STYLE, BODY, parts)
 end
 
 local function check_file(file)

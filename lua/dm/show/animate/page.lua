@@ -8,9 +8,6 @@ local json = require "dm.base.json"
 local M = { json = json.encode }
 
 M.STYLE = [[
-body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
-h1 { font-size: 1.15em; margin: 0.2em 0; }
-p { margin: 0.2em 0 0.6em; color: #666; }
 #paths { display: flex; flex-wrap: wrap; gap: 10px; }
 figure { margin: 0; }
 figcaption { text-align: center; color: #444; }
@@ -21,7 +18,6 @@ figcaption { text-align: center; color: #444; }
 .plot canvas { width: 100%; height: 17vh; }
 #controls { display: flex; gap: 12px; align-items: center; flex-wrap: wrap; margin: 8px 0; }
 #scrub { flex: 1 1 240px; }
-button { width: 5em; font: inherit; }
 #time { font-variant-numeric: tabular-nums; min-width: 8em; }]]
 
 --- What the script draws on and listens to.
@@ -38,7 +34,8 @@ M.VIEWER = [[
 <div id="plots"></div>
 ]]
 
-local PAGE = [[
+-- what every page has: the numbers as JSON, then the script that reads them
+local HEAD = [[
 <!DOCTYPE html>
 <html lang="en">
 <head>
@@ -46,18 +43,30 @@ local PAGE = [[
 <meta name="viewport" content="width=device-width">
 <title>@TITLE@</title>
 <style>
-@STYLE@
+body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
+h1 { font-size: 1.15em; margin: 0.2em 0; }
+p { margin: 0.2em 0 0.6em; color: #666; }
+button { width: 5em; font: inherit; }
+]]
+local MIDDLE = [[
 </style>
 </head>
 <body>
 <h1>@TITLE@</h1>
-<p>@NOTE@</p>
-@VIEWER@<script type="application/json" id="data">@DATA@</script>
+]]
+local TAIL = [[
+<script type="application/json" id="data">@DATA@</script>
 <script>
 @SCRIPT@</script>
 </body>
 </html>
 ]]
+
+--- A page of its own: rules of style and the elements below the title, in which every @NAME@ is
+-- parts.NAME; TITLE, DATA and SCRIPT are needed.
+function M.document(style, body, parts)
+  return ((HEAD .. style .. MIDDLE .. body .. TAIL):gsub("@(%u+)@", parts))
+end
 
 ---- numbers ----
 
@@ -87,7 +96,7 @@ function M.text(scene)
     DATA = json.encode(scene),
     SCRIPT = require "dm.show.animate.script"
       .. 'open(JSON.parse(element("data").textContent));\n' }
-  return (PAGE:gsub("@(%u+)@", parts))
+  return M.document("@STYLE@\n", "<p>@NOTE@</p>\n@VIEWER@", parts)
 end
 
 return M

@@ -10,25 +10,13 @@ local M = {}
 local WHERE = "path:animate"
 local FRAMES, POINTS = 400, 600 -- of a page, at most
 
-local PAGE = [[
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>@TITLE@</title>
-<style>
-body { font: 15px sans-serif; margin: 0.8em 1.2em; color: #222; background: #fff; }
-h1 { font-size: 1.15em; margin: 0.2em 0; }
-p { margin: 0.2em 0 0.6em; color: #666; }
+local STYLE = [[
 canvas { width: 100%; height: 66vh; border: 1px solid #ddd; }
 #controls { display: flex; gap: 14px; align-items: center; margin: 8px 0; }
 #scrub { flex: 1 1 240px; }
-button { width: 5em; font: inherit; }
-</style>
-</head>
-<body>
-<h1>@TITLE@</h1>
+]]
+
+local BODY = [[
 <p>@NOTE@</p>
 <canvas id="picture"></canvas>
 <div id="controls">
@@ -36,11 +24,6 @@ button { width: 5em; font: inherit; }
 <input id="scrub" type="range" min="0" max="1" step="1" value="0" aria-label="time">
 <span id="time"></span>
 </div>
-<script type="application/json" id="data">@DATA@</script>
-<script>
-@SCRIPT@</script>
-</body>
-</html>
 ]]
 
 -- every so many of `count` that there are no more than `most`, as numbers
@@ -92,7 +75,7 @@ class.method("dm.wave_path", "animate", function(path, file, options)
     .. "Space: pause; arrow keys: step."):format(path.t[1], path.t[#path], frames, #path)
   local parts = { TITLE = page.escaped(title), NOTE = page.escaped(note), DATA = page.json(data),
     SCRIPT = require "dm.wave.pictures.script" }
-  return text_file.write(file, (PAGE:gsub("@(%u+)@", parts)), WHERE)
+  return text_file.write(file, page.document(STYLE, BODY, parts), WHERE)
 end, [[
 path:animate(file, {title=}) -> file name
 A page, name.html, on which a browser shows |psi|^2 in time, coloured by the phase, with V behind
