@@ -31,7 +31,7 @@ static strip strip_of(const dm_pairs *p, uint32_t number) {
     if (!p->near) return s;
     for (uint32_t a = 0; a < p->sum->axes; a++)
         s.row.at[a] = s.beside + (p->sum->partner + a) * p->pitch;
-    s.row.j = (uint32_t *)(s.beside + p->sum->columns * p->pitch);
+    s.row.j = (void *)(s.beside + p->sum->columns * p->pitch);
     s.row.all = s.row.j + p->pitch;
     return s;
 }

@@ -65,7 +65,8 @@ dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor
 /* ---- the heap ---- */
 
 static int is_before(const dm_avi *a, uint32_t k, uint32_t l) {
-    return a->time[k] < a->time[l] || (a->time[k] == a->time[l] && k < l);
+    const double s = a->time[k], t = a->time[l];
+    return s < t || (s == t && k < l);
 }
 
 /* the one at the top has another time */
