@@ -18,11 +18,12 @@ static uint32_t width_of(const dm_strip *s) {
 
 /* outputs of the map that has most */
 static uint32_t most_outputs(const dm_strip *s) {
-    const dm_cell_map *const maps[] = {&s->equation, &s->tangent, &s->after, &s->energy,
-                                       &s->clock,    &s->hessian, &s->slopes};
+    const uint32_t outputs[] = {s->equation.outputs, s->tangent.outputs, s->after.outputs,
+                                s->energy.outputs,   s->clock.outputs,   s->hessian.outputs,
+                                s->slopes.outputs};
     uint32_t most = 1;
-    for (size_t k = 0; k < sizeof maps / sizeof *maps; k++)
-        most = maps[k]->outputs > most ? maps[k]->outputs : most;
+    for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++)
+        most = outputs[k] > most ? outputs[k] : most;
     return most;
 }
 
