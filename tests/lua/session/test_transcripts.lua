@@ -1,4 +1,5 @@
--- dm.example: every transcript is typed again, and the answers are those
+-- dm.example: every transcript is typed again, and the answers are those. A wing is typed into one
+-- session; between two examples its globals are taken away, so that each stands by itself.
 local tap = require "tap"
 local dm = require "dm"
 local ok = tap.ok
@@ -9,25 +10,68 @@ if not require "dm.manual".readline then -- which gives what was typed back
   print "1..0 # SKIP built without readline"
   os.exit()
 end
-local count = 0
-for name, wanted in pairs(known) do
-  local typed = {}
-  for line in (wanted .. "\n"):gmatch "([^\n]*)\n" do
-    typed[#typed + 1] = line:match "^>>? (.*)$"
-  end
+
+-- typed before the first example and after each: a session as it begins
+local PREPARE = [[do local at = {} for k, v in next, _G do at[k] = v end; ]]
+  .. [[package.fresh = function(n) for k in next, _G do _G[k] = at[k] end print("end of", n) end end]]
+local FRESH = "package.fresh(%d)"
+
+local function typed(text)
+  local lines = {}
+  for line in (text .. "\n"):gmatch "([^\n]*)\n" do lines[#lines + 1] = line:match "^>>? (.*)$" end
+  return lines
+end
+
+local function session(lines)
   local input = os.tmpname()
   local file = assert(io.open(input, "w"))
-  file:write(table.concat(typed, "\n"), "\n")
+  file:write(table.concat(lines, "\n"), "\n")
   file:close()
   local pipe = io.popen(("env -i PATH=/usr/bin:/bin HOME=/nonexistent LC_ALL=C.UTF-8 TERM=dumb COLUMNS=400 '%s' -n -i -q < '%s' 2>&1")
     :format(dmlua, input))
-  local got = pipe:read "a":gsub("\n+$", ""):gsub("\n> *$", "")
+  local out = pipe:read "a"
   pipe:close()
   os.remove(input)
-  ok(got == wanted, "example of " .. name, got)
-  count = count + 1
+  return out
 end
-ok(count >= 80, "examples", count)
+
+-- the names of a wing and what a session answers to all of them
+local function type_wing(names)
+  local lines = { PREPARE }
+  for i, name in ipairs(names) do
+    for _, line in ipairs(typed(known[name])) do lines[#lines + 1] = line end
+    lines[#lines + 1] = FRESH:format(i)
+  end
+  local out, answers = session(lines), {}
+  local from = out:find("\n", 1, true) + 1
+  for i in ipairs(names) do
+    local first, last = out:find(("> %s\nend of\t%d\n"):format(FRESH:format(i), i), from, true)
+    if not first then return answers, out:sub(from) end
+    answers[i] = out:sub(from, first - 1):gsub("\n+$", "")
+    from = last + 1
+  end
+  return answers, ""
+end
+
+local count, wings = 0, {}
+for module in pairs(package.loaded) do
+  wings[#wings + 1] = module:match "^dm%.session%.transcripts%.%w+$"
+end
+table.sort(wings)
+for _, wing in ipairs(wings) do
+  local names = {}
+  for name in pairs(require(wing)) do names[#names + 1] = name end
+  table.sort(names)
+  local answers, rest = type_wing(names)
+  for i, name in ipairs(names) do
+    ok(answers[i] == known[name]:gsub("\n+$", ""), "example of " .. name, answers[i] or rest)
+    count = count + 1
+  end
+end
+local all = 0
+for _ in pairs(known) do all = all + 1 end
+ok(count == all, "no name has two examples", ("%d, %d"):format(count, all))
+
 ok(dm.example "path.drift" == known["path.drift"] and dm.example "path:drift" == known["path.drift"] and dm.example "vector" == known["dm.vector"],
   "names as in help")
 ok(dm.example "nothing.here" == nil, "nil where there is none")

@@ -3,8 +3,15 @@
 -- again.
 local M = {}
 
-for _, name in ipairs { "functions", "values", "runs" } do
-  for of, text in pairs(require("dm.session.transcripts." .. name)) do M[of] = text end
+local wings = {
+  "elementary",
+  "functions",
+  "runs",
+  "values",
+}
+
+for _, wing in ipairs(wings) do
+  for name, text in pairs(require("dm.session.transcripts." .. wing)) do M[name] = text end
 end
 
 return M
