@@ -1777,7 +1777,7 @@ function dm_invariant_operator_class:coefficient(i, j, k, ...) end
 
 ---H:tex() -> string
 ---
----Its rows for TeX.
+---Its rows for TeX's mathematics, one a line.
 ---@return string
 function dm_invariant_operator_class:tex() end
 
@@ -6041,7 +6041,7 @@ function dm.scaling(options) end
 ---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 ---seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
 ---raises). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best = { model,
----rule, N, h, n (dimension), work, ns, error }.
+---rule, N, h, n (dimension), work, ns, error (of the tolerance, 1 at most) }.
 ---@param options? table
 ---@return dm.scene
 function dm.scene(options) end

@@ -354,7 +354,7 @@ a file of scene.profile:save(file) has them. seconds: CPU time to be spent on lo
 scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
 raises). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best = { model,
-rule, N, h, n (dimension), work, ns, error }.]]
+rule, N, h, n (dimension), work, ns, error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(options)

@@ -45,6 +45,9 @@ end
 local function what_there_is(note)
   local names = names_of(note)
   local near = core.nearest(note.key, names)
+  if near == note.key then  -- a field that comes later, as scene.best with scene:run()
+    return (", or not yet: ?%s says when it is there"):format(note.of)
+  end
   if near then return ("; did you mean '%s'?"):format(near) end
   if of_solver(note) then
     return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key)

@@ -38,7 +38,9 @@ static uint32_t read_list(lua_State *L, int arg, uint32_t *out, uint32_t most, l
     luaL_argcheck(L, count >= 1 && count <= most, arg, "a list of whole numbers is needed");
     for (lua_Integer i = 1; i <= count; i++) {
         lua_geti(L, arg, i);
-        const lua_Integer x = luaL_checkinteger(L, -1);
+        int whole;
+        const lua_Integer x = lua_tointegerx(L, -1, &whole);
+        luaL_argcheck(L, whole, arg, "a list of whole numbers is needed");
         luaL_argcheck(L, x >= least && x < INT32_MAX, arg, "a number is out of range");
         out[i - 1] = (uint32_t)x;
         lua_pop(L, 1);

@@ -150,7 +150,10 @@ static const dml_row functions[] =
       "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, w) = (g h, "
       "v + g w), where g w is action(g, w), linear in w (left out: the standard one of G, matrix "
       "times vector). The algebra has that of G first, then V."},
-     {"own_group", dml_own_group, "core.own_group(name, dimension, kit) -> dm.space"},
+     {"own_group", dml_own_group,
+      "core.own_group(name, dimension, kit) -> dm.space\n"
+      "The group whose elements and operations are those of a kit, a table of functions as "
+      "dm.group makes it."},
      {NULL, NULL, NULL}};
 
 /* dm.SO, dm.SE ...: a constructor for each row of the spaces */

@@ -11,8 +11,25 @@ local variation = require "dm.frame.calculus.variation"
 
 local M = {}
 
+-- how coefficients, derivations (power k of the i-th), variations and labels are written
+local PLAIN = {
+  coefficient = tostring,
+  derivation = function(C, i, k) return layout.derivation(C, i) .. (k > 1 and "^" .. k or "") end,
+  variation = function(b) return "t" .. b end,
+  label = function(name) return name .. ": " end,
+}
+local TEX = {
+  coefficient = function(c) return c:tex() end,
+  derivation = function(C, i, k)
+    return "\\mathcal{D}" .. (C.p > 1 and ("_{%d}"):format(i) or "")
+      .. (k > 1 and ("^{%d}"):format(k) or "")
+  end,
+  variation = function(b) return ("t_{%d}"):format(b) end,
+  label = function() return "" end,
+}
+
 -- one operator as text: (kappa^2 + 1) D^2 + ...
-local function operator_text(C, op)
+local function operator_text(C, op, write)
   local out = {}
   for b = 1, C.q do
     local places = {}
@@ -21,11 +38,10 @@ local function operator_text(C, op)
     for _, place in ipairs(places) do
       local K, word = C.words.list[place], {}
       for i = 1, C.p do
-        if K[i] > 0 then word[#word + 1] = layout.derivation(C, i) .. (K[i] > 1 and "^" .. K[i]
-          or "") end
+        if K[i] > 0 then word[#word + 1] = write.derivation(C, i, K[i]) end
       end
-      if C.q > 1 then word[#word + 1] = "t" .. b end
-      local c, name = tostring(F.reduced(op[b][place])), table.concat(word, " ")
+      if C.q > 1 then word[#word + 1] = write.variation(b) end
+      local c, name = write.coefficient(F.reduced(op[b][place])), table.concat(word, " ")
       if name ~= "" and c:find " [+-] " then c = "(" .. c .. ")" end
       if name ~= "" and c == "1" then c = "" end
       if name ~= "" and c == "-1" then c = "-" end
@@ -68,17 +84,15 @@ end
 
 local function rows_of(H, write)
   local out = {}
-  for i, row in ipairs(H.list) do out[i] = H.labels[i] .. ": " .. write(row) end
+  for i, row in ipairs(H.list) do
+    local entries = {}
+    for k, op in ipairs(row) do entries[k] = operator_text(op.C or H.C, op, write) end
+    out[i] = write.label(H.labels[i]) .. table.concat(entries, ", ")
+  end
   return table.concat(out, "\n")
 end
 
-function operator_class.__tostring(H)
-  return rows_of(H, function(row)
-    local out = {}
-    for k, op in ipairs(row) do out[k] = operator_text(op.C or H.C, op) end
-    return table.concat(out, ", ")
-  end)
-end
+function operator_class.__tostring(H) return rows_of(H, PLAIN) end
 
 core.method("dm.invariant_operator", "coefficient", blame.caller(function(H, i, j, ...)
   local C, K = H.C, { ... }
@@ -95,12 +109,9 @@ end), [[
 H:coefficient(i, j, k, ...) -> dm.formula
 The coefficient of D^k (by several variables D_1^k D_2^l ...) in entry i, j.]])
 
-core.method("dm.invariant_operator", "tex", blame.caller(function(H)
-  local text = tostring(H):gsub("D_(%d)", "\\mathcal{D}_{%1}"):gsub("D", "\\mathcal{D}")
-  return (text:gsub("\\mathcal{\\mathcal{D}}", "\\mathcal{D}"))
-end), [[
+core.method("dm.invariant_operator", "tex", blame.caller(function(H) return rows_of(H, TEX) end), [[
 H:tex() -> string
-Its rows for TeX.]])
+Its rows for TeX's mathematics, one a line.]])
 
 --- H and H* of the named invariants.
 function M.of(C)

@@ -19,14 +19,9 @@ M["dm.abs"] = [=[
 > dm.abs(-2)
 2]=]
 
-M["dm.animate"] = [=[
-> pcall(dm.animate, {}, "x.html") == false
-true]=]
-
 M["dm.apropos"] = [=[
-> pcall(dm.apropos, "coboundary")
-K:coboundary(k, x) -> dm.vector
-true]=]
+> dm.apropos "coboundary"
+K:coboundary(k, x) -> dm.vector]=]
 
 M["dm.bench"] = [=[
 > select("#", dm.bench(function() return 1 end, 3))

@@ -4,10 +4,19 @@
 local M = {}
 
 local wings = {
+  "discrete",
   "elementary",
+  "flows",
+  "forms",
   "functions",
+  "geometry",
+  "groups",
+  "modules",
+  "results",
   "runs",
+  "traced",
   "values",
+  "workings",
 }
 
 for _, wing in ipairs(wings) do
