@@ -112,4 +112,13 @@ for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)" } do
   ok(path:worst "constraint" < 1e-13, rule .. " keeps a fast bead on its circle")
 end
 raises("domain", fast.velocity, dm.system { Q = dm.R(1), L = function(_, v) return (v[1] - 3) ^ 0.5 * v[1] end }, { 0 }, { -5 })
+
+-- V = -sqrt(q) from q = 0, v = 1: the force is infinite at the start, where Gauss rules have no stage, though lanes may stand idle
+-- there. With u = v = sqrt(1 + 2 sqrt(q)) the time is u^3 / 3 - u + 2 / 3
+local root = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + dm.sqrt(q[1]) end }
+for s = 1, 8 do
+  local path = root:solver { rule = ("gauss(%d)"):format(s), h = 0.01 }:run { q = { 0 }, v = { 1 }, steps = 5 }
+  local u = sqrt(1 + 2 * sqrt(path.q[6][1]))
+  near(u ^ 3 / 3 - u + 2 / 3, 0.05, 2e-4, "gauss(" .. s .. ") from a pole")
+end
 tap.done()

@@ -212,22 +212,30 @@ static dm_status finish(dm_stage *g, const double *before) {
     return DM_NOT_FINITE;
 }
 
+/* h v0 in one pass with v0 = p over masses, or from v0 where the masses are no diagonal */
+static void find_drift(const dm_stage *g, const double *factor) {
+    const double *p = g->group.state + g->n;
+    const double top = g->sweeps->flight.top[0], rest = g->sweeps->flight.rest[0];
+    double *v0 = g->points.v0, *drift = g->sweeps->drift;
+    for (uint32_t k = 0; k < g->n; k++) {
+        const double v = factor ? factor[k] * p[k] : v0[k];
+        v0[k] = v;
+        drift[k] = top * v + rest * v;
+    }
+}
+
 /* v0, and h v0 in the separable form, where a step needs them */
 static dm_status find_velocity(dm_stage *g, int warm) {
-    const uint32_t n = g->n;
-    const double *q = g->group.state, *p = q + n, *factor = g->m->inverse_mass;
-    const dm_parts *c = &g->sweeps->flight;
-    double *v0 = g->points.v0, *drift = g->sweeps->drift;
+    const double *q = g->group.state, *p = q + g->n;
+    const int diagonal = g->separable && g->m->structure & DM_DIAGONAL_MASS;
+    double *v0 = g->points.v0;
     dm_status status = DM_OK;
     if (!g->separable && warm) return DM_OK;
-    if (g->separable && g->m->structure & DM_DIAGONAL_MASS) {
-        for (uint32_t k = 0; k < n; k++) v0[k] = factor[k] * p[k];
-    } else {
-        memset(v0, 0, n * sizeof *v0);
+    if (!diagonal) {
+        memset(v0, 0, g->n * sizeof *v0);
         status = dm_legendre_inverse(g->m, v0, q, p, g->group.t, g->scratch);
     }
-    for (uint32_t k = 0; k < n && g->separable; k++)
-        drift[k] = c->top[0] * v0[k] + c->rest[0] * v0[k];
+    if (g->separable) find_drift(g, diagonal ? g->m->inverse_mass : NULL);
     return status;
 }
 

@@ -68,6 +68,45 @@ DM_WRITTEN_OUT double finish_rows(const dm_sweep_end *a, uint32_t n) {
     return bad;
 }
 
+/* d of four rows or one: into high + low; NaN is added to `bad` where that is not finite */
+static inline void add_four(double *high, double *low, const v4 *d, v4 *bad) {
+    v4 *h = (v4 *)(void *)high, *l = (v4 *)(void *)low;
+    const v4 old = *h, e = *l + *d, sum = old + e, rest = e + (old - sum);
+    *l = rest;
+    *h = sum;
+    *bad += 0.0 * rest;
+}
+
+static inline void add_one(double *high, double *low, double d, double *bad) {
+    dm_sum_add(high, low, d);
+    *bad += 0.0 * *low;
+}
+
+#define FOUR(x) (*(const v4 *)(const void *)(x))
+
+/* many rows, four at a time */
+static double finish_many(const dm_sweep_end *a, uint32_t n) {
+    double *high = a->state, *low = a->state + 2 * (size_t)n, bad = 0.0;
+    const double *u = a->u[0], *f = a->u[1];
+    const double b = a->b[0]->top[0], b_rest = a->b[0]->rest[0];
+    const double c = a->b[1]->top[0], c_rest = a->b[1]->rest[0];
+    v4 spoilt = {0};
+    uint32_t k = 0;
+    for (; k + 4 <= n; k += 4) {
+        const v4 x = FOUR(u + k), y = FOUR(f + k);
+        const v4 dq = (b * x + b_rest * x) * FOUR(a->factor + k) + FOUR(a->drift + k);
+        const v4 dp = c * y + c_rest * y;
+        add_four(high + k, low + k, &dq, &spoilt);
+        add_four(high + n + k, low + n + k, &dp, &spoilt);
+    }
+    for (; k < n; k++) {
+        const double dq = (b * u[k] + b_rest * u[k]) * a->factor[k] + a->drift[k];
+        add_one(high + k, low + k, dq, &bad);
+        add_one(high + n + k, low + n + k, c * f[k] + c_rest * f[k], &bad);
+    }
+    return bad + spoilt[0] + spoilt[1] + spoilt[2] + spoilt[3];
+}
+
 static double finish_1(const dm_sweep_end *a) {
     switch (a->rows) {
     case 1:
@@ -79,7 +118,7 @@ static double finish_1(const dm_sweep_end *a) {
     case 4:
         return finish_rows(a, 4);
     default:
-        return finish_rows(a, a->rows);
+        return finish_many(a, a->rows);
     }
 }
 
@@ -88,7 +127,24 @@ static void copy_state(double *to, const double *state, uint32_t rows) {
     for (uint32_t k = 0; k < 4 * rows; k++) to[k] = from[k];
 }
 
-static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_state};
+/* in fours and what is left, as rows were stored */
+static void copy_blocks(double *to, const double *state, uint32_t rows) {
+    for (int part = 0; part < 4; part++, to += rows, state += rows) {
+        const volatile double *from = state;
+        uint32_t k = 0;
+        for (; k + 4 <= rows; k += 4) *(v4 *)(void *)(to + k) = FOUR(state + k);
+        for (; k < rows; k++) to[k] = from[k];
+    }
+}
+
+static void copy_1(double *to, const double *state, uint32_t rows) {
+    if (rows > 4)
+        copy_blocks(to, state, rows);
+    else
+        copy_state(to, state, rows);
+}
+
+static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_1};
 
 /* ---- 4 and 8, each for the processors that there are ---- */
 
@@ -125,6 +181,11 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 
 #define FUSED2(a, b, c) ((v2)_mm_fmadd_pd((__m128d)(a), (__m128d)(b), (__m128d)(c)))
 #define FUSED4(a, b, c) ((v4)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
+/* halves of a and b added up, side by side; sums of neighbours of both */
+#define SIDES(a, b)                                                                                \
+    _mm256_add_pd(_mm256_permute2f128_pd((__m256d)(a), (__m256d)(b), 0x20),                        \
+                  _mm256_permute2f128_pd((__m256d)(a), (__m256d)(b), 0x31))
+#define ADDED_FOUR(x, y) ((v4)_mm256_hadd_pd(x, y))
 #define ADDED2(x, y) ((v2)_mm_hadd_pd((__m128d)(x), (__m128d)(y)))
 #define ADDED4(x, y) halves(_mm256_hadd_pd((__m256d)(x), (__m256d)(y)))
 #define FUSED8(a, b, c) ((v8)_mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c)))
@@ -149,6 +210,8 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #define TOTALS ADDED4
 #include "integ/stage/sweep/sweep_row.h"
 
+#define FOUR_TOTALS(a, b, c, d) ADDED_FOUR(SIDES(a, c), SIDES(b, d))
+#define COPY copy_blocks
 #define ROW fused4
 #define W 4
 #define V v4
@@ -189,8 +252,49 @@ const dm_sweep_row *dm_sweep_find(uint32_t stages) {
 
 /* ---- units ---- */
 
-void dm_sweep_units(dm_sweep *a, double *unit, uint32_t width, double size) {
-    for (uint32_t k = 0; k < a->rows; k++)
-        unit[k] = dm_sweep_unit(size, dm_sweep_row_size(a, k, width));
+typedef long long i2 __attribute__((vector_size(16)));
+
+/* roots of a, and the lesser of two, NaN for neither */
+#ifdef __x86_64__
+#define ROOTS(a) ((v2)_mm_sqrt_pd((__m128d)(a)))
+#define LESSER(a, b) ((v2)_mm_min_pd((__m128d)(a), (__m128d)(b)))
+#else
+#define ROOTS(a) ((v2){sqrt((a)[0]), sqrt((a)[1])})
+#define LESSER(a, b) ((v2){(a)[0] < (b)[0] ? (a)[0] : (b)[0], (a)[1] < (b)[1] ? (a)[1] : (b)[1]})
+#endif
+
+/* squares of the start and of the last stage, of rows k and k + 1, or of the last row twice */
+static inline v2 squares(const dm_sweep *a, uint32_t k, size_t width) {
+    const size_t next = k + 1 < a->rows;
+    const double *start = a->start + k, *last = a->x + k * width + a->columns - 1;
+    const v2 x = {start[0], start[next]}, y = {last[0], last[next * width]};
+    return x * x + y * y;
+}
+
+/* What is as good as zero has no size of its own. */
+static void find_units(dm_sweep *a, double *unit, uint32_t width, double size) {
+    const double zero = DM_SWEEP_ZERO * size;
+    for (uint32_t k = 0; k < a->rows; k += 2) {
+        const v2 own = squares(a, k, width), root = ROOTS(size / own);
+        unit[k] = own[0] > zero ? root[0] : 1.0;
+        if (k + 1 < a->rows) unit[k + 1] = own[1] > zero ? root[1] : 1.0;
+    }
     a->unit = unit;
+}
+
+/* Two rows at a time; the sum goes on row by row. */
+double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all) {
+    const v2 infinite = {INFINITY, INFINITY};
+    double size = 0.0;
+    v2 least = infinite;
+    for (uint32_t k = 0; k < a->rows; k += 2) {
+        const v2 own = squares(a, k, width), counts = own + (v2)((i2)infinite & (own == 0.0));
+        size += own[0];
+        if (k + 1 < a->rows) size += own[1];
+        least = LESSER(counts, least);
+    }
+    if (a->unit) a->unit = NULL; /* a store would be waited for by the next sweep */
+    const int apart = DM_SWEEP_APART * least[0] < size || DM_SWEEP_APART * least[1] < size;
+    if (apart && !by_all) find_units(a, unit, width, size);
+    return size;
 }

@@ -54,27 +54,10 @@ typedef struct {
     void (*copy)(double *to, const double *state, uint32_t rows);
 } dm_sweep_row;
 
-/* squares of the start and of the last stage */
-static inline double dm_sweep_row_size(const dm_sweep *a, uint32_t k, uint32_t width) {
-    const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
-    return x * x + y * y;
-}
-
-/* Their sum over all rows, which moves are compared with. Where some row is much smaller than that
- * and not zero, and not `by_all`, moves count in units that make all rows as large. */
-void dm_sweep_units(dm_sweep *a, double *unit, uint32_t width, double size);
-static inline double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all) {
-    double size = 0.0, least = INFINITY;
-    for (uint32_t k = 0; k < a->rows; k++) {
-        const double row = dm_sweep_row_size(a, k, width);
-        const double counts = row > 0.0 ? row : INFINITY;
-        size += row;
-        least = counts < least ? counts : least;
-    }
-    if (a->unit) a->unit = NULL; /* a store would be waited for by the next sweep */
-    if (DM_SWEEP_APART * least < size && !by_all) dm_sweep_units(a, unit, width, size);
-    return size;
-}
+/* The sum over all rows of the squares of the start and of the last stage, which moves are compared
+ * with. Where some row is much smaller than that and not zero, and not `by_all`, moves count in
+ * units [rows] that make all rows as large. */
+double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all);
 
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors
  * that serve. */

@@ -2,7 +2,8 @@
  * Wanted: ROW (name), W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW
  * (target of the functions), TOTALS(x, y): the sums over lanes of two vectors H, FINISH and COPY
  * where the end of a step is done in another way, MADD(a, b, c) and MADD_HALF(a, b, c): a b + c,
- * with one rounding where the processor has it. */
+ * with one rounding where the processor has it. FOUR_TOTALS(a, b, c, d), if there is one: the sums
+ * over lanes of four vectors V, for the end of a step of four rows at once. */
 #define JOINED(a, b) a##_##b
 #define JOIN(a, b) JOINED(a, b)
 #define OWN(name) JOIN(name, ROW)
@@ -85,6 +86,26 @@ HOW static void OWN(line)(double *base, const double *low, const double *v, cons
     }
 }
 
+#ifdef FOUR_TOTALS
+/* sum_m b_m u_m of four rows */
+HOW INLINE v4 OWN(four)(V top, V rest, BITS used, const double *u) {
+    V x[4];
+    for (int i = 0; i < 4; i++) {
+        const V y = (V)(used & (BITS)LOAD(u + (size_t)i * W));
+        x[i] = top * y + rest * y;
+    }
+    return FOUR_TOTALS(x[0], x[1], x[2], x[3]);
+}
+
+HOW INLINE v4 OWN(add_four)(double *high, double *low, v4 d) {
+    v4 *h = (v4 *)(void *)high, *l = (v4 *)(void *)low;
+    const v4 old = *h, e = *l + d, sum = old + e, rest = e + (old - sum);
+    *h = sum;
+    *l = rest;
+    return rest;
+}
+#endif
+
 #ifndef FINISH
 HOW static double OWN(finish)(const dm_sweep_end *a) {
     const dm_sweep_end at = *a;
@@ -95,7 +116,19 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
     const uint32_t n = at.rows;
     double *high = at.state, *low = at.state + 2 * (size_t)n;
     v2 bad = {0};
-    for (uint32_t k = 0; k < n; k++) {
+    uint32_t k = 0;
+#ifdef FOUR_TOTALS
+    v4 spoilt = {0};
+    for (; k + 4 <= n; k += 4) {
+        const v4 q = OWN(four)(top_q, rest_q, used_q, at.u[0] + (size_t)k * W);
+        const v4 p = OWN(four)(top_p, rest_p, used_p, at.u[1] + (size_t)k * W);
+        const v4 d = q * FOUR(at.factor + k) + FOUR(at.drift + k);
+        spoilt += 0.0 * OWN(add_four)(high + k, low + k, d);
+        spoilt += 0.0 * OWN(add_four)(high + n + k, low + n + k, p);
+    }
+    bad = (v2){spoilt[0] + spoilt[1], spoilt[2] + spoilt[3]};
+#endif
+    for (; k < n; k++) {
         const V u = (V)(used_q & (BITS)LOAD(at.u[0] + (size_t)k * W));
         const V f = (V)(used_p & (BITS)LOAD(at.u[1] + (size_t)k * W));
         /* two roundings also where one would do: by a decimal coefficient it is not even */
@@ -114,6 +147,8 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
     return bad[0] + bad[1];
 }
 #define FINISH OWN(finish)
+#endif
+#ifndef COPY
 #define COPY copy_state
 #endif
 
@@ -135,4 +170,5 @@ static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), FINISH, COPY
 #undef MADD_HALF
 #undef TOTALS
 #undef FINISH
+#undef FOUR_TOTALS
 #undef COPY

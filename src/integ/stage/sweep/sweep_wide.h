@@ -14,22 +14,29 @@ WIDE INLINE __m512d quarters_of(__m512d a, __m512d b) {
     return _mm512_add_pd(_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
 }
 
-/* sums over stages on their way: b_m in two parts for q and p */
+/* sums over stages on their way: b_m in two parts for q and p; lanes without a weight are no
+ * stages, and may be at a pole */
 typedef struct {
     const double *u[2];
     __m512d top[2], rest[2];
+    __mmask8 used[2];
     uint32_t rows;
 } increments;
 
-/* b_m u_m of entry k, of q and p together; zeros behind the last */
+/* b_m u_m of row k of q or p */
+WIDE INLINE __m512d product_of(const increments *x, int part, uint32_t k) {
+    const __m512d u = _mm512_maskz_loadu_pd(x->used[part], x->u[part] + (size_t)k * 8);
+    return _mm512_add_pd(_mm512_mul_pd(x->top[part], u), _mm512_mul_pd(x->rest[part], u));
+}
+
+/* of entry k, of q and p together; zeros behind the last */
 WIDE INLINE __m512d product(const increments *x, uint32_t k) {
-    if (k < x->rows) {
-        const __m512d u = _mm512_loadu_pd(x->u[0] + (size_t)k * 8);
-        return _mm512_add_pd(_mm512_mul_pd(x->top[0], u), _mm512_mul_pd(x->rest[0], u));
-    }
-    if (k >= 2 * x->rows) return _mm512_setzero_pd();
-    const __m512d u = _mm512_loadu_pd(x->u[1] + (size_t)(k - x->rows) * 8);
-    return _mm512_add_pd(_mm512_mul_pd(x->top[1], u), _mm512_mul_pd(x->rest[1], u));
+    if (k < x->rows) return product_of(x, 0, k);
+    return k < 2 * x->rows ? product_of(x, 1, k - x->rows) : _mm512_setzero_pd();
+}
+
+WIDE INLINE __mmask8 used_of(const double *top) {
+    return _mm512_cmp_pd_mask(_mm512_loadu_pd(top), _mm512_setzero_pd(), _CMP_NEQ_OQ);
 }
 
 /* sum_m b_m u_m of the entries k, k + 1, ... k + 7 */
@@ -59,6 +66,7 @@ WIDE static double finish_in_eights(const dm_sweep_end *a) {
     const increments x = {{at.u[0], at.u[1]},
                           {_mm512_loadu_pd(at.b[0]->top), _mm512_loadu_pd(at.b[1]->top)},
                           {_mm512_loadu_pd(at.b[0]->rest), _mm512_loadu_pd(at.b[1]->rest)},
+                          {used_of(at.b[0]->top), used_of(at.b[1]->top)},
                           at.rows};
     double *high = at.state, *low = at.state + entries;
     __m512d bad = _mm512_setzero_pd();
