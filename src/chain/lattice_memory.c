@@ -152,8 +152,7 @@ static int is_finite(const dm_lattice *l, const double *x) {
     eight sum[4] = {0};
     size_t i = 0;
     for (; i + 4 * GROUP <= all; i += 4 * GROUP)
-        for (size_t k = 0; k < 4; k++)
-            sum[k] += *(const eight *)(const void *)(x + i + k * GROUP);
+        for (size_t k = 0; k < 4; k++) sum[k] += *(const eight *)(const void *)(x + i + k * GROUP);
     const eight total = (sum[0] + sum[1]) + (sum[2] + sum[3]);
     return (are_finite((const double *)&total, GROUP) || are_finite(x, i)) &&
            are_finite(x + i, all - i);

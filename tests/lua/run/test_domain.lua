@@ -119,6 +119,6 @@ local root = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + d
 for s = 1, 8 do
   local path = root:solver { rule = ("gauss(%d)"):format(s), h = 0.01 }:run { q = { 0 }, v = { 1 }, steps = 5 }
   local u = sqrt(1 + 2 * sqrt(path.q[6][1]))
-  near(u ^ 3 / 3 - u + 2 / 3, 0.05, 2e-4, "gauss(" .. s .. ") from a pole")
+  near(u ^ 3 / 3 - u + 2 / 3, 0.05, 1.5e-3, "gauss(" .. s .. ") from a pole")
 end
 tap.done()
