@@ -180,6 +180,19 @@ dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_
     return DM_OK;
 }
 
+int dm_loops_lend(const dm_kernel *gradient, dm_team *team) {
+    int lent = 0;
+    if (gradient->eval != eval_gradient) return 0;
+    const whole *w = gradient->pool;
+    for (uint32_t k = 0; k < w->slopes; k++) {
+        dm_pairs *pairs = w->slope[k].pairs;
+        if (!pairs || !dm_pairs_shared(pairs)) continue;
+        pairs->team = team;
+        lent = 1;
+    }
+    return lent;
+}
+
 const dm_cells *dm_loops_cells(const dm_kernel *gradient) {
     if (gradient->eval != eval_gradient) return NULL;
     const whole *w = gradient->pool;

@@ -25,6 +25,11 @@ const dm_kernel *dm_loops_outer(const dm_kernel *value, const double **x);
 dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_node *nodes,
                             uint32_t m, dm_compile *compile, dm_arena *arena);
 
+/* Lend a team of threads to the sums over pairs of a gradient, NULL: take it back; returns whether
+ * there are such sums. The bits are those of one thread. */
+struct dm_team;
+int dm_loops_lend(const dm_kernel *gradient, struct dm_team *team);
+
 /* Of a gradient that is made of sums over cells of a mesh alone: these, else NULL; and the factors
  * of them at x. */
 struct dm_cells;

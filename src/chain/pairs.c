@@ -119,7 +119,7 @@ static void find_positions(const dm_pairs *p, const double *at[DM_NEAR_AXES]) {
 }
 
 /* Every column as an array over the bodies: a partner's is that of the body it is. */
-void dm_pairs_begin(const dm_pairs *p, const double *x) {
+static void begin(const dm_pairs *p, const double *x) {
     const dm_sum *s = p->sum;
     const double *at[DM_NEAR_AXES];
     for (uint32_t c = 0; c < s->columns; c++) {
@@ -191,7 +191,7 @@ static uint32_t run_row(const dm_pairs *p, strip *s, uint32_t i, size_t *first) 
 double dm_pairs_value(const dm_pairs *p, const double *x) {
     double sum[GROUP] = {0.0}, low[GROUP] = {0.0};
     strip s = strip_of(p, 0);
-    dm_pairs_begin(p, x);
+    begin(p, x);
     for (uint32_t i = 0; i + 1 < p->sum->bodies; i++) {
         size_t first;
         const uint32_t count = run_row(p, &s, i, &first);
@@ -221,7 +221,8 @@ static double add_up(const double *y, uint32_t count) {
            ((part[4] + part[5]) + (part[6] + part[7]));
 }
 
-void dm_pairs_strip(const dm_pairs *p, uint32_t number) {
+/* the rows of one strip */
+static void run_strip(const dm_pairs *p, uint32_t number) {
     strip s = strip_of(p, number);
     memset(s.out, 0, 2 * p->outputs * p->pitch * sizeof *s.out); /* and the totals behind it */
     for (uint32_t i = number; i + 1 < p->sum->bodies; i += p->strips) {
@@ -239,7 +240,7 @@ void dm_pairs_strip(const dm_pairs *p, uint32_t number) {
 }
 
 /* strip by strip in their order */
-void dm_pairs_end(const dm_pairs *p, double *out, double factor) {
+static void end(const dm_pairs *p, double *out, double factor) {
     for (uint32_t k = 0; k < p->outputs; k++) {
         const dm_column *c = p->sum->column + p->column[k];
         const size_t behind = is_partner(p, k) && !p->near ? 0 : p->outputs * p->pitch;
@@ -252,8 +253,19 @@ void dm_pairs_end(const dm_pairs *p, double *out, double factor) {
     }
 }
 
+/* dm_team_work: strips in turns */
+static void run_strips(void *context, uint32_t part, uint32_t parts) {
+    const dm_pairs *p = context;
+    for (uint32_t number = part; number < p->strips; number += parts) run_strip(p, number);
+}
+
 void dm_pairs_slopes(const dm_pairs *p, double *out, double factor, const double *x) {
-    dm_pairs_begin(p, x);
-    for (uint32_t number = 0; number < p->strips; number++) dm_pairs_strip(p, number);
-    dm_pairs_end(p, out, factor);
+    dm_pairs shared = *p;
+    begin(p, x);
+    dm_team_run(p->team, run_strips, &shared);
+    end(p, out, factor);
+}
+
+int dm_pairs_shared(const dm_pairs *p) {
+    return p->strips > 1 && p->loop.one.backend && strcmp(p->loop.one.backend, "jit") == 0;
 }

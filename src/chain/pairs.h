@@ -8,12 +8,14 @@
  * i mod DM_PAIR_STRIPS, and a strip has arrays of its own, which are added at the end in their
  * order: so an entry has one writer, and lanes, backends and threads give the same bits.
  *
- * Between calls only the list of neighbours lasts (chain/near.h), on which no bit depends. */
+ * Between calls only the list of neighbours lasts (chain/near.h), on which no bit depends, and the
+ * team that was set. */
 #ifndef DM_PAIRS_H
 #define DM_PAIRS_H
 
 #include "algebra/body_sum.h"
 #include "chain/near.h"
+#include "chain/team.h"
 #include "code/loops/array_loop.h"
 
 /* strips of sums over many bodies, others have one; bodies from which on they are many */
@@ -28,6 +30,7 @@ typedef struct {
     uint8_t column[DM_PAIR_COLUMNS]; /* else there is one output, the term */
     uint32_t strips;
     dm_near *near; /* NULL: all pairs */
+    dm_team *team; /* threads that deal out the strips, while they are lent; NULL: one */
     size_t pitch;  /* doubles from array to array; more than bodies + 8 */
     double *array; /* [columns][pitch] what the bodies have */
     double *strip; /* [strips]: arrays of a strip, see strip_of */
@@ -45,10 +48,7 @@ double dm_pairs_value(const dm_pairs *p, const double *x);
 /* out[entry] += factor dS/d entry. */
 void dm_pairs_slopes(const dm_pairs *p, double *out, double factor, const double *x);
 
-/* The parts of the last function: lay the bodies side by side and bring the list up to date; the
- * rows of one strip, which other threads may do beside others; add up all strips. */
-void dm_pairs_begin(const dm_pairs *p, const double *x);
-void dm_pairs_strip(const dm_pairs *p, uint32_t strip);
-void dm_pairs_end(const dm_pairs *p, double *out, double factor);
+/* May threads share the strips? Native code alone keeps nothing between rounds. */
+int dm_pairs_shared(const dm_pairs *p);
 
 #endif

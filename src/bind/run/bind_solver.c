@@ -268,7 +268,8 @@ static const dml_row functions[] =
       "stops, 4e-15 unless a looser one is asked for. sums = \"plain\": kicks and drifts without "
       "compensation, for wide ensembles and long chains: fewer operations, and round-off that "
       "grows faster (default \"compensated\"). threads: of a step, of fields on meshes by kicks "
-      "and drifts and rattle; the bits are those of one."},
+      "and drifts and rattle, and of sums over pairs of 64 bodies or more by kicks and drifts; the "
+      "bits are those of one."},
      {"resume", dml_resume,
       "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> "
       "dm.solver\n"

@@ -1,5 +1,7 @@
 #include "integ/split/splitting.h"
 
+#include "chain/loops.h"
+#include "chain/team.h"
 #include "integ/split/cells_split.h"
 #include "integ/split/chain.h"
 #include "integ/split/splitting_loop.h"
@@ -15,6 +17,7 @@ typedef struct {
     dm_splitting_loop *loop;           /* NULL: none */
     dm_chain *chain;                   /* NULL: no loops along arrays */
     dm_cells_split *cells;             /* NULL: no field on a mesh */
+    dm_team *team;                     /* for sums over pairs; NULL: one thread */
 } layout;
 
 int dm_splitting_fits(const dm_model *m) {
@@ -61,13 +64,18 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t loops = m->structure & DM_CELLS   ? dm_cells_split_work(m)
                          : m->structure & DM_LOOPS ? dm_chain_work(m)
                                                    : dm_splitting_loop_work(m);
-    return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
+    const size_t room = layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n);
+    return room + (m->structure & DM_LOOPS ? dm_team_size() : 0) + loops;
 }
 
 /* Behind x, force, kicked and the state at the start. */
-static double *loop_work(const dm_stepper *s) {
+static double *team_work(const dm_stepper *s) {
     const uint32_t n = s->model->n;
     return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params + dm_state_size(n);
+}
+
+static double *loop_work(const dm_stepper *s) {
+    return team_work(s) + (s->model->structure & DM_LOOPS ? dm_team_size() : 0);
 }
 
 /* forces a step: one for every kick but the first, which has that of the end of the step before,
@@ -92,6 +100,9 @@ static dm_status open(dm_stepper *s) {
         l->chain = dm_chain_open(m, table, s->plain, loop_work(s));
     else
         l->loop = dm_splitting_loop_open(m, table, s->plain);
+    if (m->structure & DM_LOOPS && !l->cells && !l->chain && s->threads > 1 &&
+        dm_loops_lend(&m->force, NULL))
+        l->team = dm_team_open(team_work(s), s->threads);
     s->report.plain = s->plain && (l->loop || l->chain || l->cells);
     return DM_OK;
 }
@@ -166,6 +177,7 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
     x[2 * n] = t;
     if (m->params) memcpy(x + 2 * n + 1, s->params, m->params * sizeof *x);
     dm_kernel_prepare(&m->force, force);
+    if (l->team) dm_loops_lend(&m->force, l->team);
     if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
     for (long step = 0; step < count; step++) {
         const double now = t + (double)step * h;
@@ -179,6 +191,7 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
             kick(n, p, low_p, h * table->b[k + 1], force);
         }
     }
+    if (l->team) dm_loops_lend(&m->force, NULL);
     memcpy(state, x, n * sizeof *x);
     s->report.evaluations += (table->b[0] != 0.0) + count * evaluations(table);
 }
@@ -237,7 +250,9 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
 static void close(dm_stepper *s) {
     layout *l = (layout *)(void *)s->work;
     if (l->cells) dm_cells_split_close(l->cells);
+    if (l->team) dm_team_close(l->team);
     l->cells = NULL;
+    l->team = NULL;
 }
 
 const dm_engine dm_engine_splitting = {

@@ -120,6 +120,27 @@ local file = first:checkpoint(os.tmpname())
 local rest = dm.resume(file, argon(0.3)):run { steps = 250, every = 250 }
 os.remove(file)
 ok(rest.q[#rest] == one.q[5], "a run that was cut has the same bits")
+-- threads share out the rows of pairs, never an entry: the same bits for every number of them
+for _, threads in ipairs { 1, 2, 3, 8, 20 } do
+  local other = argon(0.3):solver { rule = "verlet", h = 0.002, threads = threads }:run { q = q, v = v, steps = 400, every = 100 }
+  ok(other.q[5] == one.q[5] and other.p[5] == one.p[5], "the same bits with " .. threads .. " threads")
+end
+for _, bodies in ipairs { 10, 63, 64, 65, 150 } do
+  local x, still, runs = {}, {}, {}
+  for i = 1, 3 * bodies do x[i], still[i] = 2 * uniform(i, 4), 0 end
+  local cluster = dm.system { Q = dm.R(3 * bodies), L = function(y, u)
+    return dm.sum_over(u, function(w) return w ^ 2 / 2 end)
+      + dm.sum_over(y, function(a, b) local d = a - b return 1 / (d:dot(d) + 0.01) ^ 0.5 end, { pairs = true, block = 3 })
+  end }
+  for _, rule in ipairs { "verlet", "kahan-li(6)", "yoshida(4)" } do
+    for k, threads in ipairs { 1, 2, 5 } do
+      runs[k] = cluster:solver { rule = rule, h = 0.002, threads = threads }:run { q = x, v = still, steps = 20, every = 7 }
+    end
+    local same = true
+    for i = 1, #runs[1] do same = same and runs[1].q[i] == runs[2].q[i] and runs[1].p[i] == runs[3].p[i] end
+    ok(same, ("%s, %d bodies: the same bits with 1, 2 and 5 threads"):format(rule, bodies))
+  end
+end
 -- moved by whole boxes nothing changes but rounding
 local moved = {}
 for i = 1, 3 * n do moved[i] = q[i] + (i % 4 - 1) * 3 * L end
