@@ -54,8 +54,22 @@ local function listed(name, list)
   return out
 end
 
---- An axis: a number, a list of growing numbers, or {least, largest, count, "log" | "linear"}.
-function M.read(name, given)
+-- Parameters that are given as whole numbers stay such, as sizes of meshes must; evenly spaced ones
+-- too, where all are.
+local function keep_whole(out, given)
+  for i = 1, math.min(3, #given) do
+    if math.type(given[i]) ~= "integer" then return out end
+  end
+  for i = 1, #out do
+    if not math.tointeger(out[i]) then return out end
+  end
+  for i = 1, #out do out[i] = math.tointeger(out[i]) end
+  out.whole = true
+  return out
+end
+
+-- as numbers with a point
+local function read(name, given)
   if type(given) == "number" then given = { given } end
   if type(given) ~= "table" then
     fail("axis '%s' must be a number, a list of numbers, or {least, largest, count, \"log\" or "
@@ -76,12 +90,28 @@ function M.read(name, given)
   return out
 end
 
+--- An axis: a number, a list of growing numbers, or {least, largest, count, "log" | "linear"}.
+function M.read(name, given)
+  local out = read(name, given)
+  return name == "h" and out or keep_whole(out, type(given) == "table" and given or { given })
+end
+
 -- names of the arguments of a Lua function
 local function arguments(f)
   local out = {}
   local info = debug.getinfo(f, "u")
   for i = 1, info.nparams do out[i] = debug.getlocal(f, i) end
   return out, info.isvararg
+end
+
+--- Are all arguments of f, one at least, parameters?
+function M.takes(f, names)
+  local known, args = {}, arguments(f)
+  for _, name in ipairs(names) do known[name] = true end
+  for _, arg in ipairs(args) do
+    if not known[arg] then return false end
+  end
+  return #args > 0
 end
 
 --- f(values by name) of a function of the parameters: by the names of its arguments, or, where

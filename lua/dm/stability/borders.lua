@@ -1,5 +1,6 @@
 --- Borders of a stability map: to what is lost, and to what is not right, refined by cells between.
 local axes = require "dm.stability.axes"
+local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
 
 local M = {}
@@ -56,8 +57,23 @@ function M.find(map)
 end
 
 local function is_open(map, b)
-  return b.low and b.high and abs(b.high.x - b.low.x) > map.resolution * max(abs(b.high.x),
-    abs(b.low.x))
+  if not (b.low and b.high) then return false end
+  local gap = abs(b.high.x - b.low.x)
+  if map.by_ones then return gap > 1 end
+  return gap > map.resolution * max(abs(b.high.x), abs(b.low.x))
+end
+
+-- has a column of whole numbers no system between them, as that of sizes of a mesh?
+local function is_by_ones(map)
+  for i, b in ipairs(map.column.whole and map.borders or {}) do
+    if b.low and b.high then
+      local cell = M.cell_at(map, map.rows[i], b.low.x + 0.5)
+      local fine, why = pcall(map.system_of, cell)
+      if not fine and blame.is_stop(why) then error(why, 0) end
+      return not fine
+    end
+  end
+  return false
 end
 
 -- where in a border that is lost: nothing is known between its ends
@@ -85,7 +101,9 @@ local function between(map, list, places_of)
   for i, b in ipairs(list) do
     local parts = {}
     for k, s in ipairs(is_open(map, b) and places_of(map, b) or {}) do
-      local cell = M.cell_at(map, map.rows[i], axes.between(map.column, b.low.x, b.high.x, s))
+      local x = axes.between(map.column, b.low.x, b.high.x, s)
+      if map.by_ones then x = max(b.low.x + 1, min(b.high.x - 1, math.floor(x))) end
+      local cell = M.cell_at(map, map.rows[i], x)
       cell.number, cell.denser = k, list == map.right and DENSER or nil
       parts[k], todo[#todo + 1] = cell, cell
     end
@@ -118,6 +136,7 @@ end
 --- Narrow all borders to the resolution of the map; what a stop on request was, or nothing.
 function M.refine(map)
   local beside = map.beside
+  map.by_ones = is_by_ones(map)
   map.beside = nil
   local stopped = narrow(map, map.borders, even_places, is_lost, cells.run)
   map.beside = beside

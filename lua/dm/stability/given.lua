@@ -1,6 +1,7 @@
 --- What a map is given: a system and a start, as they are or as functions of the parameters.
 local axes = require "dm.stability.axes"
 local core = require "dm.core"
+local lines = require "dm.stability.lines"
 local starts = require "dm.base.start"
 
 local M = {}
@@ -18,16 +19,18 @@ local function with_params(system, values, names)
 end
 
 local function is_system(x)
+  if type(x) == "table" and x.line then return true end
   return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system"
 end
 
 -- system_of(cell), and the parameters that it depends on; map.base: the system whose params these
 -- are
 local function make_systems(map, system, names)
+  system = lines.wrapped(system)
   if type(system) == "function" then
     local make, used = axes.bind("system", system, names)
     return function(cell)
-      local made = make(cell.values)
+      local made = lines.wrapped(make(cell.values))
       if not is_system(made) then
         fail("'system' is a function that must return a dm.system (got %s)", type(made))
       end
@@ -56,11 +59,21 @@ local function text_of(values)
   return table.concat(text, ", ")
 end
 
+-- is it a field that is looked at, whose start may be a function of the position?
+local function is_field(map, names)
+  local values = {}
+  for _, name in ipairs(names) do values[name] = map[name][1] end
+  local fine, system = pcall(map.system_of, { values = values })
+  return fine and system.field ~= nil
+end
+
 local function make_start(map, what, given, names, uses)
   local function list(x, cell) return starts.list(x, map.base or map.system_of(cell), what) end
-  local all = type(given) ~= "function" and map.base and list(given)
+  local of_place = type(given) == "function" and not axes.takes(given, names)
+    and is_field(map, names)
+  local all = (type(given) ~= "function" or of_place) and map.base and list(given)
   if all then return function() return all end end
-  if type(given) ~= "function" then return function(cell) return list(given, cell) end end
+  if type(given) ~= "function" or of_place then return function(cell) return list(given, cell) end end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
   return function(cell)
@@ -124,6 +137,9 @@ end
 --- Look at the first cell: a start that needs no velocity where L is linear in v; misspelled rules.
 function M.check_first(map, cell)
   local system = map.system_of(cell)
+  if system.line and not map.start.p then
+    map.start.v = map.start.v or function(c) return core.zeros(map.system_of(c).Q.dimension) end
+  end
   if not map.start.v and not map.start.p then
     if not system:structure().linear_in_v then
       fail("the start is missing: give v (velocity) or p (momentum) beside q")

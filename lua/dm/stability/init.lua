@@ -7,6 +7,7 @@ local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local journal = require "dm.stability.journal"
+local lines = require "dm.stability.lines"
 local prolong = require "dm.measure.prolong"
 local flows = require "dm.stability.flows"
 local given_ = require "dm.stability.given"
@@ -22,18 +23,33 @@ local fail = option.failing(WHERE)
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "rule", "rules", "h", "steps", "t", "t0", "watch",
-  "inside", "drift", "chaos", "refine", "resolution", "threads", "project",
+local KNOWN = { "system", "q", "v", "p", "u", "ut", "rule", "rules", "h", "steps", "t", "t0",
+  "watch", "inside", "drift", "chaos", "refine", "resolution", "threads", "project",
   "newton", "backend", "sums", "observe", "accuracy", "seconds", "journal" }
 local known = {}
+-- on lines the start has their names
+local OF_LINES = { u = "q", ut = "v" }
 for _, name in ipairs(KNOWN) do known[name] = true end
+
+-- a copy with q and v in the place of u and ut
+local function renamed(options)
+  local out = {}
+  for key, value in pairs(options) do
+    local name = OF_LINES[key] or key
+    if out[name] ~= nil or name ~= key and options[name] ~= nil then
+      fail("give '%s' (on lines) or '%s', not both", key, name)
+    end
+    out[name] = value
+  end
+  return out
+end
 
 -- the names of the parameters: every option that is none of the above
 local function parameters(options)
   local names = {}
   for key, value in pairs(options) do
     if type(key) ~= "string" then
-      if key ~= 1 or type(value) ~= "userdata" then
+      if key ~= 1 or type(value) ~= "userdata" and not lines.is_line(value) then
         fail("takes names: { system =, q =, v =, rule =, h =, steps = }, and parameters k = {...}")
       end
     elseif not known[key] then
@@ -127,7 +143,10 @@ Where does a method fail? A map over the step h and up to two parameters of any 
 {least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
 are one, too) or one number. A parameter is an argument of that name of the function that makes the
 system (system = function(k) return dm.system{...} end), or of functions q, v, p that give the
-start, or is among the params of a system. Every cell is run in C, on all cores, over the same
+start, or is among the params of a system. Parameters that are whole numbers stay such: of fields on
+meshes and lines (dm.field, with u and ut in the place of q and v) a parameter may be a size,
+system = function(N) return dm.mesh{grid = N}:field{...} end, and q, v functions of the position;
+map:theory is then the CFL limit. Every cell is run in C, on all cores, over the same
 number of steps or the same duration t, and told apart by its rows: bounded, wrong (bounded, but
 further from the resolved flow than the accuracy), drifting (a slope of the energy above 5 standard
 errors that moves it by more than drift = 1e-6 of the kinetic energy),
@@ -270,6 +289,7 @@ M.stability = blame.caller(function(options)
     fail("takes a table { system =, q =, v =, rule =, h = {least, largest, count, \"log\"}, steps "
       .. "= }")
   end
+  options = renamed(options)
   check_options(options)
   local names = parameters(options)
   local map = new_map(options, names)

@@ -197,7 +197,7 @@ local function linear_of(map, i, what)
   row.linear = row.linear or {}
   if not row.linear[what] then
     local cell = { rule = row.number, values = row.values, h = map.h[1] }
-    row.linear[what] = table.pack(require "dm.stability.linear"[what](map, cell, map.h))
+    row.linear[what] = table.pack(require "dm.stability.along_orbit"[what](map, cell, map.h))
   end
   return table.unpack(row.linear[what], 1, row.linear[what].n)
 end

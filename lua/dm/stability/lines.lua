@@ -1,0 +1,186 @@
+--- Fields on a line in a stability map: what its passes ask of a system and of an ensemble, done by
+-- runs of the field, one a member.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local grids = require "dm.line.grid"
+
+local M = {}
+
+local abs, max, min, huge = math.abs, math.max, math.min, math.huge
+
+---- what the rows of a member say: the numbers of src/run/summary.h ----
+
+-- the largest |y - y_0| from row `from` to row `to`, the least, and max y - min y
+local function spread(y, from, to)
+  local far, near, low, high = 0, huge, huge, -huge
+  for r = from, to do
+    local away = abs(y[r] - y[1])
+    if away ~= away then return huge, 0, -huge, huge end
+    far, near, low, high = max(far, away), min(near, away), min(low, y[r]), max(high, y[r])
+  end
+  return far, near, low, high
+end
+
+local function summary_of(t, y)
+  local rows, out = #y, { first = y[1], last = y[#y], slope = 0, error = 0, mean = y[1] }
+  local quarter = max(1, rows // 4)
+  out.early, out.late = spread(y, 1, quarter), spread(y, rows - quarter + 1, rows)
+  local _, _, low, high = spread(y, 1, rows)
+  out.least, out.largest = low, high
+  local _, nearest, bottom, top = spread(y, max(2, rows // 2 + 1), rows)
+  out.nearest, out.span = nearest, rows > 1 and top - bottom or huge
+  if rows > 2 and high < huge and low > -huge then
+    local fit = core.drift(core.vector(t), core.vector(y))
+    out.slope, out.error, out.mean = fit.per_time, fit.error, fit.mean
+  end
+  return out
+end
+
+---- ensembles ----
+
+-- the columns of a run that are watched: "energy", and functions (q, v, t, p) without a v
+local function columns_of(run, watch)
+  local out = {}
+  for name, f in pairs(watch) do
+    local y = {}
+    for i = 1, #run do
+      y[i] = type(f) == "function" and f(run.u[i], nil, run.t[i], run.p[i]) or run.energy[i]
+    end
+    out[type(name) == "string" and name or f] = y
+  end
+  return out
+end
+
+-- one member: { status, steps, t, columns }; raises what refuses the start
+local function member(solver_of, o, i)
+  local h = o.h[i]
+  local steps = o.steps or math.ceil(o.t / h - 1e-9)
+  local fine, run = pcall(function()
+    return solver_of(h):run { u = o.q[i], ut = o.v and o.v[i], p = o.p and o.p[i], t0 = o.t0,
+      steps = steps, every = max(1, steps // (o.rows or 1)) }
+  end)
+  local failure = not fine and type(run) ~= "string" and run.path and run
+  if not fine and not failure then error(run, 0) end
+  if failure then run = failure.path end
+  return { status = failure and failure.code or "ok", steps = run.steps, t = run.t,
+    columns = columns_of(run, o.watch), failure = failure or nil }
+end
+
+local Ensemble = {}
+Ensemble.__index = Ensemble
+
+function Ensemble:summary(name)
+  local out = {}
+  for i, one in ipairs(self.list) do
+    for key, x in pairs(summary_of(one.t, one.columns[name])) do
+      out[key] = out[key] or {}
+      out[key][i] = x
+    end
+  end
+  return out
+end
+
+function Ensemble:failures()
+  local out = {}
+  for i, one in ipairs(self.list) do
+    if one.failure then
+      out[#out + 1] = { member = i, code = one.status, message = one.failure.message }
+    end
+  end
+  return out
+end
+
+local function ensemble(solver_of, o)
+  local e = setmetatable({ list = {}, status = {}, steps = {}, systems = 1 }, Ensemble)
+  for i = 1, o.members do
+    local one = member(solver_of, o, i)
+    if one.status == "stopped" then
+      one.failure.path = e
+      for k = i, o.members do e.list[k], e.status[k], e.steps[k] = one, "stopped", 0 end
+      error(one.failure, 0)
+    end
+    e.list[i], e.status[i], e.steps[i] = one, one.status, one.steps
+  end
+  return e
+end
+
+---- systems ----
+
+-- does L depend on t? Looked at with numbers
+local function is_autonomous(field)
+  local random, n = core.random(5), field.values
+  for row = 1, 5 do
+    local function sample(which)
+      local w = core.zeros(n)
+      for k = 1, n do w[k] = 0.1 + 0.8 * random:uniform(row, 3 * k + which) end
+      return n == 1 and w[1] or w
+    end
+    local u, ut, ux = sample(1), sample(2), sample(3)
+    local x = field.from + field.dx * random:uniform(row, 0)
+    local fine, a, b = pcall(function()
+      return field.L(u, ut, ux, x, 0.1 * row), field.L(u, ut, ux, x, 0.7 + 0.1 * row)
+    end)
+    if fine and a ~= b and a == a and b == b then return false end
+  end
+  return true
+end
+
+local System = {}
+System.__index = System
+
+function System:structure()
+  self.autonomous = self.autonomous == nil and is_autonomous(self.line) or self.autonomous
+  -- absorbing ends take the energy away
+  local closed = not (self.line.absorbing.left or self.line.absorbing.right)
+  return { separable = true, linear_in_v = true, constant_mass = true,
+    autonomous = self.autonomous and closed }
+end
+
+function System:solver(options)
+  local field = self.line
+  local function of(h) return field:solver { rule = options.rule, h = h } end
+  local kept = of(options.h)
+  local function at(h)
+    if kept.h ~= h then kept = of(h) end
+    return kept
+  end
+  return {
+    ensemble = function(_, o) return ensemble(at, o) end,
+    run = function(_, o)
+      local run = at(options.h):run { u = o.q, ut = o.v, p = o.p, steps = o.steps, t0 = o.t0 }
+      return { q = run.u, p = run.p }
+    end,
+  }
+end
+
+--- Is x a field on a line?
+function M.is_line(x)
+  local meta = type(x) == "table" and getmetatable(x)
+  return meta and meta.__name == "dm.line_field" or false
+end
+
+--- The field as such a system; anything else as it is.
+function M.wrapped(x)
+  if not M.is_line(x) then return x end
+  local keys = { q = "u", v = "ut", p = "p" }
+  return setmetatable({ line = x, given = {}, Q = { dimension = x.nodes * x.values },
+    field = { n = x.nodes * x.values, start = function(given, key)
+      return grids.values(x.grid, given, x.values, keys[key] or key, "dm.stability")
+    end } }, System)
+end
+
+---- theory ----
+
+--- The limit of the start of a cell, nil where it has none; and a sentence.
+function M.limit(map, cell, system)
+  local rule = map.rule_list[cell.rule]
+  local fine, limit = pcall(system.line.stability_limit, system.line, rule,
+    { u = map.start.q(cell) })
+  if not fine and blame.is_stop(limit) then error(limit, 0) end
+  if not fine then return nil, (tostring(limit):gsub("^[^\n]-lua:%d+: ", "")) end
+  if limit == huge then return huge, "no oscillation about the start grows at any height" end
+  return limit, ("about the start the fastest oscillation of %d cells grows from lambda = h/dx = "
+    .. "%.6g on"):format(system.line.cells, limit / system.line.dx)
+end
+
+return M
