@@ -1335,6 +1335,44 @@ function dm_factor_class:solve(b) end
 ---@class dm.failure
 local dm_failure_class = {}
 
+---dm.field_chart: errors of a field over its size, made by dm.chart{system = function(N) ... end,
+---N = {...}, ...}
+---fields: points (a list of {rule, size, width (of a cell), h, steps, error, ns}), rules (names),
+---failures (what could not be run, and why), name (of the size), against
+---@class dm.field_chart
+local dm_field_chart_class = {}
+
+---chart:csv(file) -> file name   or   chart:csv() -> string
+---
+---A line per point: rule, size, width, h, steps, error, ns.
+---@param file? string
+---@return string
+function dm_field_chart_class:csv(file) end
+
+---chart:order([rule]) -> number   or   nil, sentence
+---
+---The slope of ln error over ln width of a cell, between the two finest sizes of a rule (default: the
+---first).
+---@param rule? any
+---@return number|nil
+---@return any
+function dm_field_chart_class:order(rule) end
+
+---chart:plot{file=, against = "width" | "ns" | "h", ...} -> file or nothing
+---
+---Errors over the width of a cell (or CPU time, or the step), both logarithmic, a line per rule.
+---Other options as in dm.plot.
+---@param options? table
+---@return any|nil
+function dm_field_chart_class:plot(options) end
+
+---chart:table() -> string
+---
+---A line for every size of every rule: width of a cell, step, error, order from the size before, CPU
+---time; then what failed.
+---@return string
+function dm_field_chart_class:table() end
+
 ---dm.flow: what a run of K:euler recorded
 ---fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
 ---rule, solver, sweeps (rates that a step needed, in the mean), file; #run rows
@@ -5286,6 +5324,12 @@ function dm.ceil(x) end
 ---On a terminal's stderr a line tells how far it is from 2 s on. chart:table(), :order(rule),
 ---:cheapest(error), :pareto(), :plot{}, :csv().
 ---On Ctrl-C the error's `chart` field has what was measured so far, which a session keeps as _.
+---Fields over their size: system = function(N) that returns a field (K:field, dm.field, K:euler,
+---dm.multisymplectic), N = {8, 16, 32}, h a number, a list or a function of N, rule or rules, t, the
+---start in functions of the position, and exact = f(x, ..., t), a formula; without it the finest size
+---is compared with (through dm.remesh, or at the nodes that they share). error: "norm" (the default,
+---relative) or "largest"; component: of boxes. -> dm.field_chart: chart:table(), :order(rule),
+---:plot{}, :csv().
 ---@param options? table
 ---@return dm.chart
 function dm.chart(options) end
@@ -6117,7 +6161,7 @@ function dm.smith(A) end
 
 ---dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, threads=} -> dm.solver
 ---
----A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated"). threads: of a step, of fields on meshes by kicks and drifts and rattle; the bits are those of one.
+---A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated"). threads: of a step, of fields on meshes by kicks and drifts and rattle, and of sums over pairs of 64 bodies or more by kicks and drifts; the bits are those of one.
 ---@param options? table
 ---@return dm.solver
 function dm.solver(options) end
@@ -6142,7 +6186,10 @@ function dm.sqrt(x) end
 ---{least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
 ---are one, too) or one number. A parameter is an argument of that name of the function that makes the
 ---system (system = function(k) return dm.system{...} end), or of functions q, v, p that give the
----start, or is among the params of a system. Every cell is run in C, on all cores, over the same
+---start, or is among the params of a system. Parameters that are whole numbers stay such: of fields on
+---meshes and lines (dm.field, with u and ut in the place of q and v) a parameter may be a size,
+---system = function(N) return dm.mesh{grid = N}:field{...} end, and q, v functions of the position;
+---map:theory is then the CFL limit. Every cell is run in C, on all cores, over the same
 ---number of steps or the same duration t, and told apart by its rows: bounded, wrong (bounded, but
 ---further from the resolved flow than the accuracy), drifting (a slope of the energy above 5 standard
 ---errors that moves it by more than drift = 1e-6 of the kinetic energy),

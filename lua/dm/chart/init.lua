@@ -12,6 +12,7 @@ local orders = require "dm.chart.orders"
 local ranks = require "dm.sweep.ranks"
 local reference = require "dm.chart.reference_run"
 local show = require "dm.chart.show"
+local sizes = require "dm.chart.sizes"
 local starts = require "dm.base.start"
 local tables = require "dm.chart.table"
 
@@ -221,7 +222,13 @@ chart is never split, since times of two machines do not compare: of parts and r
 measures (docs/sweeps.md). chart.journal is { file, found, run }.
 On a terminal's stderr a line tells how far it is from 2 s on. chart:table(), :order(rule),
 :cheapest(error), :pareto(), :plot{}, :csv().
-On Ctrl-C the error's `chart` field has what was measured so far, which a session keeps as _.]]
+On Ctrl-C the error's `chart` field has what was measured so far, which a session keeps as _.
+Fields over their size: system = function(N) that returns a field (K:field, dm.field, K:euler,
+dm.multisymplectic), N = {8, 16, 32}, h a number, a list or a function of N, rule or rules, t, the
+start in functions of the position, and exact = f(x, ..., t), a formula; without it the finest size
+is compared with (through dm.remesh, or at the nodes that they share). error: "norm" (the default,
+relative) or "largest"; component: of boxes. -> dm.field_chart: chart:table(), :order(rule),
+:plot{}, :csv().]]
 
 local SHARE_OF_STEPS, SHARE_OF_REFERENCE = 0.25, 0.9  -- of the seconds that are left
 
@@ -348,6 +355,7 @@ local function kept_chart(system, options)
 end
 
 M.chart = blame.caller(function(options)
+  if sizes.is_meant(options) then return sizes.chart(options) end
   local system = check_options(options)
   options = starts.lists(options, system)
   if options.journal or ranks.here() then return kept_chart(system, options) end

@@ -73,7 +73,9 @@ local function make_start(map, what, given, names, uses)
     and is_field(map, names)
   local all = (type(given) ~= "function" or of_place) and map.base and list(given)
   if all then return function() return all end end
-  if type(given) ~= "function" or of_place then return function(cell) return list(given, cell) end end
+  if type(given) ~= "function" or of_place then
+    return function(cell) return list(given, cell) end
+  end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
   return function(cell)

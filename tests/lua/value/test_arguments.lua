@@ -82,6 +82,8 @@ local five, nought = dm.vector { 1, 2, 3, 4, 5 }, dm.zeros(5)
 local boxes = dm.multisymplectic { names = { "u", "p", "q" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
   S = function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 + 2 * z[1] ^ 2 end, x = { 0, 6, 5, periodic = true } }
 local box_solver = boxes:solver { h = 0.1 }
+local strings = dm.chart { system = function(n) return dm.field { x = { 0, 1, n }, fixed = "ends", L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end } end,
+  n = { 4, 8 }, t = 0.5, h = 0.1, u = math.sin, exact = function(x) return math.sin(x) end }
 local box_run = box_solver:run { z = { u = math.sin, p = math.cos }, steps = 4 }
 
 -- class -> method -> a list of calls that are right: { object, arguments }
@@ -175,6 +177,7 @@ local calls = {
     solver = { { rule = "lie(1)", h = 0.1 } } } },
   ["dm.reduced_path"] = { { spun } },
   ["dm.section"] = { { rows, plot = { {} } } },
+  ["dm.field_chart"] = { { strings, order = { "cell(gauss(2))" } } },
   ["dm.chart"] = { { chart, cheapest = { 0.1 }, order = { "verlet" } } },
   ["dm.stability_map"] = { { map, at = { 1, 1 }, limit = { 1 }, theory = { 1 }, table = { 3 } } },
   ["dm.action"] = { { turn, act = { { 0.1 }, a }, free = { a }, generator = { a }, isotropy = { a }, momentum = { a, b }, on_points = { 2 }, jet = { 1 },

@@ -41,8 +41,12 @@ function M.lagrangian_of(S, l, h)
     local rate, xi = space.parts(S, v)
     local half = S.d > 0 and rate * (h / 2) or x
     local f = S.kit.exp(xi * h)
-    if S.single then return l(f, h) / h end
-    return l(x - half, x + half, f, h) / h
+    local value = S.single and l(f, h)
+    if not S.single then value = l(x - half, x + half, f, h) end
+    if value == nil or type(value) == "table" then
+      option.fail("dm.lagrange_poincare", "l must return a number (got %s)", option.got(value))
+    end
+    return value / h
   end
 end
 

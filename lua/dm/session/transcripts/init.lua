@@ -14,6 +14,7 @@ local wings = {
   "modules",
   "results",
   "runs",
+  "sizes",
   "traced",
   "values",
   "workings",
