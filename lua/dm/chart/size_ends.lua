@@ -73,8 +73,8 @@ end
 
 ---- kinds ----
 
--- keys of a start; values of the last row of a run; weights of their squares; width of a cell; values
--- of a function of the position and t; values of those of a finer field
+-- keys of a start; values of the last row of a run; weights of their squares; width of a cell;
+-- values of a function of the position and t; values of those of a finer field
 local kinds = {}
 
 kinds.mesh = {
