@@ -5422,7 +5422,7 @@ function dm.cosh(x) end
 
 ---dm.cpu() -> number
 ---
----Seconds of CPU time that the process has used.
+---Seconds of CPU time that the process has used, also for factors of large matrices, which are made in a process of their own.
 ---@return number
 function dm.cpu() end
 

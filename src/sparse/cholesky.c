@@ -20,12 +20,11 @@ static cholmod_sparse view(const dm_sparse *A) {
                             .packed = 1};
 }
 
-/* Analysis and numbers. A stop is seen between them, whenever memory is asked for, and in BLAS. */
+/* analysis and numbers */
 static dm_status factorize(dm_factor *f, cholmod_sparse *A) {
     cholmod_common *c = &f->common;
     f->L = cholmod_analyze(A, c);
     if (!f->L) return DM_NO_MEMORY;
-    if (dm_library_is_stopped()) return DM_STOPPED;
     cholmod_factorize(A, f->L, c);
     if (c->status == CHOLMOD_NOT_POSDEF) return DM_SINGULAR;
     return c->status == CHOLMOD_OK ? DM_OK : DM_NO_MEMORY;
@@ -40,7 +39,7 @@ dm_status dm_cholesky_factor(dm_factor *f, double *condition) {
     const dm_status status = factorize(f, &A);
     *condition = status == DM_OK ? cholmod_rcond(f->L, &f->common) : 0.0;
     dm_library_leave();
-    return f->stopped ? DM_STOPPED : status;
+    return status;
 }
 
 /* CHOLMOD keeps its own x and workspace for the next solve */
@@ -71,42 +70,18 @@ static int64_t negatives_of(const cholmod_factor *L) {
     return negatives;
 }
 
-/* P A P^T with its upper triangle stored */
-static cholmod_sparse *permuted(dm_factor *f, cholmod_sparse *A) {
-    cholmod_sparse *lower = cholmod_ptranspose(A, 2, f->L->Perm, NULL, 0, &f->common);
-    return lower ? cholmod_ptranspose(lower, 2, NULL, NULL, 0, &f->common) : NULL;
-}
-
-/* L D L^T, some rows at a time, so that a stop is seen between them: no BLAS is in it */
-static dm_status factorize_rows(dm_factor *f, cholmod_sparse *A) {
-    enum { ROWS = 32 };
-    cholmod_common *c = &f->common;
-    double beta[2] = {0.0, 0.0};
-    f->L = cholmod_analyze(A, c);
-    cholmod_sparse *S = f->L ? permuted(f, A) : NULL;
-    if (!S) return DM_NO_MEMORY;
-    for (size_t row = 0; row < S->nrow && c->status == CHOLMOD_OK; row += ROWS) {
-        const size_t end = row + ROWS < S->nrow ? row + ROWS : S->nrow;
-        if (dm_library_is_stopped()) return DM_STOPPED;
-        cholmod_rowfac(S, NULL, beta, row, end, f->L, c);
-    }
-    if (c->status == CHOLMOD_NOT_POSDEF) return DM_SINGULAR;
-    return c->status == CHOLMOD_OK ? DM_OK : DM_NO_MEMORY;
-}
-
 /* Simplicial, since supernodes have L L^T only. */
-dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena,
-                     volatile const int *stop) {
-    dm_factor f = {.A = A, .arena = arena, .stop = stop};
+dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena) {
+    dm_factor f = {.A = A, .arena = arena};
     cholmod_sparse symmetric = view(A);
     dm_library_enter(&f);
     cholmod_start(&f.common);
     f.common.print = 0;
     f.common.supernodal = CHOLMOD_SIMPLICIAL;
     f.common.final_ll = 0;
-    const dm_status status = factorize_rows(&f, &symmetric);
+    const dm_status status = factorize(&f, &symmetric);
     if (status == DM_OK) *negatives = negatives_of(f.L);
     dm_library_leave();
     dm_library_release(&f);
-    return f.stopped ? DM_STOPPED : status;
+    return status;
 }

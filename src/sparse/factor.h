@@ -16,8 +16,6 @@ struct dm_factor {
     const dm_sparse *A;
     dm_arena *arena;          /* whose allocator gives */
     dm_library_block *blocks; /* all that were given, newest first */
-    volatile const int *stop; /* while it is made: set, no more memory is given */
-    int stopped;              /* that is why */
     /* Cholesky: workspace and factors */
     cholmod_common common;
     cholmod_factor *L;
@@ -30,20 +28,13 @@ struct dm_factor {
 void dm_library_enter(dm_factor *f);
 void dm_library_leave(void);
 
-/* Between them: is the factorization to stop? Then it is noted as stopped. */
-int dm_library_is_stopped(void);
-
-/* Is this function there? Where it is not, the factorization is given up. */
-int dm_library_has(const void *function);
-
 /* All blocks back to the allocator. */
 void dm_library_release(dm_factor *f);
 
 /* Both of one factorization: Cholesky's is of the symmetric matrix in the upper triangle. */
 dm_status dm_cholesky_factor(dm_factor *f, double *condition);
 dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b);
-dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena,
-                     volatile const int *stop);
+dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena);
 /* LU of the whole matrix; its solves refine until rounding. */
 dm_status dm_umfpack_factor(dm_factor *f, double *condition);
 dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b);

@@ -19,21 +19,23 @@ struct dm_library_block {
 static _Thread_local dm_factor *owner;
 static _Thread_local struct SuiteSparse_config_struct before;
 
-int dm_library_is_stopped(void) {
-    if (!owner || !owner->stop || !*owner->stop) return 0;
-    owner->stopped = 1;
-    return 1;
+/* of OpenMP, where CHOLMOD was built with it */
+__attribute__((weak)) int omp_get_max_active_levels(void);
+__attribute__((weak)) void omp_set_max_active_levels(int levels);
+static _Thread_local int levels;
+
+/* No threads of OpenMP: a process that is forked later has none of them and would wait for them.
+ * They are for sums between calls of BLAS only, a few parts in a hundred of the time. */
+static void be_alone(void) {
+    if (!omp_get_max_active_levels || !omp_set_max_active_levels) return;
+    levels = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
 }
 
-int dm_library_has(const void *function) {
-    if (!function && owner) owner->stopped = 1;
-    return function != NULL;
-}
-
-/* a block of the owner, or NULL: no memory, or it is to stop */
+/* a block of the owner, or NULL: no memory */
 static void *give(size_t size) {
     const size_t head = sizeof(dm_library_block) + ALIGNMENT;
-    if (dm_library_is_stopped() || size > SIZE_MAX - head) return NULL;
+    if (size > SIZE_MAX - head) return NULL;
     unsigned char *raw = owner->arena->allocate(owner->arena->ud, NULL, 0, size + head);
     if (!raw) return NULL;
     const uintptr_t at = ((uintptr_t)raw + head) & ~(uintptr_t)(ALIGNMENT - 1);
@@ -74,6 +76,7 @@ static void *resize(void *memory, size_t size) {
 
 void dm_library_enter(dm_factor *f) {
     owner = f;
+    be_alone();
     before = SuiteSparse_config;
     SuiteSparse_config.malloc_func = give;
     SuiteSparse_config.calloc_func = give_cleared;
@@ -83,6 +86,7 @@ void dm_library_enter(dm_factor *f) {
 
 void dm_library_leave(void) {
     SuiteSparse_config = before;
+    if (omp_set_max_active_levels) omp_set_max_active_levels(levels);
     owner = NULL;
 }
 

@@ -3,14 +3,13 @@
 
 /* The struct lies in the arena, what the libraries take in blocks of its allocator. */
 static dm_status factor(dm_factor **out, dm_factorization kind, const dm_sparse *A, dm_arena *arena,
-                        volatile const int *stop, double *condition) {
+                        double *condition) {
     dm_factor *f = dm_arena_take(arena, sizeof *f);
     *out = NULL;
     if (!f) return DM_NO_MEMORY;
-    *f = (dm_factor){.kind = kind, .A = A, .arena = arena, .stop = stop};
+    *f = (dm_factor){.kind = kind, .A = A, .arena = arena};
     const dm_status status =
         kind == DM_CHOLESKY ? dm_cholesky_factor(f, condition) : dm_umfpack_factor(f, condition);
-    f->stop = NULL;
     if (status != DM_OK) {
         dm_library_release(f);
         return status;

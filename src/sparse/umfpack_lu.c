@@ -4,8 +4,7 @@
 #include <suitesparse/umfpack.h>
 
 /* what is neither fine nor singular is want of memory: the matrix was looked at before */
-static dm_status status_of(const dm_factor *f, int status) {
-    if (f->stopped) return DM_STOPPED;
+static dm_status status_of(int status) {
     if (status == UMFPACK_OK) return DM_OK;
     return status == UMFPACK_WARNING_singular_matrix ? DM_SINGULAR : DM_NO_MEMORY;
 }
@@ -23,7 +22,7 @@ dm_status dm_umfpack_factor(dm_factor *f, double *condition) {
     umfpack_di_free_symbolic(&symbolic);
     dm_library_leave();
     *condition = status == UMFPACK_OK ? info[UMFPACK_RCOND] : 0.0;
-    return status_of(f, status);
+    return status_of(status);
 }
 
 /* with its steps of refinement */
@@ -33,5 +32,5 @@ dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b) {
     const int status =
         umfpack_di_solve(UMFPACK_A, A->start, A->row, A->value, x, b, f->numeric, NULL, NULL);
     dm_library_leave();
-    return status_of(f, status);
+    return status_of(status);
 }

@@ -19,7 +19,6 @@ return {
     { "code/native/code_memory", "mmap", "native code lives in pages of its own" },
     { "code/native/code_memory", "mprotect", "which are written first, then executed" },
     { "code/native/code_memory", "munmap", "and given back" },
-    { "sparse/blas_stop", "dlsym", "the BLAS behind the one that looks at stop" },
   },
   -- functions over the limit: file, name, lines, why
   functions = {

@@ -1,6 +1,7 @@
 /* bind_deadline.c - `core.within`: a call that is ended when its CPU time is over, by the same road
  * as Ctrl-C: runs look at dml_stop between bursts of steps. */
 #include "bind/core/bind.h"
+#include "bind/core/child_process.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,12 +20,6 @@ static const double SOONEST = 1e-3; /* s from look to look */
 static const double PART = 0.25;    /* of the CPU time that is left: several threads use it up */
 
 static volatile sig_atomic_t late; /* it has rung, and no call has ended by it yet */
-
-static double cpu(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* look again when the time that is left may be over; never where there is no end */
 static void set_timer(double left) {
@@ -46,7 +41,7 @@ static void tell(double left) {
 
 static void look(int signal) {
     (void)signal;
-    tell(deadline.until - cpu());
+    tell(deadline.until - dml_cpu());
 }
 
 /* false where the system has no such timer: then nothing is ended */
@@ -61,7 +56,7 @@ static int make_timer(void) {
 
 /* ring at this time of the clock; one that is over rings at once */
 static void set_deadline(double until) {
-    const double left = until - cpu();
+    const double left = until - dml_cpu();
     deadline.until = until;
     if (make_timer()) tell(left);
 }
@@ -83,7 +78,7 @@ static int is_stop(lua_State *L) {
 static int within(lua_State *L) {
     const double seconds = luaL_checknumber(L, 1), before = deadline.until;
     luaL_checkany(L, 2);
-    set_deadline(fmin(before, cpu() + fmax(seconds, 0.0)));
+    set_deadline(fmin(before, dml_cpu() + fmax(seconds, 0.0)));
     const int status = lua_pcall(L, lua_gettop(L) - 2, LUA_MULTRET, 0);
     set_deadline(INFINITY); /* it does not ring any more */
     const int rung = late;

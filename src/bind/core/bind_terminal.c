@@ -1,6 +1,8 @@
 /* bind_terminal.c - `core.terminal`, `core.clock`, and the line of progress. */
 #include "bind/core/bind_terminal.h"
 
+#include "bind/core/child_process.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,11 +126,8 @@ static int clock_now(lua_State *L) {
     return 1;
 }
 
-/* CPU time of the process, of all its threads */
 static int cpu_now(lua_State *L) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    lua_pushnumber(L, (double)t.tv_sec + 1e-9 * (double)t.tv_nsec);
+    lua_pushnumber(L, dml_cpu());
     return 1;
 }
 
@@ -151,7 +150,9 @@ static const dml_row functions[] =
      {"clock", clock_now,
       "dm.clock() -> number\n"
       "Seconds of a clock that never goes back; only differences mean something."},
-     {"cpu", cpu_now, "dm.cpu() -> number\nSeconds of CPU time that the process has used."},
+     {"cpu", cpu_now,
+      "dm.cpu() -> number\nSeconds of CPU time that the process has used, also for factors of "
+      "large matrices, which are made in a process of their own."},
      {"load_average", load_now,
       "dm.load_average() -> number\n"
       "Load of the machine over the last minute, 0 where the system does not tell."},

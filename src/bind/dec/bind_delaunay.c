@@ -1,7 +1,7 @@
 /* bind_delaunay.c - Delaunay triangulations of points, by dm/delaunay.so. */
 #include "bind/core/bind.h"
+#include "bind/core/child_process.h"
 #include "bind/core/module.h"
-#include "bind/dec/delaunay_child.h"
 #include "bind/value/array.h"
 #include "dec/complex.h"
 #include "dec/delaunay.h"
@@ -9,6 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { FEW = 5000 }; /* points: of more Ctrl-C ends the triangulation */
 
 static const dm_delaunay *load(lua_State *L) {
     static const dm_delaunay *table;
@@ -94,12 +96,24 @@ static int push_line(lua_State *L, const double *points, uint32_t count) {
     return 1;
 }
 
+typedef struct {
+    const dm_delaunay *table;
+    const double *points; /* [count][n] */
+    uint32_t count, n;
+    /* set */
+    uint32_t *cell, cells;
+    dm_delaunay_report report;
+} job;
+
+static dm_status triangulate(void *given, dm_arena *arena) {
+    job *j = given;
+    return j->table->triangulate(&j->cell, &j->cells, j->points, j->count, j->n, arena, &j->report);
+}
+
 static int delaunay(lua_State *L) {
     const dml_array *a = dml_checkarray(L, 1, 2);
     const double *points = dml_numbersof(a);
     const uint32_t count = a->rows, n = a->columns;
-    dm_delaunay_report report;
-    uint32_t *cell, cells;
     if (!points || n < 1 || n > DM_DIMENSION)
         luaL_error(L, "dm.mesh: points of 1 to %d coordinates are triangulated", DM_DIMENSION);
     if (count < n + 1)
@@ -109,15 +123,15 @@ static int delaunay(lua_State *L) {
         if (!isfinite(points[i]))
             luaL_error(L, "dm.mesh: point %d is not finite", (int)(i / n) + 1);
     if (n == 1) return push_line(L, points, count);
-    const dm_delaunay *table = load(L);
+    job j = {.table = load(L), .points = points, .count = count, .n = n};
     sort_points(L, points, count, n, NULL);
     dm_arena *arena = dml_pusharena(L);
-    const dm_status status =
-        dml_triangulate(table, &cell, &cells, points, count, n, arena, &dml_stop, &report);
-    if (status == DM_SINGULAR) refuse(L, &report, n);
+    const dm_status status = count <= FEW ? triangulate(&j, arena)
+                                          : dml_child(triangulate, &j, sizeof j, arena, &dml_stop);
+    if (status == DM_SINGULAR) refuse(L, &j.report, n);
     if (status == DM_STOPPED) dml_checkstop(L);
     if (status != DM_OK) luaL_error(L, "dm.mesh: %s", dm_status_text(status));
-    return push_cells(L, cell, (size_t)cells * (n + 1));
+    return push_cells(L, j.cell, (size_t)j.cells * (n + 1));
 }
 
 static const dml_row functions[] =

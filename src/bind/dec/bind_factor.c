@@ -67,7 +67,7 @@ static dm_status make(lua_State *L, solver *s, dm_arena *arena) {
     s->solvers = dml_solvers(&why);
     if (!s->solvers) luaL_error(L, "%s", why);
     return s->solvers->factor(&s->factor, s->way == BY_CHOLESKY ? DM_CHOLESKY : DM_LU, s->A, arena,
-                              &dml_stop, &s->condition);
+                              &s->condition);
 }
 
 /* A:factor("cholesky" | "lu" | "gradients" | "dense") -> dm.factor or nil */
@@ -279,7 +279,7 @@ static int sparse_negatives(lua_State *L) {
     int64_t negatives = 0;
     if (!solvers) luaL_error(L, "%s", why);
     if (A->rows != A->columns) luaL_error(L, "the matrix is not square");
-    const dm_status status = solvers->inertia(&negatives, A, dml_pusharena(L), &dml_stop);
+    const dm_status status = solvers->inertia(&negatives, A, dml_pusharena(L));
     if (status == DM_SINGULAR) return 0;
     if (status == DM_STOPPED) dml_checkstop(L);
     if (status != DM_OK) luaL_error(L, "an inertia: %s", dm_status_text(status));

@@ -1,14 +1,66 @@
-/* library.c - dm/sparse.so, opened when the first solver is asked for. */
+/* library.c - dm/sparse.so, opened when the first solver is asked for. Large matrices are
+ * factorized in a process of its own, which Ctrl-C ends: orderings and factors ask nobody. */
+#include "bind/core/bind.h"
+#include "bind/core/child_process.h"
 #include "bind/core/module.h"
 #include "bind/dec/bind_sparse.h"
 
+/* entries of a matrix: fewer are factorized in less time than a process takes to make */
+enum { FEW = 20000 };
+
+static const dm_solvers *loaded;
+
+typedef struct {
+    dm_factorization kind;
+    const dm_sparse *A;
+    /* set */
+    dm_factor *factor;
+    double condition;
+    int64_t negatives;
+} job;
+
+static dm_status factorize(void *given, dm_arena *arena) {
+    job *j = given;
+    return loaded->factor(&j->factor, j->kind, j->A, arena, &j->condition);
+}
+
+static dm_status count_negatives(void *given, dm_arena *arena) {
+    job *j = given;
+    return loaded->inertia(&j->negatives, j->A, arena);
+}
+
+static dm_status run(dml_work *work, job *j, dm_arena *arena) {
+    if (j->A->start[j->A->columns] <= FEW) return work(j, arena);
+    return dml_child(work, j, sizeof *j, arena, &dml_stop);
+}
+
+static dm_status factor(dm_factor **out, dm_factorization kind, const dm_sparse *A, dm_arena *arena,
+                        double *condition) {
+    job j = {.kind = kind, .A = A};
+    const dm_status status = run(factorize, &j, arena);
+    *out = status == DM_OK ? j.factor : NULL;
+    *condition = j.condition;
+    return status;
+}
+
+static dm_status inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena) {
+    job j = {.A = A};
+    const dm_status status = run(count_negatives, &j, arena);
+    *negatives = j.negatives;
+    return status;
+}
+
 /* asked for once: the answer stays, also where it is no */
 const dm_solvers *dml_solvers(const char **why) {
-    static const dm_solvers *solvers;
+    static dm_solvers solvers;
     static char reason[DML_WHY];
-    if (!solvers && !reason[0])
-        solvers =
+    if (!loaded && !reason[0]) {
+        loaded =
             dml_module("sparse", DM_SOLVERS_SYMBOL, "libsuitesparse-dev, libarpack2-dev", reason);
-    *why = solvers ? NULL : reason;
-    return solvers;
+        if (loaded) solvers = *loaded;
+        solvers.factor = factor;
+        solvers.inertia = inertia;
+    }
+    *why = loaded ? NULL : reason;
+    return loaded ? &solvers : NULL;
 }

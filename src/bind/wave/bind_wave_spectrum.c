@@ -80,7 +80,7 @@ static int lanczos(lua_State *L) {
     dm_factor *factor = NULL;
     double condition, *ones, *start;
     dml_wavefail(L, fill(&A, w, shift, arena));
-    dm_status status = solvers->factor(&factor, DM_CHOLESKY, &A, arena, &dml_stop, &condition);
+    dm_status status = solvers->factor(&factor, DM_CHOLESKY, &A, arena, &condition);
     dml_wavefail(L, status);
     /* of H - shift itself: its eigenvalues are those of H, less the shift */
     dm_eigen_problem p = {.S = &A,

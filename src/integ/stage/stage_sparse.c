@@ -200,9 +200,9 @@ static dm_status prepare(dm_stepper *s, layout *l, const double *q, double t, do
     if (!s->solvers) return DM_OK;
     dm_status status = DM_SINGULAR;
     if (l->solved == 1)
-        status = s->solvers->factor(&l->factor, DM_CHOLESKY, &l->S, &l->arena, NULL, &condition);
+        status = s->solvers->factor(&l->factor, DM_CHOLESKY, &l->S, &l->arena, &condition);
     if (status == DM_SINGULAR)
-        status = s->solvers->factor(&l->factor, DM_LU, &l->S, &l->arena, NULL, &condition);
+        status = s->solvers->factor(&l->factor, DM_LU, &l->S, &l->arena, &condition);
     return status;
 }
 

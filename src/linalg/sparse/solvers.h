@@ -31,10 +31,11 @@ typedef struct dm_solvers {
     const char *name; /* "CHOLMOD, UMFPACK, ARPACK" */
     /* The factorization of a square matrix, for Cholesky of the symmetric one whose upper triangle
      * it has. A must stay. Its memory comes from the arena's allocator. DM_SINGULAR: it is
-     * singular, for Cholesky not positive definite; DM_NO_MEMORY; DM_STOPPED. *condition: an
-     * estimate of the reciprocal condition, from the pivots. */
+     * singular, for Cholesky not positive definite; DM_NO_MEMORY; DM_STOPPED where the table is of
+     * somebody who can stop it. *condition: an estimate of the reciprocal condition, from the
+     * pivots. */
     dm_status (*factor)(dm_factor **out, dm_factorization kind, const dm_sparse *A, dm_arena *arena,
-                        volatile const int *stop, double *condition);
+                        double *condition);
     /* x[n] = A^-1 b[n] */
     dm_status (*solve)(const dm_factor *f, double *x, const double *b);
     /* Gives the memory back, where that is not a collector's task. */
@@ -42,9 +43,8 @@ typedef struct dm_solvers {
     /* Work arrays come from the arena. DM_NO_CONVERGENCE, DM_NO_MEMORY, DM_STOPPED. */
     dm_status (*eigen)(dm_eigen_problem *problem, dm_arena *arena);
     /* How many eigenvalues of a symmetric matrix are negative, by L D L^T without exchanges.
-     * DM_SINGULAR: a pivot is 0. */
-    dm_status (*inertia)(int64_t *negatives, const dm_sparse *A, dm_arena *arena,
-                         volatile const int *stop);
+     * DM_SINGULAR: a pivot is 0; others as for a factorization. */
+    dm_status (*inertia)(int64_t *negatives, const dm_sparse *A, dm_arena *arena);
 } dm_solvers;
 
 /* The symbol of the library: const dm_solvers dm_solvers_table. */

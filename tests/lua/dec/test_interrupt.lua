@@ -13,6 +13,7 @@ local has_solvers = core.solvers() ~= nil
 local has_qhull = pcall(core.delaunay, core.matrix { { 0, 0 }, { 1, 0 }, { 0, 1 }, { 1, 1 } })
 local ENDLESS = {
   { "a Cholesky factorization", MATRIX:format(30) .. "A:factor 'cholesky'", has_solvers },
+  { "an LU factorization", MATRIX:format(24) .. "A:factor 'lu'", has_solvers },
   { "the signs of a factorization L D L^T", MATRIX:format(24) .. "A:negatives()", has_solvers },
   { "a Delaunay triangulation", [[
 local core = require "dm.core"
