@@ -5548,7 +5548,7 @@ function dm.exact(f, g, options) end
 ---dm.example(name) -> string or nil
 ---
 ---What is typed at a prompt and answered for a function, a method or a class by its name in help:
----dm.example "path.drift"; nil where there is no example yet.
+---dm.example "path.drift"; nil of a name that help does not know.
 ---@param name? any
 ---@return string|nil
 function dm.example(name) end

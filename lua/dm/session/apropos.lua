@@ -3,18 +3,12 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local examples = require "dm.session.examples"
+local pager = require "dm.session.pager"
 local text = require "dm.session.text"
 
 local M = {}
 
-local docs, first_line = core.docs, text.first_line
-
-local collected = nil  -- lines that are not written yet, where only some of them will be
-
-local function write(...)
-  if not collected then return text.write(...) end
-  for line in table.concat({ ... }):gmatch "[^\n]+" do collected[#collected + 1] = line end
-end
+local docs, first_line, write = core.docs, text.first_line, text.write
 
 --- Signature -> doc of everything documented.
 function M.docs()
@@ -148,14 +142,28 @@ apropos(word)
 List what mentions the word, capitals or not: documented names, rules, demonstrations, examples and
 codes of failures, with how to open them.]]
 
--- signatures of the docs of which `has` is true
-local function documented(has)
+local NAMES = 24  -- characters of their column
+
+-- name and first sentence, in one line where it is to be `brief`
+local function entry(doc, brief)
+  local name, sentence = text.headline(doc)
+  if sentence == "" then return name end
+  local width, begins = text.width(), ("%-" .. NAMES .. "s  "):format(name)
+  if brief then return begins .. cut(sentence, width - #begins) end
+  return text.wrapped(sentence, width, (" "):rep(NAMES + 2), begins)
+end
+
+-- the docs of which `has` is true; returns how many
+local function documented(has, brief)
   local lines = {}
   for line, doc in pairs(M.docs()) do
     -- core: for modules, not for sessions
-    if not line:find "^core%." and has(doc) then lines[#lines + 1] = line end
+    if not line:find "^core%." and has(doc) then
+      lines[#lines + 1] = entry(doc, brief)
+    end
   end
-  return text.sorted(lines)
+  if #lines > 0 then write(table.concat(text.sorted(lines), "\n")) end
+  return #lines
 end
 
 -- what others call it -> what the docs say
@@ -173,29 +181,28 @@ local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "
 local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
 
 -- everything of whose text `has` is true; returns how many
-local function mentions(has)
-  local lines = documented(has)
-  if #lines > 0 then write(table.concat(lines, "\n")) end
-  return #lines + M.rules(has) + M.demos(has) + M.examples(has) + M.failures(has)
+local function mentions(has, brief)
+  return documented(has, brief) + M.rules(has) + M.demos(has) + M.examples(has) + M.failures(has)
 end
 
 local FEW = 8
 
+local look_for  -- what apropos does
+
 --- ?word of what has no doc: the first of the places that mention the word, and how many there are.
 function M.first_mentions(word)
   local pattern = "%f[%w_]" .. word:lower():gsub("%p", "%%%0") .. "%f[^%w_]"
+  local function has(what) return what:lower():find(pattern) end
+  local found, count = text.collected(mentions, has, true)
+  if count == 0 then return look_for(word) end
   local lines = {}
-  collected = lines
-  local fine, count = pcall(mentions, function(what) return what:lower():find(pattern) end)
-  collected = nil
-  if not fine then error(count, 0) end
-  if count == 0 then return M.apropos(word) end
+  for line in found:gmatch "[^\n]+" do lines[#lines + 1] = line end
   write(("%q has no doc of its own; it is mentioned in:"):format(word))
   for i = 1, math.min(#lines, FEW) do write(lines[i]) end
   if #lines > FEW then write(("and %d more lines: apropos %q"):format(#lines - FEW, word)) end
 end
 
-M.apropos = blame.caller(function(word)
+function look_for(word)
   if type(word) ~= "string" or word == "" then
     error(("apropos: a word is needed, apropos \"energy\" (got %s)")
       :format(word == "" and "none" or type(word)), 0)
@@ -209,7 +216,9 @@ M.apropos = blame.caller(function(word)
     write(("but %q is spoken of:"):format(other))
     mentions(function(what) return what:lower():find(other, 1, true) end)
   end
-end)
+end
+
+M.apropos = blame.caller(pager.paged(look_for))
 
 docs[M.apropos] = doc_apropos
 

@@ -2,15 +2,22 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local layout = require "dm.session.text"
+local pager = require "dm.session.pager"
 local search = require "dm.session.apropos"
 
 local M = { apropos = search.apropos }
 
 local docs = core.docs
 
-local first_line, write, wrapped, shown_doc = layout.first_line, layout.write, layout.wrapped,
-  layout.doc
+local first_line, write, wrapped = layout.first_line, layout.write, layout.wrapped
 local text_width, sorted = layout.width, layout.sorted
+
+-- a doc, and below it the example that belongs to it
+local function shown_doc(doc)
+  local example = require "dm.session.example".of_doc(doc)
+  if not example then return layout.doc(doc) end
+  return layout.doc(doc) .. "\n\n  Example:\n    " .. example:gsub("\n+$", ""):gsub("\n", "\n    ")
+end
 
 ---- names of the standard library ----
 
@@ -194,6 +201,8 @@ local function of_name(name)
   return #found > 0 and table.concat(sorted(#found <= MOST and found or lines), "\n") or nil
 end
 
+local explain  -- what x is
+
 local function help_name(name)
   load_all(require "dm")
   if topics[name] then return topics[name]() end
@@ -206,7 +215,7 @@ local function help_name(name)
     or require "dm.session.complete".look_up("dm." .. name)
   if object and object.class and object.value == nil then return help_class(object.class) end
   if object and object.value ~= nil and type(object.value) ~= "string" then
-    return M.help(object.value)
+    return explain(object.value)
   end
   local method = method_of_class(name)
   if method and docs[method] then return help_function(method) end
@@ -244,9 +253,7 @@ string a topic ("keys", "options", "rules", "classes", "demos", "examples", "fai
 ("dm.path"), a name ("solver.run"), a rule, a code of a failure ("no_convergence"), a demonstration
 or an example.]]
 
-function M.help(...)
-  if select("#", ...) == 0 then return topics.topics() end
-  local x = ...
+function explain(x)
   local kind, class = type(x), require "dm.session.complete".class_of(x)
   if kind == "string" then return help_name(x) end
   if kind == "function" then return help_function(x) end
@@ -258,12 +265,17 @@ function M.help(...)
   write(("%s: %s %s of Lua"):format(tostring(x), of == "integer" and "an" or "a", of))
 end
 
+M.help = pager.paged(function(...)
+  if select("#", ...) == 0 then return topics.topics() end
+  explain((...))
+end)
+
 --- ?text of a session.
-function M.ask(text)
+M.ask = pager.paged(function(text)
   text = text:match "^%s*(.-)[%s;]*$"
   if text == "" then return topics.topics() end
   help_name(text:match "^[\"'](.*)[\"']$" or text)
-end
+end)
 
 ---- who ----
 

@@ -48,12 +48,15 @@ function M.for_modules()
   return found
 end
 
--- "signature\ntext" as a heading and a paragraph; lines of the text keep their breaks
+-- "signature\ntext" as a heading and a paragraph, and the example of its name; lines of the text
+-- keep their breaks
 local function entry(out, level, name, doc)
   local signature, text = doc:match "^([^\n]*)\n?(.*)$"
   out[#out + 1] = ("%s `%s`\n"):format(level, name)
   out[#out + 1] = ("    %s\n"):format(signature)
   if text ~= "" then out[#out + 1] = (text:gsub("%s+$", ""):gsub("\n", "  \n")) .. "\n" end
+  local example = require "dm.session.transcripts"[name:gsub(":", ".")]
+  if example then out[#out + 1] = ("```text\n%s\n```\n"):format(example:gsub("\n+$", "")) end
 end
 
 --- The page as one string.

@@ -5,7 +5,25 @@ local M = {}
 
 function M.first_line(doc) return doc:match("^[^\n]*") end
 
-function M.write(...) print(table.concat({ ... })) end
+local held = nil  -- what is written, while M.collected waits for all of it
+
+--- Print a text that the parts make, or keep it for M.collected.
+function M.write(...)
+  local text = table.concat({ ... })
+  if not held then return print(text) end
+  held[#held + 1] = text
+end
+
+--- What f(...) writes as one text, and what it returns; what it raises is raised.
+function M.collected(f, ...)
+  local before = held
+  held = {}
+  local results = table.pack(pcall(f, ...))
+  local text = table.concat(held, "\n")
+  held = before
+  if not results[1] then error(results[2], 0) end
+  return text, table.unpack(results, 2, results.n)
+end
 
 function M.width() return math.min(core.terminal().width, 100) - 2 end
 
@@ -14,14 +32,15 @@ function M.sorted(list)
   return list
 end
 
---- A long line of prose in lines of at most `width` characters.
-function M.wrapped(text, width, indent)
+--- A long line of prose in lines of at most `width` characters; `first` begins the first of them,
+-- `indent` (the same where first is left out) the others.
+function M.wrapped(text, width, indent, first)
   local lines, line = {}, nil
   for word in text:gmatch "%S+" do
     if line and #line + 1 + #word > width then
       lines[#lines + 1], line = line, nil
     end
-    line = line and line .. " " .. word or indent .. word
+    line = line and line .. " " .. word or (#lines == 0 and first or indent) .. word
   end
   lines[#lines + 1] = line
   return table.concat(lines, "\n")
@@ -39,6 +58,24 @@ local function paragraphs(doc)
     end
   end
   return lines
+end
+
+-- up to the full stop that ends it
+local function first_sentence(text)
+  text = text:gsub("%s+", " ")
+  return text:match "^.-%S%.%f[%s\0]%f[^.]%s*%f[%u\0]" or text
+end
+
+--- The name that a doc is of, and the first sentence of what it says.
+function M.headline(doc)
+  local first, rest = doc:match "^([^\n]*)\n?(.*)$"
+  local class, what = first:match "^(dm%.[%w_]+): (.*)$"
+  if class then
+    what = (what .. " " .. rest):gsub("%s+", " ")
+    return class, what:match "^(.-), made by " or what:match "^(.-) fields: "
+      or first_sentence(what)
+  end
+  return first:match "^[%w_.:]+" or first, first_sentence(rest)
 end
 
 --- The signature, then the rest wrapped to the terminal.

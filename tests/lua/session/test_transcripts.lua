@@ -73,6 +73,11 @@ local function type_wing(names)
   return answers, ""
 end
 
+-- digits beyond the ninth differ from processor to processor
+local function rounded(text)
+  return (text:gsub("\n+$", ""):gsub("%d+%.%d+", function(x) return ("%.9g"):format(x) end))
+end
+
 local count, wings = 0, {}
 for module in pairs(package.loaded) do
   wings[#wings + 1] = module:match "^dm%.session%.transcripts%.%w+$"
@@ -84,7 +89,7 @@ for _, wing in ipairs(wings) do
   table.sort(names)
   local answers, rest = type_wing(names)
   for i, name in ipairs(names) do
-    local fine = answers[i] == known[name]:gsub("\n+$", "")
+    local fine = answers[i] and rounded(answers[i]) == rounded(known[name])
     local lacking = not fine and is_missing(answers[i] or rest)
     ok(fine or lacking, "example of " .. name .. (lacking and " # SKIP " .. lacking or ""),
       answers[i] or rest)

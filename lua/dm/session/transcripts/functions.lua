@@ -21,7 +21,8 @@ M["dm.abs"] = [=[
 
 M["dm.apropos"] = [=[
 > dm.apropos "coboundary"
-K:coboundary(k, x) -> dm.vector]=]
+K:coboundary              d x of plain values x on the cells of degree k, on
+                          those of degree k + 1.]=]
 
 M["dm.bench"] = [=[
 > select("#", dm.bench(function() return 1 end, 3))
@@ -64,7 +65,13 @@ y
 M["dm.help"] = [=[
 > dm.help "who"
 who()
-  The globals that were made in this session, with what they are.]=]
+  The globals that were made in this session, with what they are.
+
+  Example:
+    > length, mass = 1.5, dm.vector { 1, 2 }
+    > dm.who()
+    length  1.5
+    mass    [1, 2]]=]
 
 M["dm.identity"] = [=[
 > dm.identity(2)
