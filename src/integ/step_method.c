@@ -4,6 +4,7 @@
 #include "integ/method/method.h"
 #include "linalg/solve/newton.h"
 #include "mech/group.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,6 +27,8 @@ typedef struct {
     double *x;        /* [m] */
     double *scale;    /* [m] */
     double *after;    /* [n + d + 1 + w] */
+    double *reached;  /* [n + d + 1 + w] the state behind the step */
+    double *low;      /* [2n] low-order parts of its q and p */
     double *inside;   /* what the conditions gave */
     double *places;   /* [PLACES][2 + n + d + w] */
     double *newton;
@@ -67,8 +70,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_step_row *row = row_of(rule);
     const size_t k = row ? row->unknowns : 0, states = m->n + (size_t)dm_momenta(m) + 1;
     const size_t y = states + (row ? row->parts : 0);
-    return doubles(sizeof(made_step)) + 3 * y + 2 + k + k + k * k + 2 * k + CONDITIONS +
-           PLACES * (1 + y) + dm_newton_work((uint32_t)k);
+    return doubles(sizeof(made_step)) + 4 * y + 2 * (size_t)m->n + 2 + k + k + k * k + 2 * k +
+           CONDITIONS + PLACES * (1 + y) + dm_newton_work((uint32_t)k);
 }
 
 /* It stands at the beginning of the workspace. */
@@ -87,7 +90,9 @@ static dm_status open(dm_stepper *s) {
     e->x = e->out + m + m * m;
     e->scale = e->x + m;
     e->after = e->scale + m;
-    e->inside = e->after + y;
+    e->reached = e->after + y;
+    e->low = e->reached + y;
+    e->inside = e->low + 2 * (size_t)k->n;
     e->places = e->inside + CONDITIONS;
     e->newton = e->places + PLACES * (1 + y);
     memset(e->scale, 0, m * sizeof *e->scale);
@@ -295,6 +300,17 @@ static dm_status solve(made_step *e, dm_stepper *s) {
     return e->broken ? DM_NO_CONVERGENCE : DM_OK;
 }
 
+/* what `next` gave into e->reached and e->low; `sums`: q and p are what they gain */
+static void reach(made_step *e, const double *state, int sums) {
+    const size_t n = e->k->n, d = e->k->d;
+    memcpy(e->reached, e->after, numbers_of(e) * sizeof *e->after);
+    memset(e->low, 0, 2 * n * sizeof *e->low);
+    if (!sums) return;
+    memcpy(e->reached, state, (n + d) * sizeof *state);
+    memcpy(e->low, state + 2 * n, 2 * n * sizeof *state);
+    dm_sum_add_n(e->reached, e->low, e->after, (uint32_t)(n + d));
+}
+
 /* The state is changed at the end alone. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     made_step *e = step_of(s);
@@ -308,11 +324,11 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_kernel_eval(&e->k->next, e->in, e->after);
     if (!is_finite(e->after, numbers_of(e))) return DM_NOT_FINITE;
     if (is_timed(s) && !((e->after[n + d] - t) * h > 0.0)) return DM_NO_CONVERGENCE;
-    if (e->k->w) keep(s, e->in, e->after);
+    reach(e, state, row_of(s->rule)->sums);
+    if (e->k->w) keep(s, e->in, e->reached);
     e->pace = (e->after[n + d] - t) / h;
-    memcpy(state, e->after, n * sizeof *state);
-    memcpy(state + n, e->after + n, d * sizeof *state);
-    memset(state + 2 * n, 0, 2 * n * sizeof *state);
+    memcpy(state, e->reached, (n + d) * sizeof *state);
+    memcpy(state + 2 * n, e->low, 2 * n * sizeof *state);
     if (is_timed(s)) own[0] = e->after[n + d];
     return DM_OK;
 }

@@ -10,6 +10,7 @@
 typedef struct {
     uint32_t unknowns, parts;
     int order;
+    int sums; /* `next` gives what q and p gain, which is summed with low-order parts */
 } dm_step_row;
 
 /* The row of methods.def, whose t grows by h, and that of steps whose `next` gives t: a method with

@@ -205,16 +205,28 @@ static dm_status make_pull(dm_joining *j, dm_group *out, dm_compile *compile) {
     return status == DM_OK ? compile(&out->pull, g, roots, d * (2 * d + 1), j->arena) : status;
 }
 
-/* in a graph of its own, since compilers may add nodes and the trace serves other models */
-dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, dm_compile *compile) {
+/* a trace with the inputs q0[n], xi[d], mu[d] as a kernel, in a graph of its own, since compilers
+ * may add nodes and the trace serves other models */
+static dm_status make_end(const dm_joining *j, dm_graph *from, const dm_node *nodes, dm_kernel *out,
+                          dm_compile *compile) {
     const uint32_t inputs = j->n + 2 * j->d, outputs = j->n + j->d + j->trace->arcs;
     dm_graph *g = dm_graph_new(j->arena, inputs);
     dm_node *with = dm_joining_take(j, inputs), *roots = dm_joining_take(j, outputs);
     if (!g || !with || !roots) return DM_NO_MEMORY;
     dm_inputs(g, with, 0, inputs);
-    dm_transplant(g, j->trace->end, j->trace->carried, outputs, with, roots);
+    dm_transplant(g, from, nodes, outputs, with, roots);
     const dm_status status = dm_graph_status(g);
     return status == DM_OK ? compile(out, g, roots, outputs, j->arena) : status;
+}
+
+dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, dm_compile *compile) {
+    return make_end(j, j->trace->end, j->trace->carried, out, compile);
+}
+
+dm_status dm_joining_change(const dm_joining *j, dm_kernel *out, dm_compile *compile) {
+    *out = (dm_kernel){0};
+    if (!j->trace->change) return DM_OK;
+    return make_end(j, j->trace->change, j->trace->changed, out, compile);
 }
 
 /* What was made for another tau stays in the arena of the model. */
@@ -229,6 +241,7 @@ dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile
     if (status == DM_OK) status = make_slopes(&j, out, compile);
     if (status == DM_OK) status = make_pull(&j, out, compile);
     if (status == DM_OK) status = dm_joining_finish(&j, &out->finish, compile);
+    if (status == DM_OK) status = dm_joining_change(&j, &out->change, compile);
     if (status != DM_OK) return status;
     out->arcs = j.trace->arcs;
     out->tau = tau;

@@ -22,8 +22,11 @@ typedef struct {
     dm_graph *end;          /* inputs q0[n], xi[d], mu[d] */
     const dm_node *carried; /* [n + d + arcs]: g0 tau(xi), mu carried there, squares of angles */
     uint32_t arcs;
-    dm_graph *axes;        /* inputs q0[n], mu[d], x; NULL: only by way of `end` */
-    const dm_node *turned; /* [d][n + d]: g0 exp(x e_a), mu carried there, for x of any size */
+    int looked; /* was `change` asked for? It is traced for engines that sum it (integ/lie/lie.h) */
+    dm_graph *change;       /* inputs as of `end`; NULL: none, as above 24 dimensions */
+    const dm_node *changed; /* [n + d + arcs]: what `end` has more than q0 and mu, angles */
+    dm_graph *axes;         /* inputs q0[n], mu[d], x; NULL: only by way of `end` */
+    const dm_node *turned;  /* [d][n + d]: g0 exp(x e_a), mu carried there, for x of any size */
 } dm_chart_trace;
 
 /* Values; and values with, behind them, those entries of their matrix of derivatives that are not
@@ -67,6 +70,7 @@ typedef struct dm_group {
     dm_kernel slope, curve;
     dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
     dm_kernel finish; /* as dm_chart_trace.end */
+    dm_kernel change; /* as dm_chart_trace.change; no outputs: none */
     uint32_t arcs;
     dm_group_joints joints;
     /* the collective lift (group_lift.c), where it is made: H on T*R^n; take (q[n], p[n], t) of

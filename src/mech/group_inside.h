@@ -40,7 +40,8 @@ int dm_joining_covector(const dm_joining *j, const dm_node *f, dm_node *of_e, dm
 /* dtau_R(xi)^T mu, out[d] in a graph with the inputs xi[d], mu[d]. */
 dm_status dm_joining_pull(const dm_joining *j, dm_graph *g, dm_node *out);
 
-/* The kernel of dm_chart_trace.end. */
+/* The kernel of dm_chart_trace.end; of .change, which may be none. */
 dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, dm_compile *compile);
+dm_status dm_joining_change(const dm_joining *j, dm_kernel *out, dm_compile *compile);
 
 #endif

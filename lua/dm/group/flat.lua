@@ -80,10 +80,12 @@ local function product(kit, matrix)
     dimensions[k], cayley = part.dimension, cayley and parts[k].cayley
   end
   local turn, turned = turns_of(parts, kit, dimensions)
-  return { turn = turn, turned = turned, carry = by_factor("carry", counts),
+  return { parts = parts, counts = counts, turn = turn, turned = turned,
+    carry = by_factor("carry", counts),
     exp = by_factor("exp", dimensions),
     near = by_factor("near", dimensions), cayley = cayley and by_factor("cayley", dimensions),
-    tidy = by_factor("tidy", counts), follow = by_factor("follow", counts),
+    tidy = by_factor("tidy", counts), mend = by_factor("mend", counts),
+    apart = by_factor("apart", counts), follow = by_factor("follow", counts),
     flat = function(g)
       local out = {}
       for k, part in ipairs(parts) do append(out, part.flat(g[k])) end
@@ -99,8 +101,24 @@ local function product(kit, matrix)
     end }
 end
 
---- flat, element, carry, exp, near, cayley, tidy and follow of a kit: `kit.smooth` where it has
--- closed forms, or by entries where `matrix` is asked for. Where they are known for angles of any
+-- coordinates of an element near the identity less those of the identity
+local function difference(kit, flat)
+  local e = flat(kit.identity())
+  return function(list)
+    local out = {}
+    for i = 1, #e do out[i] = list[i] - e[i] end
+    return out
+  end
+end
+
+local function nothing(list)
+  local out = {}
+  for i = 1, #list do out[i] = 0 end
+  return out
+end
+
+--- What a place is made of (group/place.lua), of a kit: `kit.smooth` where it has closed forms, or
+-- by entries where `matrix` is asked for. Where they are known for angles of any
 -- size, turn(a, x) is exp of x along axis a, and turned(a, x, mu) carries mu there.
 function M.of(kit, matrix)
   local out
@@ -112,8 +130,11 @@ function M.of(kit, matrix)
     out = plain(kit, kit.flat, kit.unflat)
     for name, f in pairs(kit.smooth or {}) do out[name] = f end
   end
+  out.kit = kit
   out.follow = out.follow or function(list) return list end
   out.tidy = out.tidy or function(list) return list end
+  out.mend = out.mend or nothing
+  out.apart = out.apart or difference(kit, out.flat)
   return out
 end
 

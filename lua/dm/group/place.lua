@@ -10,7 +10,11 @@
 --   exp, cayley, near  maps from the algebra to flat coordinates
 --   dexp           that of the kit without a branch, within a chart, or nothing
 --   tidy(list)     coordinates nearer to the group by what rounding left
+--   apart(list)    coordinates of an element near the identity less those of the identity, where a
+--                  difference would lose digits
+--   mend(list)     what tidy adds
 --   follow(list, last)  those of the same element that are near to `last`
+local changes = require "dm.group.change"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
 local kits = require "dm.group.kit"
@@ -181,6 +185,7 @@ end
 function M.chart(place, tau)
   local kit, right = place.kit, place.right
   local map, slope, element = maps(place, tau)
+  local arcs = tau == "exp" and kit.arcs or nil
   if not map or not slope then return end
   local function about(q0, xi, e)
     local list = kits.list_of(q0)
@@ -194,7 +199,7 @@ function M.chart(place, tau)
     local f = element(xi)
     local carried = kit.coAd(right and f or kit.inverse(f), mu)
     local out = append(kits.list_of(place.tidy(about(q0, xi))), carried)
-    return tau == "exp" and kit.arcs and append(out, kit.arcs(xi)) or out
+    return arcs and append(out, arcs(xi)) or out
   end
   local function turns(q0, mu, x)
     local out, list = {}, kits.list_of(q0)
@@ -206,6 +211,13 @@ function M.chart(place, tau)
     return out
   end
   return chart, finish, tau == "exp" and place.turn and turns or nil
+end
+
+--- change(q0, xi, mu) of the same chart: what finish has more than q0 and mu, then the squares of
+-- angles, as change.lua has it; or nothing.
+function M.change(place, tau)
+  local map, slope, element = maps(place, tau)
+  return changes.of(place, map, slope, element, tau == "exp" and place.kit.arcs or nil)
 end
 
 ---- starts ----

@@ -143,6 +143,14 @@ local function coordinates(kit, part, n)
     end
   end
   return { carry = carry, exp = of "exp", near = of "near",
+    apart = function(list)
+      local a, v = split_list(list)
+      return kits.list_of(joined(first.apart(a), v))
+    end,
+    mend = function(list)
+      local a, v = split_list(list)
+      return kits.list_of(joined(first.mend(a), v * 0))
+    end,
     follow = function(list, last)
       local a, v = split_list(list)
       return kits.list_of(joined(first.follow(a, last), v))

@@ -120,6 +120,10 @@ local function coordinates(kit)
     follow = function(list, last)
       return sequence(turns.follow(list, last), { list[5], list[6], list[7] })
     end,
+    apart = function(list)
+      return sequence(turns.apart(list), { list[5], list[6], list[7] })
+    end,
+    mend = function(list) return sequence(turns.mend(list), { 0, 0, 0 }) end,
     tidy = function(list) return sequence(turns.tidy(list), { list[5], list[6], list[7] }) end }
 end
 

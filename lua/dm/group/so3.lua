@@ -155,6 +155,15 @@ M.smooth = { carry = times,
     local s = choose(dot, function() return 1 end, function() return -1 end)
     return { s * q[1], s * q[2], s * q[3], s * q[4] }
   end,
+  -- w - 1 = -|v|^2/(1 + w)
+  apart = function(q)
+    local square = q[2] * q[2] + q[3] * q[3] + q[4] * q[4]
+    return { -square / (1 + q[1]), q[2], q[3], q[4] }
+  end,
+  mend = function(q)
+    local s = 0.5 - 0.5 * (q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4])
+    return { s * q[1], s * q[2], s * q[3], s * q[4] }
+  end,
   tidy = function(q)
     local s = 1.5 - 0.5 * (q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4])
     return { s * q[1], s * q[2], s * q[3], s * q[4] }

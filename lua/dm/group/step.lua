@@ -154,6 +154,9 @@ function M.options(options)
   for key, value in pairs(options) do out[key] = value end
   out.parts, total = parts_of(options.parts)
   if total > MOST then error(("dm.step: at most %d numbers of parts"):format(MOST), 0) end
+  if options.sums ~= nil and type(options.sums) ~= "boolean" then
+    error(("dm.step: field 'sums' must be true or false (got %s)"):format(type(options.sums)), 0)
+  end
   if options.begin and total == 0 then
     error([[dm.step: 'begin' sets parts, and there are none: parts = { { "E", 1 } }]], 0)
   end
@@ -211,13 +214,14 @@ end
 
 local STATE, NOTHING = { q = true, flat = true, p = true, t = true }, {}
 
--- the numbers of what `next` returned: q, near those before, or its coordinates `flat`; p, t, parts
-local function flattened(system, parts, before, value, h)
+-- the numbers of what `next` returned: q, near those before, or its coordinates `flat`; p, t,
+-- parts; sums: q and p are what is added to the coordinates and to the momentum
+local function flattened(system, parts, before, value, h, sums)
   if type(value) ~= "table" or (value.q or value.flat) == nil or value.p == nil then
     error("'next' must return a table { q =, p = }", 0)
   end
   check_fields(value, STATE, parts, "'next'")
-  local own, out = system.place, {}
+  local own, out = not sums and system.place, {}
   local q = value.flat or own and own.follow(own.flat(own.kit.element(value.q)), before.q)
     or core.vector(value.q)
   for i = 1, #q do out[i] = q[i] end
@@ -261,7 +265,8 @@ function M.functions(options, system)
   local after = of_root "next"
   function out.next(q, p, t, ...)
     local list, _, h = split(...)
-    return flattened(system, parts, { q = q, t = t, parts = list }, after(q, p, t, ...), h)
+    return flattened(system, parts, { q = q, t = t, parts = list }, after(q, p, t, ...), h,
+      options.sums)
   end
   out.begin = options.begin and function(q, p, h)
     local own = system.place

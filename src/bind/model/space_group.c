@@ -171,6 +171,16 @@ void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *ru
 
 static const char *const taus[] = {"exp", "cayley", "pade(2)", "pade(3)", "pade(4)"};
 
+/* The end of a step from flat coordinates, xi and mu. */
+static dml_traced trace_end(lua_State *L, int fn, int N, int D, dm_arena *arena) {
+    const dml_signature end = {.what = "the end of a step on a group",
+                               .arguments = 3,
+                               .length = {N, D, D}};
+    dml_traced traced;
+    dml_trace(L, fn, &end, arena, &traced);
+    return traced;
+}
+
 /* chart, finish and turns of one tau are at fn, fn + 1 and fn + 2, nil where there is none */
 static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *arena,
                         dm_chart_trace *out) {
@@ -179,9 +189,6 @@ static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *
                                  .arguments = 4,
                                  .length = {N, D, D, D},
                                  .outputs = N + D};
-    const dml_signature end = {.what = "the end of a step on a group",
-                               .arguments = 3,
-                               .length = {N, D, D}};
     const dml_signature turns = {.what = "the turns of a group",
                                  .arguments = 3,
                                  .length = {N, D, DML_SCALAR_ARGUMENT},
@@ -191,7 +198,7 @@ static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *
     dml_trace(L, fn, &chart, arena, &traced);
     out->chart = traced.graph;
     out->place = traced.out;
-    dml_trace(L, fn + 1, &end, arena, &traced);
+    traced = trace_end(L, fn + 1, N, D, arena);
     out->end = traced.graph;
     out->carried = traced.out;
     out->arcs = traced.outputs - n - d;
@@ -208,18 +215,34 @@ static void make_trace(lua_State *L, const dml_system *s, int place, int tau, dm
     lua_pushvalue(L, place);
     lua_pushstring(L, taus[tau]);
     lua_call(L, 2, 3);
-    trace_chart(L, lua_gettop(L) - 2, s->n, s->momenta, arena, out + tau);
+    trace_chart(L, lua_gettop(L) - 2, s->n, s->momenta, arena, out);
     lua_pop(L, 3);
 }
 
-/* a userdata with the traces of exp and the Cayley map; the place is on top */
+/* The same of what a step adds to a state, which one engine asks for. */
+static void make_change(lua_State *L, const dml_system *s, int place, int tau, dm_arena *arena,
+                        dm_chart_trace *out) {
+    out->looked = 1;
+    push_module(L, "change");
+    lua_pushvalue(L, place);
+    lua_pushstring(L, taus[tau]);
+    lua_call(L, 2, 1);
+    if (!lua_isnil(L, -1)) {
+        const dml_traced traced = trace_end(L, lua_gettop(L), (int)s->n, (int)s->momenta, arena);
+        out->change = traced.graph;
+        out->changed = traced.out;
+    }
+    lua_pop(L, 1);
+}
+
+/* a userdata with the trace of exp; the place is on top */
 static void make_traces(lua_State *L, const dml_system *s) {
     const int place = lua_gettop(L);
-    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, DM_TAUS);
+    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, 1 + DM_TAUS);
     memset(out, 0, DM_TAUS * sizeof *out);
     dm_arena *arena = dml_pusharena(L);
     lua_setiuservalue(L, -2, 1);
-    for (int tau = 0; tau < DM_TAU_PADE; tau++) make_trace(L, s, place, tau, arena, out);
+    make_trace(L, s, place, DM_TAU_EXP, arena, out);
     lua_setfield(L, place, "traces");
 }
 
@@ -227,15 +250,17 @@ static void make_traces(lua_State *L, const dml_system *s) {
 void dml_place_taus(lua_State *L, int arg, dm_group *out, unsigned wants) {
     const dml_system *s = dml_checksystem(L, arg);
     const int place = lua_gettop(L) + 1;
-    for (int tau = DM_TAU_PADE; tau < DM_TAUS; tau++) {
-        if (!(wants & (unsigned)DM_WANT_CHART << tau) || out->trace[tau].chart) continue;
+    for (int tau = 0; tau < DM_TAUS; tau++) {
+        if (!(wants & (unsigned)DM_WANT_CHART << tau) || out->trace[tau].looked) continue;
         dml_systemfield(L, arg, "place");
         lua_getfield(L, place, "traces");
         dm_chart_trace *traces = lua_touserdata(L, -1);
         dm_arena *arena = dml_pusharena(L);
         lua_pushvalue(L, -1);
-        lua_setiuservalue(L, place + 1, tau); /* the first is that of exp and Cayley's map */
-        make_trace(L, s, place, tau, arena, traces);
+        lua_setiuservalue(L, place + 1, tau + 2); /* the first is that of all systems, exp alone */
+        if (!traces[tau].chart) make_trace(L, s, place, tau, arena, traces + tau);
+        if (traces[tau].chart && !(wants & DM_WANT_JOINTS))
+            make_change(L, s, place, tau, arena, traces + tau);
         out->trace[tau] = traces[tau];
         lua_settop(L, place - 1);
     }
@@ -280,8 +305,8 @@ void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *comp
     if (status == DM_TOO_LARGE)
         luaL_error(L, "the chart of this group has more than %d operations: too many to trace%s",
                    DM_GRAPH_LIMIT,
-                   tau == DM_TAU_EXP && m->group.trace[DM_TAU_CAYLEY].chart
-                       ? "; lie(s, cayley) needs far fewer"
+                   tau == DM_TAU_EXP
+                       ? "; lie(s, cayley) needs far fewer, where the group has a Cayley map"
                        : "");
     if (status != DM_OK) luaL_error(L, "the chart of the group: %s", dm_status_text(status));
 }

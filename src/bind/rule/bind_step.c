@@ -169,7 +169,7 @@ static void check_function(lua_State *L, const char *key, int optional) {
 /* The options are kept: the functions are traced for every system anew. */
 static int step_new(lua_State *L) {
     static const char *const known[] = {"name",  "unknowns", "order",  "start", "equation", "next",
-                                        "parts", "begin",    "inside", "scale", NULL};
+                                        "parts", "begin",    "inside", "scale", "sums",     NULL};
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
@@ -186,6 +186,9 @@ static int step_new(lua_State *L) {
     const char *text = lua_pushfstring(L, "%s (own)", name);
     dm_step_row *row = lua_newuserdatauv(L, sizeof *row, 1);
     *row = (dm_step_row){.unknowns = (uint32_t)count, .order = (int)order};
+    lua_getfield(L, 1, "sums");
+    row->sums = lua_toboolean(L, -1);
+    lua_pop(L, 1);
     push_module(L, "options");
     lua_pushvalue(L, 1);
     lua_call(L, 1, 2);
@@ -199,7 +202,7 @@ static int step_new(lua_State *L) {
 static const dml_row functions[] =
     {{"step", step_new,
       "dm.step{equation=, next=, start=, unknowns=, order=, name=, parts=, begin=, inside=, "
-      "scale=} -> dm.rule\n"
+      "scale=, sums=} -> dm.rule\n"
       "A rule from three functions, traced once for the system that it steps and solved in C: x, "
       "of `unknowns` numbers, is the root of equation(y, x, h, m) = 0 that Newton's method finds "
       "from start(y, h, m), to round-off and with the exact Jacobian; next(y, x, h, m) is the "
@@ -211,7 +214,9 @@ static const dml_row functions[] =
       "system and their exact derivatives: L(q, v, t), L_q, L_v and H(q, p, t), H_q, H_p (of an L, "
       "where it is quadratic in v); on groups v is xi and L_q the derivative along the body "
       "velocity. inside(y, x, h, m) gives numbers that must be > 0 at the root, scale(y, h, m) the "
-      "sizes of what the unknowns are added to, where x is a small difference. The declared order "
+      "sizes of what the unknowns are added to, where x is a small difference. With sums = true "
+      "next gives what the step adds to q (on a group: to `flat`, the coordinates of y.q that y "
+      "has too) and to p, and runs sum it to twice the digits. The declared order "
       "is measured in the first run on a system, which raises where it is less. Such a rule runs, "
       "looks for events, fills ensembles and goes on from checkpoints as any other."},
      {NULL, NULL, NULL}};

@@ -5,6 +5,7 @@
 #include "integ/lie/lie_joints.h"
 #include "integ/method/stage_table.h"
 #include "integ/stage/stage.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -58,6 +59,7 @@ static void lay_out(dm_lie *e, double *memory) {
     e->curve = take(&memory, 3 * d * (2 * d + 1));
     e->V = take(&memory, m);
     e->xi = take(&memory, d);
+    e->gain = take(&memory, d);
     e->mu = take(&memory, d);
     e->mu_V = take(&memory, d * m);
     e->in = take(&memory, n + 2 * d);
@@ -83,7 +85,7 @@ static size_t arrays(const dm_lie *e) {
     const size_t n = e->n, d = e->d, s = e->s, r = e->r, m = e->m;
     const size_t coefficients = 2 * r * s + 2 * r + s, point = n + 2 * d + 1 + 3 * d;
     const size_t end = n + 2 * d + n + d + (e->group ? e->group->arcs : 0);
-    return coefficients + point + 4 * d * (2 * d + 1) + m + 2 * d + d * m + end + 2 +
+    return coefficients + point + 4 * d * (2 * d + 1) + m + 3 * d + d * m + end + 2 +
            DM_LIE_KEPT * m + m;
 }
 
@@ -116,6 +118,11 @@ static void fill(dm_lie *e, const dm_galerkin *g, double *memory) {
     for (uint32_t j = 0; j < e->s; j++) e->beta[j] = dm_weight_double(t.beta[j]);
 }
 
+/* of what q and p gain, or where that is not known of q and p themselves */
+static const dm_kernel *end_kernel(const dm_lie *e) {
+    return e->group->change.outputs ? &e->group->change : &e->group->finish;
+}
+
 /* Constant outputs of the kernels are filled in once, here. */
 static dm_status open(dm_stepper *s) {
     dm_galerkin g;
@@ -128,7 +135,7 @@ static dm_status open(dm_stepper *s) {
     dm_kernel_prepare(&e->group->slope, e->slope);
     dm_kernel_prepare(&e->group->curve, e->curve);
     dm_kernel_prepare(&e->group->pull, e->pull);
-    dm_kernel_prepare(&e->group->finish, e->end);
+    dm_kernel_prepare(end_kernel(e), e->end);
     s->report.operations = e->group->curve.operations;
     return DM_OK;
 }
@@ -194,7 +201,7 @@ static double turn_of(const dm_lie *e) {
     return sqrt(most);
 }
 
-/* g1 and p1 into `end`, at the V and p0 + P of the last evaluation */
+/* g1 and p1, or their changes, into `end`, at the V and p0 + P of the last evaluation */
 static void find_end(dm_lie *e) {
     memset(e->xi, 0, e->d * sizeof *e->xi);
     for (uint32_t j = 0; j < e->s; j++)
@@ -202,7 +209,7 @@ static void find_end(dm_lie *e) {
     memcpy(e->in, e->state, e->n * sizeof *e->in);
     memcpy(e->in + e->n, e->xi, e->d * sizeof *e->in);
     memcpy(e->in + e->n + e->d, e->mu, e->d * sizeof *e->in);
-    dm_kernel_eval(&e->group->finish, e->in, e->end);
+    dm_kernel_eval(end_kernel(e), e->in, e->end);
 }
 
 /* NaN and infinity. */
@@ -258,6 +265,20 @@ static dm_status solve_again(dm_lie *e, dm_stepper *s, dm_status status) {
     return status;
 }
 
+/* from `end` into the state, q[n], p[n] and their low parts behind them; what the element gains in
+ * a step is of size h */
+static void finish(const dm_lie *e, double *state) {
+    const uint32_t n = e->n, d = e->d;
+    if (!e->group->change.outputs) {
+        memcpy(state, e->end, n * sizeof *state);
+        memcpy(state + n, e->end + n, d * sizeof *state);
+        return;
+    }
+    dm_sum_add_n(state, state + 2 * (size_t)n, e->end, n);
+    for (uint32_t k = 0; k < d; k++)
+        dm_sum_add(state + n + k, state + 3 * (size_t)n + k, e->gain[k] + e->end[n + k]);
+}
+
 /* The state is changed at the end alone. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_lie *e = lie_of(s);
@@ -270,8 +291,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     if (status == DM_OK) status = check_end(e);
     if (status != DM_OK) status = solve_again(e, s, status);
     if (status != DM_OK) return status;
-    memcpy(state, e->end, e->n * sizeof *state);
-    memcpy(state + e->n, e->end + e->n, e->d * sizeof *state);
+    finish(e, state);
     keep(e);
     return DM_OK;
 }

@@ -19,11 +19,11 @@ static void place_point(dm_lie *e, uint32_t i, const double *V) {
     e->x[e->n + 2 * e->d] = e->t + e->c[i] * e->h;
 }
 
-/* R += b [h a_j L_xi + d_j L_rate], mu += h b L_e; the size of the terms in size[m] */
+/* R += b [h a_j L_xi + d_j L_rate], P += h b L_e; the size of the terms in size[m] */
 static void add_slopes(dm_lie *e, double *R, double *size, uint32_t i, const double *y) {
     const uint32_t d = e->d;
     const double b = e->b[i], hb = e->h * b;
-    for (uint32_t k = 0; k < d; k++) e->mu[k] += hb * y[k];
+    for (uint32_t k = 0; k < d; k++) e->gain[k] += hb * y[k];
     for (uint32_t j = 0; j < e->s; j++) {
         const double of_xi = hb * e->a[i * e->s + j], of_rate = b * e->D[i * e->s + j];
         for (uint32_t k = 0; k < d; k++) {
@@ -99,7 +99,7 @@ dm_status dm_lie_equation(void *lie, double *R, double *J, const double *V) {
     double *size = e->sizes;
     memset(R, 0, m * sizeof *R);
     memset(size, 0, m * sizeof *size);
-    memcpy(e->mu, e->state + e->n, e->d * sizeof *e->mu);
+    memset(e->gain, 0, e->d * sizeof *e->gain);
     if (J) memset(J, 0, (size_t)m * m * sizeof *J);
     if (J) memset(e->mu_V, 0, (size_t)e->d * m * sizeof *e->mu_V);
     for (uint32_t i = 0; i < e->r; i++) {
@@ -109,6 +109,7 @@ dm_status dm_lie_equation(void *lie, double *R, double *J, const double *V) {
         add_slopes(e, R, size, i, y);
         if (J) add_curves(e, J, i);
     }
+    for (uint32_t k = 0; k < e->d; k++) e->mu[k] = e->state[e->n + k] + e->gain[k];
     pull(e, V);
     subtract_end(e, R, size);
     if (J) subtract_end_curves(e, J);

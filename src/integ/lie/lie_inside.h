@@ -21,6 +21,7 @@ typedef struct {
     double *curve;                /* [3d (2d + 1)] at a point, then */
     double *V;                    /* [m] the unknowns */
     double *xi;                   /* [d] at the end of the step */
+    double *gain;                 /* [d] P */
     double *mu;                   /* [d] p0 + P */
     double *mu_V;                 /* [d * m] its derivative */
     double *in;                   /* [n + 2d] inputs of pull and finish */

@@ -44,13 +44,13 @@ for _, c in ipairs(cases) do
     local name = c.name .. ", " .. rule
     local system = dm.system { Q = c.Q, L = c.L }
     local lp = system:reduce { group = c.G, rule = rule, h = 0.05 }
-    local run = lp:solver():run { x = c.x, p = c.p, mu = c.mu, steps = 300 }
+    local run = lp:solver():run { x = c.x, p = c.p, mu = c.mu, steps = 1000 }
     local S, e = lp.space, c.G:identity()
     local full = system:solver { rule = rule, h = 0.05 }:run {
-      q = space.element(S, dm.vector(c.x), e), p = space.joined(S, c.p, c.mu), steps = 300 }
+      q = space.element(S, dm.vector(c.x), e), p = space.joined(S, c.p, c.mu), steps = 1000 }
     local back, worst, drift = run:reconstruct {}, 0, 0
     local J = c.G:coAd(e, c.mu)
-    for k = 1, 301 do
+    for k = 1, 1001 do
       local x, g = space.split(S, full.q[k])
       local p, mu = space.parts(S, full.p[k])
       worst = max(worst, (x - run.x[k]):norm(), (p - run.p[k]):norm(), (mu - run.mu[k]):norm(),
@@ -62,6 +62,50 @@ for _, c in ipairs(cases) do
     local ver, hor = lp:residual({ run.x[50], run.x[51], run.x[52] }, { run.f[50], run.f[51] })
     ok(ver:norm() < 1e-12 and hor:norm() < 1e-12, name .. ": Ver and Hor vanish", ver:norm())
   end
+end
+
+---- where L is written with g: 10^3 steps side by side, J over 10^4 ----
+
+-- masses on a body, one of which slides on it: kinetic energy from their velocities in space
+local function masses(K)
+  local n = K:hat(dm.zeros(K.dimension)).rows
+  local function spot(k, x)
+    local r = {}
+    for i = 1, n do r[i] = ((k + i) % 3 - 0.7) * (1 + 0.2 * i) end
+    r[1], r[n] = k == 1 and x or r[1], K ~= dm.SO(2) and K ~= dm.SO(3) and 1 or r[n]
+    return dm.vector(r)
+  end
+  return function(q, v)
+    local x, g, xi, sum = q[1][1], K:matrix(q[2]), K:hat(v:slice(2, 1 + K.dimension)), -q[1][1] ^ 2
+    for k = 1, 4 do
+      local u = dm.zeros(n):totable()
+      u[1] = k == 1 and v[1] or 0
+      local w = g * (xi * spot(k, x) + dm.vector(u))
+      sum = sum + (1 + 0.1 * k) * w:dot(w) / 2
+    end
+    return sum
+  end
+end
+
+for _, row in ipairs { { "SO(2)", dm.SO(2) }, { "SE(2)", dm.SE(2) }, { "SO(3)", dm.SO(3) },
+  { "SE(3)", dm.SE(3) } } do
+  local K, name = row[2], row[1] .. " by masses"
+  local system = dm.system { Q = dm.product(R1, K), L = masses(K) }
+  local lp, mu, p = system:reduce { group = K, rule = "lie(2)", h = 0.05 }, {}, { 0.1 }
+  for i = 1, K.dimension do mu[i], p[1 + i] = 0.9 / i, 0.9 / i end
+  local run = lp:solver():run { x = 0.4, p = 0.1, mu = mu, steps = 10000, every = 10 }
+  local full = system:solver { rule = "lie(2)", h = 0.05 }:run { q = { { 0.4 }, K:identity() },
+    p = p, steps = 1000, every = 10 }
+  local back, worst, drift = run:reconstruct {}, 0, 0
+  for k = 1, 101 do
+    worst = max(worst, abs(full.q[k][1][1] - run.x[k][1]), abs(full.p[k][1] - run.p[k][1]),
+      K:distance(full.q[k][2], back.g[k]))
+  end
+  for k = 1, 1001 do
+    drift = max(drift, (K:coAd(back.g[k], run.mu[k]) - dm.vector(mu)):norm())
+  end
+  ok(worst < 1e-12, name .. ": the reduced run is the unreduced one for 10^3 steps", worst)
+  ok(drift < 2e-13, name .. ": spatial momentum for 10^4 steps", drift)
 end
 
 ---- a formula: Ver and Hor with a connection, starts, members ----
@@ -136,6 +180,24 @@ for _, row in ipairs { { "SO(2)", dm.SO(2) }, { "SE(2)", dm.SE(2) }, { "SE(3)", 
   local v, w = other:residual({ moved.x[50], moved.x[51], moved.x[52] },
     { moved.f[50], moved.f[51] })
   ok(v:norm() < 1e-12 and w:norm() < 1e-12, row[1] .. " over angles: Ver and Hor vanish", w:norm())
+end
+
+-- far from the origin: m + x times p keeps its digits while x grows (150 and 160 away)
+for _, K in ipairs { dm.SE(2), dm.SE(3), dm.Heisenberg(3) } do
+  local r = K.dimension
+  local other = dm.lagrange_poincare { group = K, base = R1, h = 0.05, l = function(a, b, f, h)
+    local x, v, w = (a[1] + b[1]) / 2, (b[1] - a[1]) / h, K:cayleyinv(f)
+    local sum = v ^ 2 / 2 - x ^ 2
+    for i = 1, r do sum = sum + (1 + 0.2 * i + 0.1 * x ^ 2) * (w[i] / h) ^ 2 / 2 end
+    return h * sum
+  end }
+  local momentum, drift = {}, 0
+  for i = 1, r do momentum[i] = 0.4 / i end
+  local far = other:solver():run { x = 0.3, p = 0.2, mu = momentum, steps = 10000, every = 50 }
+  for k = 1, 201 do
+    drift = max(drift, (K:coAd(far.path.q[k][2], far.mu[k]) - dm.vector(momentum)):norm())
+  end
+  ok(drift < 5e-13, tostring(K) .. ", a formula: spatial momentum for 10^4 steps", drift)
 end
 
 ---- phases ----

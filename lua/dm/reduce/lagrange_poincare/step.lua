@@ -3,7 +3,8 @@
 -- beta_j V_j and P = (p, mu) + S_x0,
 --   S_(V_j) = h beta_j dtau_R(xi)^T P,   q1 = q0 tau(xi),   (p1, mu1) = Ad*_tau(xi) P,
 -- so that mu moves by the coadjoint action alone: the spatial momentum is kept to round-off,
--- whatever is left of Newton's method (docs/theory/lie.md). Unknowns: V.
+-- whatever is left of Newton's method (docs/theory/lie.md). Unknowns: V. Where the group knows what
+-- a step adds to q and p (group/change.lua), it is summed to twice the digits.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
@@ -39,8 +40,9 @@ end
 function M.rule(S, P, action, beta, tau, facts)
   local s, D, N = #beta, S.D, P.size
   local _, finish = place.chart(P, tau)
+  local change = place.change(P, tau)
   local slope = core.derivative(action, N, s * D, "number")
-  -- S_V, P and xi at a state
+  -- S_V, P, P - p and xi at a state
   local function evaluate(y, V, h)
     local q0 = core.vector(P.flat(space.at_identity(S, y.q)))
     local G, xi = slope(q0, V, h), core.zeros(D)
@@ -48,11 +50,11 @@ function M.rule(S, P, action, beta, tau, facts)
     local x, mu = space.parts(S, y.p)
     local first = {}
     for k = 1, S.d do first[k] = G[facts.places[k]] end
-    local moved = space.joined(S, S.d > 0 and x + core.vector(first) or x, mu)
-    return G, moved, xi
+    local gain = space.joined(S, core.vector(first), core.zeros(S.r))
+    return G, space.joined(S, S.d > 0 and x + core.vector(first) or x, mu), gain, xi
   end
   local function equation(y, V, h)
-    local G, moved, xi = evaluate(y, V, h)
+    local G, moved, _, xi = evaluate(y, V, h)
     local S1, out = turned(S, tau, xi, moved), {}
     for j = 1, s do
       for a = 1, D do
@@ -62,9 +64,11 @@ function M.rule(S, P, action, beta, tau, facts)
     return core.vector(out)
   end
   local function after(y, V, h)
-    local _, moved, xi = evaluate(y, V, h)
-    local all = finish(y.flat, xi, moved)
-    return { flat = part(all, 0, N), p = part(all, N, D), V = V, W = y.V, made = y.made + 1 }
+    local _, moved, gain, xi = evaluate(y, V, h)
+    local all = (change or finish)(y.flat, xi, moved)
+    local p = part(all, N, D)
+    return { flat = part(all, 0, N), p = change and p + gain or p, V = V, W = y.V,
+      made = y.made + 1 }
   end
   local arcs = tau == "exp" and kits.of(S.Q).arcs
   if arcs and #arcs(core.zeros(D)) == 0 then arcs = nil end
@@ -75,7 +79,7 @@ function M.rule(S, P, action, beta, tau, facts)
       if s * D == 1 then return { y.V + k * (y.V - y.W) } end
       return y.V + (y.V - y.W) * k
     end,
-    equation = equation, next = after,
+    equation = equation, next = after, sums = change ~= nil,
     inside = arcs and function(_, V, h)
       local xi, out = core.zeros(D), {}
       for j = 1, s do xi = xi + part(V, (j - 1) * D, D) * (h * beta[j]) end
