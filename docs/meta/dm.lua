@@ -188,11 +188,12 @@ function dm_box_run_class:balance(energy) end
 ---@return string
 function dm_box_run_class:npy(file) end
 
----run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+---run:plot(name, {style=, rows=, file=, title=, size=, ...}) -> file name or nothing
 ---
 ---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
 ---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
----these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot. Sizes and
+---letters as of dm.plot.
 ---@param name? any
 ---@param options? table
 ---@return string|nil
@@ -1547,7 +1548,8 @@ function dm_form_class:pair(c) end
 ---area.
 ---Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
 ---in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
----dual = true adds the edges of the dual cells of a surface; title, label (of the colours).
+---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
+---font, fontsize, linewidth and ascii as of dm.plot.
 ---@param options? table
 ---@return string|nil
 function dm_form_class:plot(options) end
@@ -2189,11 +2191,12 @@ function dm_line_run_class:multisymplectic(options) end
 ---@return string
 function dm_line_run_class:npy(file) end
 
----run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+---run:plot(name, {style=, rows=, file=, title=, size=, ...}) -> file name or nothing
 ---
 ---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
 ---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
----these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot. Sizes and
+---letters as of dm.plot.
 ---@param name? any
 ---@param options? table
 ---@return string|nil
@@ -2778,7 +2781,8 @@ function dm_mesh_class:oriented(x) end
 ---Draw a mesh.
 ---Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
 ---in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
----dual = true adds the edges of the dual cells of a surface; title, label (of the colours).
+---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
+---font, fontsize, linewidth and ascii as of dm.plot.
 ---@param options? table
 ---@return string|nil
 function dm_mesh_class:plot(options) end
@@ -4916,7 +4920,8 @@ function dm_vector_field_class:flat(options) end
 ---Draw a field of vectors as arrows, the longest as long as an edge at the median.
 ---Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
 ---in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
----dual = true adds the edges of the dual cells of a surface; title, label (of the colours).
+---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
+---font, fontsize, linewidth and ascii as of dm.plot.
 ---@param options? table
 ---@return string|nil
 function dm_vector_field_class:plot(options) end
@@ -5030,10 +5035,10 @@ function dm_wave_path_class:drift(name) end
 ---@return any
 function dm_wave_path_class:plot(density, options) end
 
----path:spacetime{of = "density" | "phase", file=, title=, width=, height=} -> file or nothing
+---path:spacetime{of = "density" | "phase", file=, title=, size=, ...} -> file or nothing
 ---
 ---x across, t up, |psi|^2 or the phase by colours with their scale, in a .png, .svg or .pdf; without a
----file by characters in the terminal.
+---file by characters in the terminal. Sizes and letters as of dm.plot.
 ---@param options? table
 ---@return any|nil
 function dm_wave_path_class:spacetime(options) end

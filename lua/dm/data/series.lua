@@ -5,11 +5,12 @@ local text_file = require "dm.base.text_file"
 local M = {}
 
 --- Writes prefix_00001.vtk, ... as write(i, file) does for i = 1 .. count, then prefix.vtk.series;
--- gives the list of all files. time(i): of row i.
+-- gives the list of all files. time(i): of row i. A .vtk at the end of the prefix is left out.
 function M.vtk(prefix, count, time, where, write)
   if type(prefix) ~= "string" then
     option.fail(where, "the beginning of file names is needed (got %s)", option.got(prefix))
   end
+  prefix = prefix:gsub("%.vtk$", "")
   local list, entries, base = {}, {}, prefix:match "[^/]*$"
   for i = 1, count do
     local number = ("_%05d.vtk"):format(i)

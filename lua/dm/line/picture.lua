@@ -3,6 +3,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local files = require "dm.line.files"
 local gnuplot = require "dm.show.gnuplot"
+local look = require "dm.show.look"
 local option = require "dm.base.options"
 local page = require "dm.show.animate.page"
 local plot = require "dm.show.plot"
@@ -85,8 +86,10 @@ local function profile(run, q, options, where)
     for i = 1, #run.nodes do x[i], y[i] = place(run, j, i), value(q, j, i) end
     series[k] = { x = x, y = y, name = ("t = %.4g"):format(run.t[j]) }
   end
-  return plot.plot(series, { file = options.file, title = options.title or title_of(run, q.name),
-    xlabel = "x", ylabel = q.name, width = options.width, height = options.height })
+  local own = { file = options.file, title = options.title or title_of(run, q.name), xlabel = "x",
+    ylabel = q.name, ascii = options.ascii }
+  for _, key in ipairs(look.KNOWN) do own[key] = options[key] end
+  return plot.plot(series, own)
 end
 
 ---- rasters ----
@@ -95,8 +98,9 @@ local SHADES = { " ", ".", ":", "-", "=", "+", "*", "#", "%", "@" }
 
 local function terminal_raster(run, q, options)
   local known = core.terminal and core.terminal() or {}
-  local width = math.max(20, math.min(options.width or known.width or 80, 200) - 10)
-  local rows, columns = thinned(#run, options.height or 24), thinned(#run.nodes, width)
+  local width, height = look.pixels(options)
+  width = math.max(20, math.min(width or known.width or 80, 200) - 10)
+  local rows, columns = thinned(#run, height or 24), thinned(#run.nodes, width)
   local lo, hi = range(q, run, rows)
   local lines = { options.title or title_of(run, q.name) }
   for k = #rows, 1, -1 do
@@ -117,12 +121,12 @@ end
 local function raster_script(run, q, options)
   local rows, columns = thinned(#run, MOST), thinned(#run.nodes, MOST)
   return function(part)
-    local lines = { gnuplot.head(part, options.width or 800, options.height or 600)
-      .. "unset key\nset tics out\nset title "
+    local lines = { gnuplot.head(part, options, 800, 600)
+      .. gnuplot.map(options, 800, 600) .. "\nset title "
       .. gnuplot.caption(options.title or title_of(run, q.name)),
       "set xlabel 'x'", "set ylabel 't'", "set cblabel " .. gnuplot.caption(q.name),
       "set palette defined (0 '#440154', 1 '#3b518b', 2 '#21908d', 3 '#5cc863', 4 '#fde725')",
-      "set view map", "set pm3d corners2color mean", "set autoscale fix", "$rows << EOD" }
+      "set pm3d map corners2color mean", "set autoscale fix", "$rows << EOD" }
     for _, j in ipairs(rows) do
       for _, i in ipairs(columns) do
         lines[#lines + 1] = ("%.9g %.9g %.9g"):format(place(run, j, i), run.t[j], value(q, j, i))
@@ -140,7 +144,7 @@ local function raster(run, q, options)
   return options.file
 end
 
-local OPTIONS = { "file", "style", "rows", "title", "width", "height" }
+local OPTIONS = { "file", "style", "rows", "title", "ascii", table.unpack(look.KNOWN) }
 
 local function draw(run, name, options)
   local where = "run:plot"
@@ -149,7 +153,7 @@ local function draw(run, name, options)
     (options.rows or #run < 2) and "profile" or "raster")
   option.text(options, "file", where)
   option.text(options, "title", where)
-  for _, key in ipairs { "width", "height" } do option.whole(options, key, where, 8, 10000) end
+  look.check(options)
   local q = quantity(run, name or (run.boxes and run.boxes.names[1] or "u"), where)
   if style == "profile" then return profile(run, q, options, where) end
   if #run < 2 then option.fail(where, "a raster needs two rows at least") end
@@ -252,10 +256,11 @@ end
 function M.give(class)
   files.give(class)
   core.method(class, "plot", blame.caller(draw), [[
-run:plot(name, {style=, rows=, file=, title=, width=, height=}) -> file name or nothing
+run:plot(name, {style=, rows=, file=, title=, size=, ...}) -> file name or nothing
 name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
 values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
-these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot.]])
+these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot. Sizes and
+letters as of dm.plot.]])
 
   core.method(class, "animate", blame.caller(animate), [[
 run:animate(file, {of=, title=, seconds=}) -> file name

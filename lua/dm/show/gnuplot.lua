@@ -304,11 +304,23 @@ local function complaint(file, said)
   return ("cannot draw %q: gnuplot says: %s"):format(file, said:gsub("%s+", " "):sub(1, 300))
 end
 
---- The first lines of a script that draws to `file`: width and height in pixels.
-function M.head(file, width, height)
-  local look = look_.of({}, width, height)
+--- The first lines of a script that draws to `file`, as large as the options of dm.show.look say;
+-- width and height: pixels of one that has no size.
+function M.head(file, options, width, height)
+  local look = look_.of(options, width, height)
   return "set terminal " .. TERMINALS[kind_of(file)](look) .. "\nset output "
     .. quote(output_name(file)) .. "\nset encoding utf8\n"
+end
+
+--- Lines of a script whose picture is a map of colours with its scale at the right: ticks, and
+-- margins as the letters need them, in heights of a letter. Sizes as of M.head.
+function M.map(options, width, height)
+  local look = look_.of(options, width, height)
+  local across, up = look.points / 72 / look.inches[1], look.points / 72 / look.inches[2]
+  return ("set tics out nomirror textcolor rgb '#303030'\nset border lc rgb '#808080'\nunset key\n"
+    .. "set lmargin at screen %.4f\nset rmargin at screen %.4f\n"
+    .. "set bmargin at screen %.4f\nset tmargin at screen %.4f"):format(5.5 * across,
+    (1 - 6 * across) / 1.09, 5.2 * up, 1 - 2.6 * up)
 end
 
 --- Text of a user, as gnuplot reads it.

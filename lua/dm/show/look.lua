@@ -10,6 +10,16 @@ local fail = option.failing(WHERE)
 --- Options that say it.
 M.KNOWN = { "width", "height", "size", "dpi", "font", "fontsize", "linewidth" }
 
+--- Those of a picture whose height is an angle.
+M.SIZED = { "size", "dpi", "font", "fontsize", "linewidth" }
+
+--- The options among these that are of M.SIZED.
+function M.sized(options)
+  local out = {}
+  for _, key in ipairs(M.SIZED) do out[key] = options[key] end
+  return out
+end
+
 local INCHES = { cm = 1 / 2.54, mm = 1 / 25.4, ["in"] = 1 }
 local SCREEN, PRINT = 96, 300     -- dots per inch
 local POINTS, PRINT_POINTS = 11, 8 -- of letters

@@ -234,7 +234,7 @@ local LETTERS = { wrong = "w", drifting = "d", chaotic = "c", off = "o", ["blow-
   ["constraint lost"] = "k", ["no start"] = "x", ["not run"] = " " }
 
 -- the sign of a class: of what is bounded a point, as small as the locale has one
-local function letter(class) return LETTERS[class] or characters.here().point end
+local function letter(class, plain) return LETTERS[class] or characters.here(plain).point end
 
 local WIDE, HIGH = 72, 24
 
@@ -247,23 +247,23 @@ local function some_of(n, most)
   return out
 end
 
-local function print_panel(map, panel, along)
+local function print_panel(map, panel, along, plain)
   local across, up, used = some_of(#panel.rows, WIDE), some_of(#map.column, HIGH), {}
   print(panel.title)
   for k = #up, 1, -1 do
     local line = { ("%11.4g "):format(map.column[up[k]]) }
     for _, x in ipairs(across) do
       local class = cells.CLASSES[map.cells[panel.rows[x]][up[k]].class].name
-      line[#line + 1], used[class] = letter(class), true
+      line[#line + 1], used[class] = letter(class, plain), true
     end
     print(table.concat(line))
   end
-  print(("%11s %s"):format(map.column.name, along and ("%s = %.4g to %.4g")
+  print(("%11s%s"):format(map.column.name, along and (" %s = %.4g to %.4g")
     :format(along.name, along[1], along[#along]) or ""))
   local legend = {}
   for _, class in ipairs(cells.CLASSES) do
     if used[class.name] then
-      legend[#legend + 1] = ("%s %s"):format(letter(class.name), class.name)
+      legend[#legend + 1] = ("%s %s"):format(letter(class.name, plain), class.name)
     end
   end
   print(table.concat(legend, "   "))
@@ -282,7 +282,7 @@ local function plot(map, options)
     all = some
   end
   if not given.file then
-    for _, panel in ipairs(all) do print_panel(map, panel, along) end
+    for _, panel in ipairs(all) do print_panel(map, panel, along, given.ascii) end
     if there > #all then print(("(%d of %d panels)"):format(#all, there)) end
     return
   end

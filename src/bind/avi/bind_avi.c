@@ -133,11 +133,11 @@ static dml_path *push_path(lua_State *L, const avi *k, uint32_t rows, double t0)
 static int avi_run(lua_State *L) {
     avi *k = check(L);
     const uint32_t rows = (uint32_t)dml_length(L, 4), n = k->a.n;
+    const int half = lua_toboolean(L, 5);
     double *times = lua_newuserdatauv(L, (rows + 1) * sizeof *times, 0);
     dml_vectorarg(L, 2, "p", k->a.p, n);
     dml_vectorarg(L, 3, "h", k->a.h, k->a.cells);
     dml_vectorarg(L, 4, "times", times, rows);
-    const int half = lua_toboolean(L, 5);
     dml_path *path = push_path(L, k, rows, times[0]);
     dm_avi_start(&k->a, times[0], half);
     dm_status status = DM_OK;

@@ -123,10 +123,10 @@ static int mesh_tangent(lua_State *L) {
 static int mesh_divergence(lua_State *L) {
     const dml_mesh *m = check_embedded(L);
     const dm_vector_field X = check_field(L, 2, m);
+    const int flux = lua_toboolean(L, 4);
     dm_sharp_fault fault;
     double *out = dml_pushvector(L, m->K.count[0]);
-    if (dm_divergence(out, &m->K, &m->metric, &X, lua_toboolean(L, 4), &fault) != DM_OK)
-        refuse(L, m, &fault);
+    if (dm_divergence(out, &m->K, &m->metric, &X, flux, &fault) != DM_OK) refuse(L, m, &fault);
     return 1;
 }
 

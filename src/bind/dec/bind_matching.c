@@ -149,6 +149,7 @@ static int matching_flow(lua_State *L) {
 
 /* alpha (or nil), values at critical cells (or nil) -> beta */
 static int matching_cocone(lua_State *L) {
+    lua_settop(L, 4);
     const dm_matching *M = &check_matching(L)->M;
     const uint32_t k = check_degree(L, 2, M, 0), above = k < M->K->n ? M->K->count[k + 1] : 0;
     double *alpha = lua_newuserdatauv(L, ((size_t)above + 1) * sizeof *alpha, 0);
@@ -165,6 +166,7 @@ static int matching_cocone(lua_State *L) {
 }
 
 static int matching_gather(lua_State *L) {
+    lua_settop(L, 3);
     const dm_matching *M = &check_matching(L)->M;
     const uint32_t k = check_degree(L, 2, M, 0), below = k > 0 ? M->K->count[k - 1] : 0;
     double *alpha = lua_newuserdatauv(L, ((size_t)M->K->count[k] + 1) * sizeof *alpha, 0);

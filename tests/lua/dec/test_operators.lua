@@ -124,6 +124,8 @@ for n, K in ipairs(meshes) do
   local position = K:vector_field(function(...) return { ... } end, { on = "cells" })
   local inside = inner_cells(K, 0)
   local div = position:div()
+  ok(position.mesh:divergence_values(position.values, position.on) == div.values,
+    name .. "without the flux unless it is asked for")
   near(div.values:dot(K:dual_volume(0)), 0, 1e-12, name .. "the sum of |*v| div is 0")
   for _, v in ipairs(inside) do near(div[v], n, 1e-10, name .. "divergence of the position is n inside") end
   local at_vertices = K:vector_field(function(...) return { ... } end)

@@ -44,6 +44,15 @@ else
   print "# gnuplot is not installed: files are not drawn"
 end
 raises("picture is .png", function() flat:plot { file = base .. ".gif" } end)
+if is_there then
+  local png = swirl:plot { file = base .. ".png", size = { 8.5, 6, "cm" }, dpi = 300, fontsize = 8, linewidth = 0.7 }
+  local file = assert(io.open(png, "rb"))
+  local w, h = (">I4I4"):unpack(file:read(24), 17)
+  file:close()
+  os.remove(png)
+  ok(w == 1004 and h == 709, "8.5 x 6 cm at 300 dots per inch", w)
+end
+raises("furlong", function() flat:plot { file = base .. ".png", size = { 8, 6, "furlong" } } end)
 raises("no points", function() dm.mesh { hex_torus = 4 }:plot() end)
 raises("'axis'", function() flat:plot { axis = 1 } end)
 raises("boundary", function() solid:form(3, solid:volume(3)):plot() end)

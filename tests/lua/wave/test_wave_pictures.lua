@@ -29,13 +29,19 @@ if is_there then
     phase = function() return path:plot("phase", { file = name, rows = 3 }) end,
     column = function() return path:plot("x", { file = name }) end,
     columns = function() return path:plot("t", { "x", "momentum" }, { file = name }) end,
-    spacetime = function() return path:spacetime { file = name } end,
+    spacetime = function() return path:spacetime { file = name, size = { 8.5, 6, "cm" } } end,
     phases = function() return path:spacetime { file = name, of = "phase", title = "turning" } end,
     walls = function() return box:spacetime { file = name } end,
   } do
     local text = read(draw())
     ok(text:find "<svg" and #text > 3000, what .. " drawn")
     if what == "density" then ok(text:find "V, 0 to 32" and text:find "t = 2", "  with V and times") end
+    if what == "density" then
+      local free = dm.schroedinger { x = { -8, 8, 64 } }
+      local still = free:solver({ rule = "strang", h = 0.1 }):run { psi = packet, steps = 2 }
+      ok(read(still:plot("density", { file = name })):find "<svg", "  and where V is 0")
+    end
+    if what == "spacetime" then ok(text:find 'width="321" height="227"', "  in centimetres") end
     if what == "phases" then ok(text:find "turning" and text:find "arg psi", "  title and colour scale") end
   end
 else

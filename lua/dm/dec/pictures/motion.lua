@@ -56,7 +56,8 @@ end
 
 ---- a row as a picture, a column as a line ----
 
-local PLOT = { "row", "file", "title", "azimuth", "height", "label", "dual" }
+local PLOT = { "row", "file", "title", "azimuth", "height", "label", "dual", "ascii",
+  table.unpack(require "dm.show.look".SIZED) }
 
 local function draw(run, name, options, where)
   options = option.check(options or {}, PLOT, where)

@@ -4,6 +4,7 @@ local class = require "dm.base.class"
 local colours = require "dm.dec.pictures.colours"
 local drawing = require "dm.dec.pictures.drawing"
 local gnuplot = require "dm.show.gnuplot"
+local look = require "dm.show.look"
 local option = require "dm.base.options"
 local plot = require "dm.show.plot"
 
@@ -96,13 +97,13 @@ end
 
 -- lines are polygons, too: so gnuplot draws all of them in the order of their numbers, and what is
 -- near hides what is far
-local function object_of(piece, number, with_edges)
+local function object_of(piece, number, with_edges, linewidth)
   local kind, xy, colour = piece[2], piece[3], piece[4]
   if kind == "face" then
     return polygon(number, xy, ("fillcolor rgb '%s' fillstyle solid %s"):format(colour,
       with_edges and "border lc rgb '#707070'" or "noborder"))
   end
-  local width = kind == "edge" and 1.8 or 1
+  local width = (linewidth or 1) * (kind == "edge" and 1.8 or 1)
   local style = kind == "arrow" and ("fillcolor rgb '%s' fillstyle solid border"):format(colour)
     or "fillstyle empty border"
   return polygon(number, kind == "arrow" and arrow_of(xy) or xy,
@@ -117,15 +118,17 @@ local function colour_box(lines, d, scale)
   lines[#lines + 1] = "set cblabel " .. gnuplot.caption(d.label)
 end
 
-local function script_of(d, pieces, scale, title, file)
-  local lines = { gnuplot.head(file, 760, 640) }
+local function script_of(d, pieces, scale, title, file, options)
+  local lines = { gnuplot.head(file, options, 760, 640) }
   local x0, x1, y0, y1 = box_of(pieces)
   lines[#lines + 1] = d.dim == 2
     and "set xlabel 'x'\nset ylabel 'y' norotate\nset tics out nomirror"
     or "unset border\nunset xtics\nunset ytics"
   lines[#lines + 1] = "set size ratio -1\nset title " .. gnuplot.caption(title)
   local with_edges = #d.faces <= FINE and d.on ~= "edges"
-  for i, piece in ipairs(pieces) do lines[#lines + 1] = object_of(piece, i, with_edges) end
+  for i, piece in ipairs(pieces) do
+    lines[#lines + 1] = object_of(piece, i, with_edges, options.linewidth)
+  end
   if scale then colour_box(lines, d, scale) end
   lines[#lines + 1] = ("plot [%.9g:%.9g] [%.9g:%.9g] %s"):format(x0, x1, y0, y1,
     scale and "'+' using (0):(0):(0) with points pt 7 ps 0 palette notitle" or "NaN notitle")
@@ -163,7 +166,7 @@ local function tours_of(edges)
   return out
 end
 
-local function to_terminal(d, see, title)
+local function to_terminal(d, see, title, options)
   local series = {}
   local function add(points)
     local x, y = {}, {}
@@ -180,12 +183,14 @@ local function to_terminal(d, see, title)
     add { p, q }
   end
   plot.plot(series, { equal = true, title = title, legend = false,
+    size = options.size, ascii = options.ascii,
     xlabel = d.dim == 2 and "x" or " ", ylabel = d.dim == 2 and "y" or " " })
 end
 
 ---- all ----
 
-local KNOWN = { "file", "title", "dual", "azimuth", "height", "label" }
+local KNOWN = { "file", "title", "dual", "azimuth", "height", "label", "ascii",
+  table.unpack(look.SIZED) }
 
 -- what lines are lifted by towards the eye, to stand before the faces they lie on
 local function median_length(K)
@@ -212,24 +217,29 @@ local function draw(d, K, options, what, where)
   for _, key in ipairs { "azimuth", "height" } do
     option.number(options, key, where, "an angle in radians")
   end
+  local sized = look.sized(options)
+  look.check(sized)
   if options.dual then drawing.add_dual(d, K) end
   d.unit, d.label = median_length(K), options.label or d.name
   local see, title = camera(d, options), title_of(d, options, what)
-  if not options.file then return to_terminal(d, see, title) end
+  if not options.file then return to_terminal(d, see, title, options) end
   if #d.faces + #d.edges > MOST then
     fail("%d faces and edges are too many for a picture (at most %d); K:animate draws them",
       #d.faces + #d.edges, MOST)
   end
   local scale = d.values and colours.scale(d.values)
   local pieces = pieces_of(d, see, scale)
-  gnuplot.draw(options.file, function(part) return script_of(d, pieces, scale, title, part) end)
+  gnuplot.draw(options.file, function(part)
+    return script_of(d, pieces, scale, title, part, sized)
+  end)
   return options.file
 end
 
 local OPTIONS = [[
 Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
 in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
-dual = true adds the edges of the dual cells of a surface; title, label (of the colours).]]
+dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
+font, fontsize, linewidth and ascii as of dm.plot.]]
 
 class.method("dm.mesh", "plot", function(K, options)
   return draw(drawing.mesh(K), K, options, ("mesh of %d vertices"):format(K:count(0)), "mesh:plot")

@@ -25,7 +25,9 @@ dm.discrete_shape: a discrete Lagrangian without its group variables, made by sh
 fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape
 numbers each.]])
 
-function Discrete.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
+function Discrete.__tostring(D)
+  return ("%s, reduced to %s"):format(tostring(D.Ld), D.shape.Q)
+end
 
 local POINT = "%s must be a point of the shape space: %d number%s (got %s)"
 

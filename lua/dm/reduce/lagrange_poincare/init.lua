@@ -25,10 +25,7 @@ fields: group, base, h, connection, system (on Q = base x group, its L without g
 formula a dm.step), for whatever
 takes these: charts, events, checkpoints of the unreduced motion.]])
 
-function Class.__tostring(lp)
-  return ("reduced by %s%s, h = %g%s"):format(tostring(lp.group),
-    lp.base and ", shapes in " .. tostring(lp.base) or "", lp.h, lp.by and ", " .. lp.by or "")
-end
+function Class.__tostring(lp) return paths.text(lp, lp.h) end
 
 local function method(name, f, doc) core.method("dm.lagrange_poincare", name, blame.caller(f),
   doc) end
@@ -207,7 +204,7 @@ function Solver.__index(self, key)
   return function(_, ...) return value(self.solver, ...) end
 end
 
-function Solver.__tostring(self) return tostring(self.lp) end
+function Solver.__tostring(self) return paths.text(self.lp, self.h) end
 
 local function run(self, o)
   local where = "solver:run"

@@ -44,6 +44,12 @@ function made.f(self)
   return core.result(out)
 end
 
+--- What is said of lp, or of a solver or run of it with the step h.
+function M.text(lp, h)
+  return ("reduced by %s%s, h = %g%s"):format(tostring(lp.group),
+    lp.base and ", shapes in " .. tostring(lp.base) or "", h, lp.by and ", " .. lp.by or "")
+end
+
 --- The reduced path over a dm.path on Q. shown: does it have g?
 function M.new(lp, path, shown)
   local self = setmetatable({ lp = lp, path = path }, class)
@@ -70,7 +76,7 @@ end
 
 function class.__len(self) return #self.path end
 function class.__tostring(self)
-  return ("reduced path of %d rows: %s"):format(#self.path, tostring(self.lp))
+  return ("reduced path of %d rows: %s"):format(#self.path, M.text(self.lp, self.path.h))
 end
 
 function M.is(x) return type(x) == "table" and getmetatable(x) == class end

@@ -97,7 +97,7 @@ M.symplectic_form = blame.caller(function(shape, x, t)
   for i = 1, d do
     out[i], out[d + i] = {}, {}
     for k = 1, d do
-      out[i][k], out[i][d + k] = -beta[i][k], i == k and 1 or 0
+      out[i][k], out[i][d + k] = 0 - beta[i][k], i == k and 1 or 0
       out[d + i][k], out[d + i][d + k] = i == k and -1 or 0, 0
     end
   end

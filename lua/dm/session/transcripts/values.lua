@@ -1,114 +1,131 @@
---- Examples of methods of vectors, matrices, spaces, meshes, random numbers.
+--- Examples of methods of vectors, matrices, random numbers, roots.
 local M = {}
+
+M["matrix.column"] = [=[
+> m = dm.matrix { { 1, 2 }, { 3, 4 } }
+> m:column(2)
+[2, 4]]=]
+
+M["matrix.copy"] = [=[
+> m = dm.matrix { { 1, 2 }, { 3, 4 } }
+> n = m:copy()
+> n[1][1] = 10
+> m:trace(), n:trace()
+5.0	14.0]=]
 
 M["matrix.det"] = [=[
 > dm.matrix { { 2, 1 }, { 1, 3 } }:det()
 5.0]=]
+
+M["matrix.eigenvalues"] = [=[
+> re, im = dm.matrix { { 0, 1 }, { -4, 0 } }:eigenvalues()
+> re, im
+[0, 0]	[-2, 2]]=]
 
 M["matrix.inverse"] = [=[
 > dm.matrix { { 2, 0 }, { 0, 4 } }:inverse()
 [[ 0.5,    0],
  [   0, 0.25]]]=]
 
+M["matrix.modes"] = [=[
+> mass = dm.matrix { { 1, 0 }, { 0, 1 } }
+> stiffness = dm.matrix { { 2, -1 }, { -1, 2 } }
+> squares, shapes = stiffness:modes(mass)
+> squares
+[1, 3]
+> shapes[1][2]/shapes[2][2]
+-1.0]=]
+
+M["matrix.row"] = [=[
+> m = dm.matrix { { 1, 2 }, { 3, 4 } }
+> m:row(2)
+[3, 4]]=]
+
 M["matrix.solve"] = [=[
-> dm.matrix { { 2, 0 }, { 0, 4 } }:solve { 2, 2 }
-[1, 0.5]]=]
+> dm.matrix { { 2, 1 }, { 1, 3 } }:solve { 3, 4 }
+[1, 1]]=]
 
 M["matrix.totable"] = [=[
-> dm.matrix { { 1, 2 } }:totable()
-{ { 1.0, 2.0 } }]=]
+> dm.matrix { { 1, 2 }, { 3, 4 } }:totable()
+{ { 1.0, 2.0 }, { 3.0, 4.0 } }]=]
+
+M["matrix.trace"] = [=[
+> dm.matrix { { 2, 1 }, { 1, 3 } }:trace()
+5.0]=]
 
 M["matrix.transpose"] = [=[
 > dm.matrix { { 1, 2 }, { 3, 4 } }:transpose()
 [[1, 3],
  [2, 4]]]=]
 
-M["mesh.betti"] = [=[
-> dm.mesh { icosphere = 1 }:betti()
-{ 1, 0, 1 }]=]
-
 M["random.normal"] = [=[
-> dm.random(1):normal(1, 1) == dm.random(1):normal(1, 1)
+> r = dm.random(7)
+> r:normal(1, 0) == r:normal(1, 0), r:normal(1, 0) == r:normal(1, 1)
+true	false
+> sum = 0
+> for k = 1, 10000 do sum = sum + r:normal(1, k, 5, 0.1) end
+> math.abs(sum/10000 - 5) < 0.005
 true]=]
 
 M["random.uniform"] = [=[
-> x = dm.random(1):uniform(1, 1)
-> x > 0 and x < 1
-true]=]
+> r = dm.random(7)
+> x = r:uniform(1, 0, -2, 2)
+> -2 < x and x < 2, x == dm.random(7):uniform(1, 0, -2, 2)
+true	true]=]
 
-M["space.Ad"] = [=[
-> dm.SO(3):Ad(dm.SO(3):exp { 0, 0, math.pi/2 }, { 1, 0, 0 })
-[1.1102230246252e-16, 1, 0]]=]
+M["root.inverse"] = [=[
+> root = dm.root { start = 1, equations = function(y, x) return y^2 - x end }
+> root(4), root:inverse(4)
+2.0	[[0.25]]]=]
 
-M["space.ad"] = [=[
-> dm.SO(3):ad({ 1, 0, 0 }, { 0, 1, 0 })
-[0, 0, 1]]=]
+M["root.value"] = [=[
+> lowest = dm.root { start = 0, stationary = function(y, x) return y^2/2 - x*y end }
+> lowest(3), lowest:value(3)
+3.0	-4.5]=]
 
-M["space.cayley"] = [=[
-> dm.SO(3):cayley { 0, 0, 1 }
-[[ 0.6, -0.8,    0],
- [ 0.8,  0.6,    0],
- [   0,    0,    1]]]=]
-
-M["space.compose"] = [=[
-> dm.SO(3):compose(dm.SO(3):exp { 0, 0, 1 }, dm.SO(3):exp { 0, 0, -1 })
-[[1, 0, 0],
- [0, 1, 0],
- [0, 0, 1]]]=]
-
-M["space.distance"] = [=[
-> dm.SO(3):distance(dm.SO(3):identity(), dm.SO(3):exp { 0, 0, 1 })
-1.0]=]
-
-M["space.exp"] = [=[
-> dm.SO(2):exp(math.pi/2)
-1.5707963267949]=]
-
-M["space.hat"] = [=[
-> dm.SO(3):hat { 1, 2, 3 }
-[[ 0, -3,  2],
- [ 3,  0, -1],
- [-2,  1,  0]]]=]
-
-M["space.identity"] = [=[
-> dm.SO(3):identity()
-[[1, 0, 0],
- [0, 1, 0],
- [0, 0, 1]]]=]
-
-M["space.inverse"] = [=[
-> dm.SO(3):inverse(dm.SO(3):exp { 0, 0, 1 })
-[[0.54030230586814,  0.8414709848079,                0],
- [-0.8414709848079, 0.54030230586814,                0],
- [               0,                0,                1]]]=]
-
-M["space.log"] = [=[
-> dm.SO(3):log(dm.SO(3):exp { 0, 0, 1 })
-[0, 0, 1]]=]
-
-M["space.valid"] = [=[
-> dm.SO(3):valid(dm.matrix { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } })
-false	its determinant is -1]=]
-
-M["space.vee"] = [=[
-> dm.SO(3):vee(dm.SO(3):hat { 1, 2, 3 })
-[1, 2, 3]]=]
+M["vector.copy"] = [=[
+> v = dm.vector { 1, 2, 3 }
+> w = v:copy()
+> w[1] = 10
+> v, w
+[1, 2, 3]	[10, 2, 3]]=]
 
 M["vector.cross"] = [=[
-> dm.vector { 1, 0, 0 }:cross(dm.vector { 0, 1, 0 })
-[0, 0, 1]]=]
+> dm.vector { 1, 0, 0 }:cross { 0, 1, 0 }
+[0, 0, 1]
+> dm.vector { 1, 2 }:cross { 3, 4 }
+-2.0]=]
 
 M["vector.dot"] = [=[
 > dm.vector { 1, 2 }:dot { 3, 4 }
 11.0]=]
 
+M["vector.map"] = [=[
+> dm.vector { 1, 4, 9 }:map(math.sqrt)
+[1, 2, 3]
+> dm.vector { 5, 5, 5 }:map(function(x, i) return x*i end)
+[5, 10, 15]]=]
+
 M["vector.norm"] = [=[
 > dm.vector { 3, 4 }:norm()
-5.0]=]
+5.0
+> dm.vector { 3e200, 4e200 }:norm()
+5e+200]=]
+
+M["vector.outer"] = [=[
+> dm.vector { 1, 2 }:outer { 3, 4, 5 }
+[[ 3,  4,  5],
+ [ 6,  8, 10]]]=]
 
 M["vector.slice"] = [=[
 > dm.vector { 1, 2, 3, 4 }:slice(2, 3)
-[2, 3]]=]
+[2, 3]
+> dm.vector { 1, 2, 3, 4 }:slice(3)
+[3, 4]]=]
+
+M["vector.sum"] = [=[
+> dm.vector { 1, 2, 3, 4 }:sum()
+10.0]=]
 
 M["vector.totable"] = [=[
 > dm.vector { 1, 2 }:totable()

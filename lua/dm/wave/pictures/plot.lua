@@ -2,6 +2,7 @@
 local class = require "dm.base.class"
 local gnuplot = require "dm.show.gnuplot"
 local lists = require "dm.base.lists"
+local look = require "dm.show.look"
 local option = require "dm.base.options"
 local plot = require "dm.show.plot"
 
@@ -54,7 +55,8 @@ local function over_x(path, what, options)
     series[k] = { x = v.x, y = y, name = ("t = %.4g"):format(path.t[i]), xlabel = "x",
       ylabel = label }
   end
-  if what == "density" then table.insert(series, 1, potential(path.wave, height)) end
+  local V = what == "density" and potential(path.wave, height)
+  if V then table.insert(series, 1, V) end
   local rest = lists.copy(options)
   rest.rows, rest.ylabel, rest.xlabel = nil, rest.ylabel or label, rest.xlabel or "x"
   rest.title = rest.title or path.title
@@ -95,7 +97,7 @@ local SHADES = " .:-=+*#%@"
 local VIRIDIS = "0 '#440154', 1 '#472c7a', 2 '#3b518b', 3 '#2c718e', 4 '#21908d', 5 '#27ad81', "
   .. "6 '#5cc863', 7 '#aadc32', 8 '#fde725'"
 
-local KNOWN = { "of", "file", "title", "width", "height" }
+local KNOWN = { "of", "file", "title", "ascii", table.unpack(look.KNOWN) }
 
 -- at most `most` of 1 .. count, both ends among them
 local function thinned(count, most)
@@ -124,7 +126,7 @@ local function script(path, options, of, file)
   local function add(line) lines[#lines + 1] = line end
   local x = { tostring(#points) }
   for l, j in ipairs(points) do x[l + 1] = ("%.9g"):format(path.wave.x[j]) end
-  add(gnuplot.head(file, options.width or 800, options.height or 560))
+  add(gnuplot.head(file, options, 800, 560))
   add("$data << EOD\n" .. table.concat(x, " "))
   for k, i in ipairs(rows) do
     local line = { ("%.9g"):format(path.t[i]) }
@@ -133,8 +135,8 @@ local function script(path, options, of, file)
   end
   add "EOD"
   add("set title " .. gnuplot.caption(options.title or path.title))
-  add "set xlabel 'x'\nset ylabel 't'\nset pm3d map corners2color c1\nunset key"
-  add "set tics out nomirror\nset border lc rgb '#808080'"
+  add "set xlabel 'x'\nset ylabel 't'\nset pm3d map corners2color c1"
+  add(gnuplot.map(options, 800, 560))
   add(("set xrange [%.9g:%.9g]"):format(path.wave.x[1], path.wave.x[points[#points]]))
   add(("set yrange [%.9g:%.9g]"):format(path.t[1], path.t[rows[#rows]]))
   if of == "density" then
@@ -150,7 +152,8 @@ end
 
 -- the latest row above
 local function to_terminal(path, options, of)
-  local width, height = math.floor(options.width or 72), math.floor(options.height or 24)
+  local width, height = look.pixels(options)
+  width, height = width or 72, height or 24
   local points, rows, values, most = samples(path, of, width, height)
   for k = #rows, 1, -1 do
     local line = {}
@@ -170,9 +173,7 @@ class.method("dm.wave_path", "spacetime", function(path, options)
   options = option.check(options or {}, KNOWN, "path:spacetime")
   local of = option.one_of(options, "of", "path:spacetime", { "density", "phase" }, "density")
   option.text(options, "title", "path:spacetime")
-  for _, key in ipairs { "width", "height" } do
-    option.whole(options, key, "path:spacetime", 4, 20000)
-  end
+  look.check(options)
   if #path < 2 then option.fail("path:spacetime", "at least two rows are needed") end
   if not option.text(options, "file", "path:spacetime") then
     return to_terminal(path, options, of)
@@ -180,8 +181,8 @@ class.method("dm.wave_path", "spacetime", function(path, options)
   gnuplot.draw(options.file, function(part) return script(path, options, of, part) end)
   return options.file
 end, [[
-path:spacetime{of = "density" | "phase", file=, title=, width=, height=} -> file or nothing
+path:spacetime{of = "density" | "phase", file=, title=, size=, ...} -> file or nothing
 x across, t up, |psi|^2 or the phase by colours with their scale, in a .png, .svg or .pdf; without a
-file by characters in the terminal.]])
+file by characters in the terminal. Sizes and letters as of dm.plot.]])
 
 return M
