@@ -94,7 +94,7 @@ M["dm.discrete_shape"] = [=[
 >>   L = function(q, v) return v[1]^2/2 + q[1]^2*v[2]^2/2 - q[1]^2/2 end }
 > D = s:routh({ cyclic = { "phi" }, mu = 1 }):discrete { rule = "midpoint", h = 0.1 }
 > D
-reduced discrete Lagrangian on R^2, h = 0.1]=]
+discrete Lagrangian on R^2, h = 0.1, reduced to R^1]=]
 
 M["discrete_shape.connection"] = [=[
 > s = dm.system { Q = dm.R(2), coordinates = { "r", "phi" },

@@ -167,8 +167,8 @@ MPI is not open: require "dm.mpi"]=]
 
 M["core.ranks_open"] = [=[
 > core = require "dm.core"
-> type(pcall(core.ranks_open))
-boolean]=]
+> pcall(core.ranks_open, "a world")
+false	bad argument #1 to '?' (a surplus argument: core.ranks_open())]=]
 
 M["core.ranks_receive"] = [=[
 > core = require "dm.core"
