@@ -6089,8 +6089,10 @@ function dm.scaling(options) end
 ---a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 ---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 ---seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
----raises). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best = { model,
----rule, N, h, n (dimension), work, ns, error (of the tolerance, 1 at most) }.
+---raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
+---"energy" and functions (g, xi, t, mu); the model is the system as given. scene:run(), scene:why(),
+---scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
+---error (of the tolerance, 1 at most) }.
 ---@param options? table
 ---@return dm.scene
 function dm.scene(options) end

@@ -1,6 +1,5 @@
 --- The reference of a chart: two unlike methods that agree (dm.reference.engine), or a run that
 -- was given.
-local core = require "dm.core"
 local engine = require "dm.reference.engine"
 local fail = require "dm.base.options".failing "dm.chart"
 local worse = require "dm.chart.measures".worse
@@ -46,45 +45,7 @@ local function seconds_of(chart)
   return all and PART * all or SECONDS
 end
 
----- on groups, where steps are not controlled ----
-
-local ON_GROUPS, HALVINGS = { "gauss(5)", "lie(5)", "lie(4)" }, 10
-
--- steps are halved until the path stops to change; the last, and how much it changed, or nil and
--- why not
-local function refined(chart, rule)
-  local last, change, h = nil, math.huge, chart.options.t / 32
-  local ends = core.cpu() + seconds_of(chart) / 2
-  for _ = 1, HALVINGS do
-    local fine, path = pcall(given_run, chart, { rule = rule, h = h })
-    if not fine then
-      engine.pass_stop(path)
-      if engine.is_refusal(engine.words(path)) then return nil, engine.words(path) end
-    end
-    local now = fine and last and apart(path, last) or math.huge
-    if now > 0.5 * change and change < 1e-10 then break end
-    last, change, h = fine and path or nil, now, h / 2
-    if core.cpu() > ends or change < 1e-14 then break end
-  end
-  return last, change
-end
-
--- the first two rules that can, as engine.find returns it
-local function find_on_group(chart)
-  local paths, rules, why = {}, {}, nil
-  local except = measured(chart)
-  for _, rule in ipairs(ON_GROUPS) do
-    local path, reason = refined(chart, rule)
-    why = why or reason
-    if path and not except[rule] and #paths < 2 then
-      paths[#paths + 1], rules[#rules + 1] = path, rule
-    end
-  end
-  if #paths < 2 then return nil, tostring(why) end
-  return { paths = paths, first = rules[1], rule = rules[2], distance = apart(paths[1], paths[2]) }
-end
-
-local function found_by_control(chart)
+local function find(chart)
   local o = chart.options
   return engine.find { system = chart.system, start = start_of(o), t0 = o.t0, T = o.t,
     watch = chart.watch, at = chart.times, distance = apart, goal = 0, best = true,
@@ -103,8 +64,7 @@ function M.find(chart)
     return given_run(chart, given), 0, ("reference: %s, h = %g, taken as given")
       :format(tostring(given.rule), given.h)
   end
-  local own = chart.system.place
-  local found, why = (own and find_on_group or found_by_control)(chart)
+  local found, why = find(chart)
   if not found then
     fail("no rule could make a reference: %s", why or "does the run reach its end?")
   end
@@ -116,8 +76,8 @@ function M.find(chart)
   -- in what is measured
   local floor = chart.measure(found.paths[1], found.paths[2])
   return found.paths[2], floor + ROUND_OFF,
-    ("references %s and %s, with %s steps, agree to %.1e"):format(found.first, found.rule,
-      own and "halved" or "controlled", floor)
+    ("references %s and %s, with controlled steps, agree to %.1e"):format(found.first, found.rule,
+      floor)
 end
 
 return M

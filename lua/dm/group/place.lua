@@ -80,8 +80,8 @@ function M.of_velocity(place, f)
   return function(q, v, ...) return f(place.element(q), body(place, v), ...) end
 end
 
--- f(g, ...) as a function of (q, ...)
-local function of_position(place, f)
+--- f(g, ...) as a function of (q, ...).
+function M.of_position(place, f)
   return function(q, ...) return f(place.element(q), ...) end
 end
 
@@ -138,7 +138,7 @@ function M.unfold(given)
   end
   wrap("L", lagrangian)
   wrap("H", hamiltonian)
-  wrap("constraint", of_position)
+  wrap("constraint", M.of_position)
   wrap("rolling", M.of_velocity)
   wrap("control", M.of_velocity)
   wrap("force", covector)
@@ -317,20 +317,26 @@ local function entry_of(name)
   return tonumber(i), tonumber(j), tonumber(k)
 end
 
---- The column of an entry of the elements of a path, or nothing: "R31", of factor k "R31_k".
-function M.column(place, path, name)
+--- The function of an element that an entry of its matrix is, or nothing: "R31", of factor k
+-- "R31_k".
+function M.entry(place, name)
   local i, j, k = entry_of(name)
   local kit = place.kit
   if k and kit.parts then kit = kit.parts[k] end
   if not i or not kit or not kit.matrix then return end
   local m = kit.matrix(kit.identity())
   if i < 1 or j < 1 or i > m.rows or j > m.columns or k and not place.kit.parts then return end
-  local out, q = {}, path.q
-  for row = 1, #path do
-    local g = q[row]
+  return function(g)
     if k then g = g[k] end
-    out[row] = kit.matrix(g)[i][j]
+    return kit.matrix(g)[i][j]
   end
+end
+
+--- The column of such an entry of the elements of a path, or nothing.
+function M.column(place, path, name)
+  local entry, out, q = M.entry(place, name), {}, path.q
+  if not entry then return end
+  for row = 1, #path do out[row] = entry(q[row]) end
   return core.vector(out)
 end
 

@@ -16,6 +16,9 @@ local max, min, huge = math.max, math.min, math.huge
 local FIRST = { "rk8", "rk8pd", "lobatto(6)", "degenerate(3)" }
 local FIRST_SEPARABLE = { "rk8", "kahan-li(8)", "rk8pd", "lobatto(6)" }
 local SECOND = { "gauss(7)", "degenerate(4)", "gauss(6)" }
+-- on groups: the collective lift and steps in charts, or steps in charts by unlike quadratures
+local FIRST_ON_GROUPS = { "gauss(5)", "gauss(6)", "lie(4, lobatto(5))", "lie(3, lobatto(4))" }
+local SECOND_ON_GROUPS = { "lie(5)", "lie(4)" }
 local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 
 -- of the error of a step; the second method takes another one, so that no step is like the other's
@@ -107,6 +110,7 @@ local function pick(self, place, list)
 end
 
 local function lists(self)
+  if self.system.place then return FIRST_ON_GROUPS, SECOND_ON_GROUPS end
   local fine, s = pcall(self.system.structure, self.system)
   local separable = fine and s.separable and s.constraints + s.rolling == 0
   local many = separable and self.system.Q.dimension > MANY

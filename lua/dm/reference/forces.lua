@@ -44,6 +44,7 @@ end
 --- The function, or nil and why nothing can be hidden in the forces, or is not looked for.
 function M.of(system)
   if not system.given.L then return nil, "the system is given by its H" end
+  if system.place then return nil, "the system lives on a group" end
   local fine, f = pcall(all_forces, system)
   if not fine then return nil, "the forces are not traced" end
   if f:operations() > LARGEST then

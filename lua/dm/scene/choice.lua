@@ -32,6 +32,22 @@ local function make_sure(scene, c, tried)
   c.failed = "dropped: " .. (tried[#tried] or "")
 end
 
+--- More steps of the choice until so much of the tolerance is left for what comes after it.
+function M.leave(scene, part)
+  local c = scene.best
+  for _ = 1, TRIES do
+    local total = scene.checked_error + scene.uncertainty
+    if total <= 1 - part then return end
+    local N = math.ceil(max(1.05, (total / (1 - 1.5 * part)) ^ (1 / c.order)) * c.N)
+    local err = check_error(scene, c, N)
+    if err <= scene.checked_error then
+      c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
+    else
+      return
+    end
+  end
+end
+
 --- Sets best and checked_error of a scene: the cheapest finalist that stands the check; a few more
 -- steps are allowed to it. Raises what was tried where there is none.
 function M.choose(scene)

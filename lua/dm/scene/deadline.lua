@@ -79,7 +79,7 @@ end
 local function worst_frame(scene, c)
   local problem, worst, frames = scene.problem, 0, 0
   local solver = c.model.system:solver { rule = c.rule, h = c.h }
-  local q, p, t = c.model.start.q, nil, problem.t0
+  local q, p, t = c.model.start.q, c.model.start.p, problem.t0
   local v, over = c.model.start.v, scene.began + scene.allowed
   while frames < min(FRAMES, scene.frames) and (frames < 1 or core.cpu() < over) do
     local best, path = huge, nil

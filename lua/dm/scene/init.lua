@@ -10,6 +10,7 @@ local lists = require "dm.base.lists"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
 local modes = require "dm.scene.modes"
+local on_group = require "dm.scene.on_group"
 local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
@@ -167,6 +168,7 @@ local function start_search(scene, given)
     reference.distance)
   return search.prepare({ times = times, reference = pilot.record(problem, reference:path(times)),
     profile = scene.profile, bound = math.huge, pilots = 0, candidates = {}, models = {},
+    resolved = #reference.times,
     rules = search.rules(scene.options.rules, scene.system, { [reference.rule] = true }),
     seconds = scene.allowed, half_time = scene.began + MODELS_TIME * scene.allowed,
     deadline = scene.began + RULES_TIME * scene.allowed }, problem)
@@ -219,7 +221,8 @@ local function decide(scene)
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
   if scene.options.frame then return keep_deadline(scene, given) end
-  local splits = { central.model(scene.problem, scene.options) }
+  local elsewhere = not scene.system.place
+  local splits = elsewhere and { central.model(scene.problem, scene.options) } or {}
   if scene.options.symmetry then
     splits[#splits + 1] = require "dm.scene.symmetry".model(scene.problem, scene.options)
   end
@@ -230,7 +233,7 @@ local function decide(scene)
   end
   allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, splits,
-    modes.models(scene.problem, scene.options))
+    elsewhere and modes.models(scene.problem, scene.options) or {})
   allow(RULES_TIME, 1 / 4)
   for _, rung in ipairs(search.smallest_first(scene.rungs)) do search.model(scene.search, rung) end
   scene.finalists = search.finalists(scene.search)
@@ -242,14 +245,17 @@ local function decide(scene)
   return conclude(scene)
 end
 
+local ROW_ROOM = 0.1  -- of the tolerance, for straight lines between rows
+
 -- how many rows straight lines need, once; of even steps so many of these apart
 local function space_rows(scene)
   if scene.row_error then return end
+  choice.leave(scene, ROW_ROOM)
   local room = 1 - scene.checked_error - scene.uncertainty
-  local every, err = rows.every(scene.best, room)
+  local every, err = rows.every(scene, room)
   if not (err <= room) then
     every = nil
-    scene.lines, err = rows.lines(scene.best, room)
+    scene.lines, err = rows.lines(scene, room)
     if not scene.lines then
       fail("scene:run(): straight lines between rows err by more than the tolerance leaves, %s, "
         .. "with 10^6 of them: give the times, scene:run { at = { ... } }",
@@ -353,16 +359,15 @@ operations (scene.best.work), so that two scenes choose alike; costs = "clock" m
 a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
-raises). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best = { model,
-rule, N, h, n (dimension), work, ns, error (of the tolerance, 1 at most) }.]]
+raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
+"energy" and functions (g, xi, t, mu); the model is the system as given. scene:run(), scene:why(),
+scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
+error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(options)
   local system = check_options(options)
-  if system.place then
-    fail("models are looked for in coordinates, and this system lives on %s: system:chart compares "
-      .. "rules there", tostring(system.Q))
-  end
+  if system.place then on_group.check(system, options) end
   options = starts.lists(options, system)
   local given = {}
   for key, value in pairs(options) do given[key] = value end
@@ -373,7 +378,7 @@ M.scene = blame.caller(function(options)
   local scene = setmetatable({ system = system, options = given, profile = costs,
     allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, Scene)
   scene.tolerant = wanted ~= nil
-  scene.problem = model.problem(system, given)
+  scene.problem = (system.place and on_group or model).problem(system, given)
   if wanted == nil and options.watch == "picture" then
     local pixel = picture_tolerance(scene.problem, model.given(scene.problem):ready())
     for _, name in ipairs(scene.problem.columns) do scene.problem.tolerance[name] = pixel end

@@ -3,6 +3,7 @@
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
+local place = require "dm.group.place"
 local routh = require "dm.reduce.routh"
 local routh_model = require "dm.reduce.routh.model"
 local watch = require "dm.scene.watch"
@@ -250,7 +251,9 @@ end
 -- the system of the model and where it starts
 local function build(self)
   local problem = self.problem
-  if self.untouched then return problem.system, start_of(self, problem.project) end
+  if self.untouched then
+    return problem.system, problem.start or start_of(self, problem.project)
+  end
   if self.base then return build_reduced(self) end
   local q_of, v_of = embedding(self)
   local constrained = constraint(self, q_of)
@@ -310,22 +313,31 @@ local function hash(text)
   return ("%016x"):format(h)
 end
 
+-- graphs of the constraints and of the force of a system, in coordinates
+local function graphs_beside(system)
+  local given, own, n, out = system.given, system.place, system.Q.dimension, {}
+  if own then n = own.size end
+  local function of(f, wrapped)
+    local g = own and wrapped(own, f) or f
+    return function(...) return core.vector(entries(g(...))) end
+  end
+  if given.constraint then
+    local f = of(bound(given.constraint, given.params), place.of_position)
+    out[1] = core.trace(function(q, t) return f(q, t) end, n, "number"):graph()
+  end
+  if given.force and not given.control then
+    local f = of(bound(given.force, given.params), place.of_velocity)
+    out[#out + 1] = core.trace(function(q, v, t) return f(q, v, t) end, n, n, "number"):graph()
+  end
+  return out
+end
+
 --- A name of the model that is the same in another session: of its graphs and its dimension.
 function M:fingerprint()
   if self.print then return self.print end
   local fine, text = pcall(self:ready().system.graph, self.system)
-  local given, n = self.system.given, self.system.Q.dimension
-  text = { fine and text or tostring(self.system), tostring(self.system) }
-  if given.constraint then
-    text[#text + 1] = core.trace(function(q, t)
-      return core.vector(entries(given.constraint(q, t, given.params)))
-    end, n, "number"):graph()
-  end
-  if given.force and not given.control then
-    text[#text + 1] = core.trace(function(q, v, t)
-      return core.vector(entries(given.force(q, v, t, given.params)))
-    end, n, n, "number"):graph()
-  end
+  text = { fine and text or tostring(self.system), tostring(self.system),
+    table.unpack(graphs_beside(self.system)) }
   self.print = hash(table.concat(text, "|"))
   return self.print
 end

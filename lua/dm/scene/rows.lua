@@ -3,49 +3,46 @@ local pilot = require "dm.scene.pilot"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local abs, max, min, huge = math.abs, math.max, math.min, math.huge
 
-local MOST_ROWS = 1 << 15  -- kept by the run that finds out how many are needed
+-- numbers of the times that are at least half of H before and behind number k, else its neighbours
+local function around(t, k, H, before, behind)
+  while before + 1 < k and t[before + 1] <= t[k] - H / 2 do before = before + 1 end
+  while behind < #t and (behind <= k or t[behind] < t[k] + H / 2) do behind = behind + 1 end
+  return before, behind
+end
 
--- largest distance, in tolerances, of rows between those that are kept from straight lines through
--- these; stride 1: by second differences
-local function bent(problem, path, stride)
-  local worst = 0
+-- Largest distance, in tolerances, of the motion from straight lines between rows that are H apart.
+-- The reference tells it, at the times of the check, which are dense where the motion is fast: a
+-- parabola that is y off the line through points a before and b behind is y H^2/(4 a b) off at most.
+local function bend(scene, H)
+  local problem, t, worst = scene.problem, scene.check_times, 0
   for _, name in ipairs(problem.columns) do
-    local x, tolerance = path:column(name):totable(), problem.tolerance[name]
-    for from = 1, #x - 1, stride do
-      local to = math.min(from + stride, #x)
-      for i = from + 1, to - 1 do
-        local f = (i - from) / (to - from)
-        worst = max(worst, abs(x[i] - (1 - f) * x[from] - f * x[to]) / tolerance)
-      end
-      if stride == 1 and from > 1 and from + 1 < #x then
-        worst = max(worst, abs(x[from + 1] - 2 * x[from] + x[from - 1]) / 8 / tolerance)
-      end
+    local x, tolerance, before, behind = scene.checked[name]:totable(), problem.tolerance[name], 1, 3
+    for k = 2, #t - 1 do
+      before, behind = around(t, k, H, before, behind)
+      local a, b = t[k] - t[before], t[behind] - t[k]
+      local off = abs(x[k] - (b * x[before] + a * x[behind]) / (a + b))
+      worst = max(worst, off * H * H / (4 * a * b) / tolerance)
     end
   end
   return worst
 end
 
-local function run(c, which)
-  which.watch = c.model.watch
-  return (pilot.go(c.model, c.rule, c.N, which))
-end
-
 --- every, the error of straight lines between rows so many steps apart, in tolerances: as few rows
--- as err by `room` at most. nil of a rule whose steps are not even.
-function M.every(c, room)
-  local problem, every = c.model.problem, 1
-  if not pilot.is_even(c.rule) then return nil, math.huge end
-  while c.N / every > MOST_ROWS do every = 2 * every end
-  local path = run(c, { steps = c.N, every = every })
-  local stride, err = 1, bent(problem, path, 1)
-  while 4 * stride < #path do
-    local next_err = bent(problem, path, 2 * stride)
-    if next_err > room then break end
-    stride, err = 2 * stride, next_err
+-- as err by `room` at most. nil where steps are too long for it, or not even.
+function M.every(scene, room)
+  local c, every = scene.best, 1
+  if not pilot.is_even(c.rule) then return nil, huge end
+  local h = scene.problem.T / c.N
+  local err = bend(scene, h)
+  if err > room then return nil, err end
+  while 8 * every < c.N do
+    local more = bend(scene, 2 * every * h)
+    if more > room then break end
+    every, err = 2 * every, more
   end
-  return every * stride, err
+  return every, err
 end
 
 --- `count` + 1 evenly spaced times over the whole of a problem.
@@ -55,18 +52,17 @@ function M.times(problem, count)
   return out
 end
 
-local TRIES, FIRST, MOST = 8, 256, 1e6
+local FIRST, MOST = 256, 1e6
 
 --- How many rows, evenly spaced, straight lines need to err by `room` at most, and what they err
 -- by. Lines err by the square of their length, so that a number that is too small tells a better
 -- one. nil: more than 10^6.
-function M.lines(c, room)
+function M.lines(scene, room)
   local count = FIRST
-  for _ = 1, TRIES do
-    local err = bent(c.model.problem, run(c, { at = M.times(c.model.problem, count) }), 1)
+  while count <= MOST do
+    local err = bend(scene, scene.problem.T / count)
     if err <= room then return count, err end
-    count = math.ceil(count * max(1.2, 1.1 * math.sqrt(err / room)))
-    if count > MOST then return nil end
+    count = math.ceil(count * min(64, max(1.2, 1.1 * math.sqrt(err / room))))
   end
   return nil
 end
@@ -92,9 +88,9 @@ end
 --- The run of a choice as a path that has error_estimate, errors, model beside everything that
 -- dm.path has.
 function M.path(c, which, more)
-  local given = {}
+  local given = { watch = c.model.watch }
   for key, value in pairs(which) do given[key] = value end
-  local path = run(c, given)
+  local path = pilot.go(c.model, c.rule, c.N, given)
   local out = { path = path, model = c.model:words(), rule = c.rule }
   for key, value in pairs(more) do out[key] = value end
   return setmetatable(out, Path)

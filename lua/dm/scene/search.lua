@@ -137,7 +137,7 @@ local function shrink(search, model, row, enough, err)
   return enough, err
 end
 
-local STUCK = 3   -- times that more steps did not help, in a row
+local STUCK = 3   -- times that more steps did not help, in a row, though as many as the reference's
 -- times that a run with twice the steps still failed, in a row: coarse steps of long runs fail for
 -- a while
 local FAILING = 12
@@ -159,11 +159,13 @@ local function grow(search, model, row, N)
     if err <= TARGET then return N, err end
     if why and pilot.is_refusal(why) then return nil, err, why, N end
     failing = err == huge and failing + 1 or 0
-    stuck = err < huge and not (err < 0.5 * last) and stuck + 1 or 0
+    local idle = err < huge and not (err < 0.5 * last)
+    stuck = idle and N >= search.resolved and stuck + 1 or 0
     if stuck > STUCK or failing > FAILING or costs_more(search, model, row, N) then break end
     last = err
     local more = err < huge and (err / TARGET) ^ (1 / row.order) * 1.05 or 2
-    N = ceil(N * min(12, max(1.1, more)))
+    -- few steps that the motion outruns err by its size, however many they are
+    N = ceil(N * min(12, max(idle and stuck == 0 and 2 or 1.1, more)))
   end
   return nil, err, why or stuck > STUCK and "more steps do not help"
     or "does not reach the tolerance in the time allowed", N

@@ -102,8 +102,8 @@ local function check_tolerance(tolerance, what)
   return tolerance
 end
 
--- the tolerance of a column: its own, that of the function (r of r1, r2), or the one for all
-local function tolerance_of(tolerance, column)
+--- The tolerance of a column: its own, that of the function (r of r1, r2), or the one for all.
+function M.tolerance_of(tolerance, column)
   if type(tolerance) ~= "table" then return check_tolerance(tolerance, "option 'tolerance'") end
   local own = tolerance[column] or tolerance[column:gsub("%d+$", "")]
   return check_tolerance(own, ("option 'tolerance': the one of '%s'"):format(column))
@@ -125,7 +125,7 @@ function M.read(problem, options)
   end
   table.sort(problem.columns)
   for _, column in ipairs(problem.columns) do
-    problem.tolerance[column] = tolerance_of(options.tolerance, column)
+    problem.tolerance[column] = M.tolerance_of(options.tolerance, column)
   end
 end
 

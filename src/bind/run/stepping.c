@@ -207,7 +207,7 @@ static void start_here(lua_State *L, dml_stepping *r) {
         luaL_error(L,
                    "give the start as q and v, as q and p, or as q0 and q1: one of 'v' (velocity) "
                    "and 'p' (momentum) is needed, %d numbers",
-                   (int)n);
+                   (int)dm_momenta(m));
     numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (m->structure & DM_HAMILTONIAN) {
         start_in_phase(L, r);

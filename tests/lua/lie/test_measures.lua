@@ -98,7 +98,7 @@ local map = top:stability { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, t = 20
 ok(tostring(map):find "bounded", "a map of stability")
 -- what is only for coordinates says so
 raises("reduced by dm.euler_poincare", top.routh, top, { cyclic = { "q1" }, mu = 1 })
-raises("system:chart compares rules there", function()
+raises("there is no 'q1'; on SO(3)", function()
   dm.scene { top, q = G:identity(), v = { 0, 0, 1 }, watch = { "q1" }, tolerance = 1, until_t = 1 }
 end)
 tap.done()

@@ -244,4 +244,22 @@ tap.raises("interrupted!", pass_stop, "scene.lua:1: interrupted!")
 tap.raises("stop", pass_stop, setmetatable({ code = "stopped" }, { __tostring = function() return "stop" end }))
 tap.ok(pcall(pass_stop, "no convergence") and pcall(pass_stop, { code = "not_finite" }), "all else is")
 
+-- rows of a plain run do not fall in step with the motion: two long steps, 256 periods
+do
+  local swing = dm.system { Q = dm.R(1), L = function(q, v) return (v[1]^2 - q[1]^2) / 2 end }
+  for _, case in ipairs { { 5, "gauss(8)" }, { 512 * math.pi, "controlled(rk8)" },
+    { 512 * math.pi, "verlet" }, { 512 * math.pi, "gauss(8)" } } do
+    local run = dm.scene { swing, q = { 1 }, v = { 0 }, watch = { "q1" }, tolerance = 1e-3,
+      until_t = case[1], rules = { case[2] } }:run()
+    local t, x, worst = run.t, run:column "q1", 0
+    for i = 1, #t - 1 do
+      for f = 0.1, 0.9, 0.2 do
+        worst = math.max(worst, math.abs((1 - f) * x[i] + f * x[i + 1]
+          - math.cos((1 - f) * t[i] + f * t[i + 1])))
+      end
+    end
+    tap.ok(worst <= 1e-3 and worst <= run.error_estimate,
+      ("lines between rows of %s until %.0f"):format(case[2], case[1]), worst)
+  end
+end
 tap.done()

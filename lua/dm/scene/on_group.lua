@@ -1,0 +1,93 @@
+--- The problem of a scene on a group: the system as given, watched by entries of the element,
+-- momenta, the energy, or functions(g, xi, t, mu). Models with fewer terms or coordinates are not
+-- looked for: a group has none.
+local option = require "dm.base.options"
+local place = require "dm.group.place"
+local watch = require "dm.scene.watch"
+
+local M = {}
+
+local fail = option.failing "dm.scene"
+
+-- what is watched under a name, as solver:run takes it
+local function of_name(system, name)
+  if name == "energy" then return name end
+  local i = math.tointeger(tonumber(name:match "^p(%d+)$"))
+  if i and i >= 1 and i <= system.place.dimension then
+    return function(_, _, _, mu) return mu[i] end
+  end
+  local entry = place.entry(system.place, name)
+  if entry then return function(g) return entry(g) end end
+  fail("option 'watch': there is no '%s'; on %s watch entries of the element (R31, of factor k "
+    .. "R31_k), body momenta (p1), \"energy\", or name = function(g, xi, t, p) ... end", name,
+    tostring(system.Q))
+end
+
+-- functions by their names; "energy" as an entry of the list
+local function functions(system, given)
+  if type(given) == "function" then given = { watched = given } end
+  if type(given) == "string" then given = { given } end
+  if type(given) ~= "table" then
+    fail("option 'watch' must be a list of names and functions (got %s)", option.got(given))
+  end
+  local out = {}
+  for key, value in pairs(given) do
+    if type(value) == "string" then
+      local f = of_name(system, value)
+      out[f == value and #out + 1 or value] = f
+    elseif type(key) == "string" and type(value) == "function" then
+      out[key] = value
+    else
+      fail("option 'watch': entry '%s' must be a name, or name = function(g, xi, t, p) ... end",
+        tostring(key))
+    end
+  end
+  if next(out) == nil then fail("nothing is watched: name entries or functions in 'watch'") end
+  return out
+end
+
+local TINY = 1e-6  -- of the time: what is watched is asked for its columns
+
+-- the columns that what is watched makes, seen by a short step
+local function columns_of(problem)
+  local h, options = TINY * problem.T, { watch = problem.watched, at = {} }
+  for key, value in pairs(problem.start) do options[key] = value end
+  options.at[1] = problem.t0 + h
+  local path = problem.system:solver({ rule = "lie(1)", h = h }):run(options)
+  local out = {}
+  for _, name in ipairs(path.columns) do
+    if name ~= "t" then out[#out + 1] = name end
+  end
+  table.sort(out)
+  return out
+end
+
+--- The problem: system, start, what is watched.
+function M.problem(system, options)
+  local t0 = options.t0 or 0
+  local problem = { system = system, given = system.given, n = system.place.dimension,
+    names = {}, t0 = t0, T = options.until_t - t0, project = options.project, needs = { q = {},
+    v = {} }, q = {}, tolerance = {}, whole = "it lives on " .. tostring(system.Q),
+    start = { q = options.q, v = options.v, p = options.p, t0 = t0, project = options.project } }
+  for i = 1, problem.n do problem.names[i] = "q" .. i end
+  problem.watched = functions(system, options.watch)
+  problem.columns = columns_of(problem)
+  for _, column in ipairs(problem.columns) do
+    problem.tolerance[column] = watch.tolerance_of(options.tolerance, column)
+  end
+  return problem
+end
+
+--- Options that mean coordinates.
+function M.check(system, options)
+  if options.symmetry ~= nil then
+    fail("option 'symmetry': models are looked for in coordinates, and this system lives on %s; "
+      .. "leave it out", tostring(system.Q))
+  end
+  if options.watch == "picture" then
+    fail("watch = \"picture\" is every coordinate, and this system lives on %s: name entries of "
+      .. "the element (R31) or functions(g, xi, t, p)", tostring(system.Q))
+  end
+end
+
+return M
