@@ -244,7 +244,8 @@ local AGREED, ENOUGH = 0.02, 0.1
 function M.reference(model, seconds, except, best)
   local problem = model:ready().problem
   local found, why = engine.find { system = model.system, start = { q = model.start.q,
-    v = model.start.v, p = model.start.p, project = model.start.project }, t0 = problem.t0, T = problem.T,
+    v = model.start.v, p = model.start.p, project = model.start.project },
+    t0 = problem.t0, T = problem.T,
     watch = model.watch, goal = best and 0 or AGREED, enough = ENOUGH, best = best,
     seconds = seconds, except = except,
     distance = function(a, b)

@@ -14,11 +14,12 @@ end
 
 -- Largest distance, in tolerances, of the motion from straight lines between rows that are H apart.
 -- The reference tells it, at the times of the check, which are dense where the motion is fast: a
--- parabola that is y off the line through points a before and b behind is y H^2/(4 a b) off at most.
+-- parabola that is y off the line through points a before, b behind is y H^2/(4 a b) off at most.
 local function bend(scene, H)
   local problem, t, worst = scene.problem, scene.check_times, 0
   for _, name in ipairs(problem.columns) do
-    local x, tolerance, before, behind = scene.checked[name]:totable(), problem.tolerance[name], 1, 3
+    local x, tolerance = scene.checked[name]:totable(), problem.tolerance[name]
+    local before, behind = 1, 3
     for k = 2, #t - 1 do
       before, behind = around(t, k, H, before, behind)
       local a, b = t[k] - t[before], t[behind] - t[k]
