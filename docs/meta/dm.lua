@@ -2097,7 +2097,7 @@ function dm_levi_civita_class:rotation(i, j) end
 function dm_levi_civita_class:transport(options, v) end
 
 ---dm.line_field: a field u(t, x) on a line with a Lagrangian L(u, ut, ux, x, t), made by dm.field
----fields: from, to, cells, nodes, dx, periodic, values (numbers of u)
+---fields: from, to, cells, nodes, dx, periodic, values (numbers of u), params
 ---@class dm.line_field
 local dm_line_field_class = {}
 
@@ -2108,6 +2108,15 @@ local dm_line_field_class = {}
 ---@param options? table
 ---@return table
 function dm_line_field_class:reflection(options) end
+
+---field:resume(file | run) -> dm.line_solver
+---
+---A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+---solver:run{steps=} gives the bits of a run that never stopped. Raises when the file is not a whole
+---checkpoint or the field is another one.
+---@param file? string
+---@return dm.line_solver
+function dm_line_field_class:resume(file) end
 
 ---field:solver{rule=, h=, free=} -> dm.line_solver
 ---
@@ -2144,6 +2153,13 @@ local dm_line_run_class = {}
 ---@param options? table
 ---@return string
 function dm_line_run_class:animate(file, options) end
+
+---run:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; field:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_line_run_class:checkpoint(file) end
 
 ---run:column(name) -> dm.vector
 ---
@@ -2215,11 +2231,14 @@ function dm_line_run_class:vtk(file) end
 ---@class dm.line_solver
 local dm_line_solver_class = {}
 
----solver:run{u=, ut= | p=, steps= | t=, every=, t0=} -> dm.line_run
+---solver:run{u=, ut= | p=, steps= | t=, every=, t0=, file=, checkpoint=} -> dm.line_run
 ---
 ---u, ut: functions of x, or lists of a number (with values = n: n numbers) for every node; ut is
 ---interpolated as u is, so that p_i is the integral of L_ut phi_i; p: those themselves. t: a duration.
----Rows at the start, every `every` slabs and at the end. A level that is not found raises a
+---Rows at the start, every `every` slabs and at the end. file: a NumPy file that the rows go to as
+---they come (t, energy, u, p; dm.load reads it); the run keeps the first and the last one. checkpoint:
+---a file for where it ended, also where it was stopped (run:checkpoint). A level that is not found,
+---and an energy that has outgrown the start by 2^104, as beyond the limit of stability, raise a
 ---dm.failure, whose `path` is the run so far.
 ---@param options? table
 ---@return dm.line_run
@@ -4315,9 +4334,9 @@ function dm_strip_class:momenta(lower, upper, t, h) end
 ---@return number
 function dm_strip_class:residual(options) end
 
----strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=} -> table
+---strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=, from=} -> table
 ---
----Levels from u (and p, of an action) on: u, p (matrices, a row a level), t, energy, code, status, done, iterations, residual, h, tangled.
+---Levels from u (and p, of an action) on: u, p (matrices, a row a level), t, energy, code, status, done, iterations, residual, h, tangled, ending. from: the ending of a run, whose last u and p are given; then this one has the bits of one that never stopped.
 ---@param options? table
 ---@return table
 function dm_strip_class:run(options) end
@@ -5585,14 +5604,15 @@ function dm.extremum(value, f, y, q, v) end
 ---@return any
 function dm.fft(x, y) end
 
----dm.field{x = {from, to, cells, periodic=}, L=, values=, fixed=, absorbing=} -> dm.line_field
+---dm.field{x = {from, to, cells, periodic=}, L=, values=, fixed=, absorbing=, params=} -> dm.line_field
 ---
 ---A field on a line: L(u, ut, ux, x, t) is its Lagrangian density; u is a number, or with values = n a
----vector. Cells of space and time are bilinear, and their action is made stationary (Leok 5.1.2).
----fixed = "ends", "left", "right": u stays there as at the start. Other ends are natural: the momentum
----of the field flows out of none. absorbing = "ends", "left", "right", c for both or { left = c, right
----= c }: the force -c u_t at the end node, c = 1 by default, lets waves out whose impedance c is;
----field:reflection() says how much of others comes back. See solver, stability_limit.
+---vector; params: a table that L gets as its last argument. Cells of space and time are bilinear, and
+---their action is made stationary (Leok 5.1.2). fixed = "ends", "left", "right": u stays there as at
+---the start. Other ends are natural: the momentum of the field flows out of none. absorbing = "ends",
+---"left", "right", c for both or { left = c, right = c }: the force -c u_t at the end node, c = 1 by
+---default, lets waves out whose impedance c is; field:reflection() says how much of others comes back.
+---See solver, stability_limit, resume.
 ---@param options? table
 ---@return dm.line_field
 function dm.field(options) end

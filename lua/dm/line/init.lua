@@ -10,13 +10,13 @@ require "dm.line.laws"
 
 local M = {}
 
-local KNOWN = { "x", "L", "values", "fixed", "absorbing" }
+local KNOWN = { "x", "L", "values", "fixed", "absorbing", "params" }
 local SIDES = { "left", "right", "ends" }
 local fail = option.failing "dm.field"
 
 local Field = core.class({ __name = "dm.line_field" }, [[
 dm.line_field: a field u(t, x) on a line with a Lagrangian L(u, ut, ux, x, t), made by dm.field
-fields: from, to, cells, nodes, dx, periodic, values (numbers of u)]])
+fields: from, to, cells, nodes, dx, periodic, values (numbers of u), params]])
 
 -- the ends that an option names: { left =, right = }
 local function sides_of(given, key, grid)
@@ -94,6 +94,16 @@ local function check_speeds(L, n, grid)
   end
 end
 
+-- L with the params as its last argument
+local function with_params(options)
+  local L, params = rules.guarded(options.L, "dm.field"), options.params
+  if params == nil then return L end
+  if type(params) ~= "table" then
+    fail("option 'params' must be a table of numbers by name (got %s)", option.got(params))
+  end
+  return function(u, ut, ux, x, t) return L(u, ut, ux, x, t, params) end
+end
+
 --- The field of options.
 M.field = blame.caller(function(options)
   option.check(options, KNOWN, "dm.field")
@@ -107,20 +117,22 @@ M.field = blame.caller(function(options)
   check_absorbing(absorbing, fixed)
   local field = setmetatable({ from = grid.from, to = grid.to, cells = grid.cells, dx = grid.dx,
     nodes = grid.nodes, periodic = grid.periodic, values = n, fixed = fixed,
-    absorbing = absorbing, L = rules.guarded(options.L, "dm.field"), grid = grid }, Field)
+    absorbing = absorbing, L = with_params(options), params = options.params or {}, grid = grid,
+    given = options }, Field)
   check_speeds(field.L, n, grid)
   field.held = at_ends(grid, n, function(side) return fixed[side] and 1 or 0 end)
   return field
 end)
 
-core.docs[M.field] = [[
-dm.field{x = {from, to, cells, periodic=}, L=, values=, fixed=, absorbing=} -> dm.line_field
+core.docs[M.field] = "dm.field{x = {from, to, cells, periodic=}, L=, values=, fixed=, absorbing=, "
+  .. "params=} -> dm.line_field\n" .. [[
 A field on a line: L(u, ut, ux, x, t) is its Lagrangian density; u is a number, or with values = n a
-vector. Cells of space and time are bilinear, and their action is made stationary (Leok 5.1.2).
-fixed = "ends", "left", "right": u stays there as at the start. Other ends are natural: the momentum
-of the field flows out of none. absorbing = "ends", "left", "right", c for both or { left = c, right
-= c }: the force -c u_t at the end node, c = 1 by default, lets waves out whose impedance c is;
-field:reflection() says how much of others comes back. See solver, stability_limit.]]
+vector; params: a table that L gets as its last argument. Cells of space and time are bilinear, and
+their action is made stationary (Leok 5.1.2). fixed = "ends", "left", "right": u stays there as at
+the start. Other ends are natural: the momentum of the field flows out of none. absorbing = "ends",
+"left", "right", c for both or { left = c, right = c }: the force -c u_t at the end node, c = 1 by
+default, lets waves out whose impedance c is; field:reflection() says how much of others comes back.
+See solver, stability_limit, resume.]]
 
 ---- what it says of itself ----
 
@@ -148,6 +160,14 @@ field:solver{rule=, h=, free=} -> dm.line_solver
 rule: "cell(gauss(r))" (default r = 2) or "cell(corners)", where L is looked at in a cell; h: the
 height of a slab. free = "t": each slab's height is unknown, its energy that of the first one, whose
 height is h (Leok 5.5, 5.6); free = "x": the nodes move, too, ends stay; free = {"t", "x"}: both.]])
+
+core.method("dm.line_field", "resume", blame.caller(function(field, from)
+  return require "dm.line.checkpoint".resume(field, from)
+end), [[
+field:resume(file | run) -> dm.line_solver
+A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+solver:run{steps=} gives the bits of a run that never stopped. Raises when the file is not a whole
+checkpoint or the field is another one.]])
 
 core.method("dm.line_field", "stability_limit", blame.caller(function(field, rule, options)
   return solver.limit(field, rule, options)

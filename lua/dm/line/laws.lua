@@ -14,14 +14,15 @@ local MOST = 3e8  -- numbers of all levels
 -- all levels and their times, taken again where rows were left out
 local function all_levels(run, where)
   if run.steps < 1 then option.fail(where, "a run of at least one slab is needed") end
-  if run.every == 1 then return run.levels, run.t end
+  if run.every == 1 and not run.file then return run.levels, run.t end
   local solver, level = run.solver, run.level
   if run.steps * #level.u > MOST then
     option.fail(where, "all %d levels of %d numbers are needed at once: ask a shorter run",
       run.steps, #level.u)
   end
-  local again = level.strip:run { u = level.u, p = level.p, guess = level.guess, t0 = run.t0,
-    h = solver.h, steps = run.steps, every = 1, free = solver.stretches }
+  local again = level.strip:run { u = level.u, p = level.p, guess = level.guess,
+    from = level.from, t0 = run.t0, h = solver.h, steps = run.steps, every = 1,
+    free = solver.stretches }
   return again.u, again.t
 end
 

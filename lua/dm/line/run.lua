@@ -49,6 +49,13 @@ local function cut(outcome)
   outcome.done = 0
 end
 
+-- where the run stands, for what goes on from it
+local function ending_of(level, plan, outcome)
+  local last = #outcome.t
+  return { u = core.vector(outcome.u[last]), p = core.vector(outcome.p[last]),
+    from = outcome.ending, t0 = plan.t0, frozen = level.frozen }
+end
+
 --- The run of a solver that began with `level` and ended as `outcome` tells.
 function M.new(solver, level, plan, outcome, seconds)
   local field = solver.field
@@ -56,6 +63,8 @@ function M.new(solver, level, plan, outcome, seconds)
   local run = { field = field, solver = solver, rule = solver.rule, h = solver.h,
     steps = outcome.done, every = plan.every, t0 = plan.t0, until_t = plan.until_t, t = outcome.t,
     energy = outcome.energy, u = outcome.u, p = outcome.p, level = level, levels = outcome.u,
+    file = plan.file, ending = outcome.done > 0 and ending_of(level, plan, outcome)
+      or solver.ending,
     ns_per_step = outcome.done > 0 and seconds * 1e9 / outcome.done or 0 }
   local y
   if solver.moves then
@@ -84,6 +93,26 @@ local function tangles(run, outcome)
     :format(narrow, least / run.field.dx)
 end
 
+-- the limit of stability about the start, or about u = 0, where h is beyond it
+local function beyond(run)
+  local field, solver = run.field, run.solver
+  if solver.moves then return nil end
+  for _, about in ipairs { { "the start", run.u[1] }, { "u = 0", 0 } } do
+    local fine, limit = pcall(field.stability_limit, field, solver.rule, { u = about[2] })
+    if fine and limit < solver.h * (1 - 1e-9) then return limit, about[1] end
+  end
+end
+
+-- where u of the last row is largest
+local function largest_text(run)
+  local u, n, at, most = run.u[#run], run.field.values, 1, 0
+  for i = 1, #u do
+    if math.abs(u[i]) > most then at, most = i, math.abs(u[i]) end
+  end
+  local node = (at - 1) // n + 1
+  return ("; |u| is largest, %.3g, at node %d, x = %.6g"):format(most, node, run.nodes[node])
+end
+
 -- what a failed level may come from, or nil: the general advice then
 local function reason(run, outcome)
   if outcome.code == "stopped" then return nil end
@@ -102,11 +131,13 @@ local function reason(run, outcome)
     return "the matrix of a level is singular: is L quadratic in ut to lowest order (d2L/dut2 is "
       .. "not 0), or do moving nodes stand where u is affine?"
   end
-  local fine, limit = pcall(field.stability_limit, field, solver.rule)
-  if fine and limit < solver.h then
-    return ("h = %.6g is beyond the limit of stability, %.6g about u = 0 (field:stability_limit)")
-      :format(solver.h, limit)
+  local where = outcome.code == "blow_up" and largest_text(run) or ""
+  local limit, about = beyond(run)
+  if limit then
+    return ("h = %.6g is beyond the limit of stability, %.6g about %s (field:stability_limit)%s")
+      :format(solver.h, limit, about, where)
   end
+  return outcome.code == "blow_up" and "a smaller h or fewer cells may be stable" .. where or nil
 end
 
 --- Raises the dm.failure of a run; its path is the run.
@@ -124,6 +155,14 @@ end
 
 function Run.__len(run) return #run.t end
 
+-- an energy that has grown beyond itself: is the step too long?
+local function warning(run, off)
+  if not (off > 10 * math.abs(run.energy[1])) or run.steps == 0 then return "" end
+  local limit, about = beyond(run)
+  return limit and ("; h = %.6g is beyond the limit of stability, %.6g about %s"):format(run.h,
+    limit, about) or ""
+end
+
 function Run.__tostring(run)
   local E, off = run.energy, 0
   for i = 1, #E do off = math.max(off, math.abs(E[i] - E[1])) end
@@ -134,7 +173,7 @@ function Run.__tostring(run)
     short and (" (h = %.6g does not divide the way to %.6g)"):format(run.h, run.until_t) or "",
     run.ns_per_step / run.field.cells, off, #run, #run == 1 and "" or "s", run.field.nodes,
     run.frozen and #run.frozen > 0 and (", %d of them frozen where u is affine"):format(#run.frozen)
-    or "")
+    or "") .. (run.file and "; all rows are in " .. run.file or "") .. warning(run, off)
 end
 
 ---- columns ----
@@ -153,6 +192,12 @@ local function column(run, name)
   for j = 1, #run do out[j] = levels[j][i] end
   return core.vector(out)
 end
+
+core.method("dm.line_run", "checkpoint", blame.caller(function(run, file)
+  return require "dm.line.checkpoint".write(run, file)
+end), [[
+run:checkpoint(file) -> file name
+Write where the run ended, a text with all bits; field:resume(file) goes on from it.]])
 
 core.method("dm.line_run", "column", blame.caller(column), [[
 run:column(name) -> dm.vector

@@ -7,6 +7,7 @@ local moving = require "dm.line.moving"
 local option = require "dm.base.options"
 local rules = require "dm.line.rule"
 local runs = require "dm.line.run"
+local stream = require "dm.line.stream"
 
 local M = {}
 
@@ -94,7 +95,14 @@ end
 
 ---- runs ----
 
-local RUN = { "u", "ut", "p", "steps", "t", "t0", "every" }
+local RUN = { "u", "ut", "p", "steps", "t", "t0", "every", "file", "checkpoint" }
+
+-- what other runs take, and why this one does not
+local NOT_HERE = { events = "rows of a field on a line are whole levels: look at run.u[i]",
+  at = "rows are at whole slabs: 'every' says at how many", rows = "'every' says how often",
+  watch = "rows have u, p and the energy", control = "a field has no control",
+  project = "a field on a line has no constraints", q = "the start is called u",
+  v = "the start of its rate is called ut" }
 
 local function steps_of(solver, options, t0)
   local where = "solver:run"
@@ -167,30 +175,57 @@ local function check_trace(solver, level, t0)
   end
 end
 
--- a run of 0 steps takes one, to know the energy
-local function go(solver, level, plan)
-  return level.strip:run { u = level.u, p = level.p, guess = level.guess, t0 = plan.t0,
-    h = solver.h, steps = math.max(plan.steps, 1), every = plan.every, free = solver.stretches }
+-- of a solver that goes on from a run: its ending as a level
+local function last_level(solver, options)
+  local ending = solver.ending
+  for _, key in ipairs { "u", "ut", "p", "t0" } do
+    if options[key] ~= nil then
+      option.fail("solver:run", "option '%s': this solver goes on from a run, which has its own "
+        .. "levels and time", key)
+    end
+  end
+  local strip, action = solver.strip, solver.action
+  if solver.moves then strip, action = M.strip(solver, ending.frozen) end
+  return { strip = strip, action = action, u = ending.u, p = ending.p, from = ending.from,
+    frozen = ending.frozen }
 end
 
-core.method("dm.line_solver", "run", blame.caller(function(solver, options)
+-- how long, from where, and into which file
+local function plan_of(solver, options)
+  local where, ending = "solver:run", solver.ending
+  local t0 = ending and ending.t0 or option.number(options, "t0", where, nil, 0)
+  local steps, until_t = steps_of(solver, options, ending and ending.from.t or t0)
+  return { t0 = t0, steps = steps, until_t = until_t,
+    every = option.whole(options, "every", where, 1, 1 << 53, 1),
+    file = option.text(options, "file", where) }
+end
+
+local function run(solver, options)
+  for key, why in pairs(type(options) == "table" and NOT_HERE or {}) do
+    if options[key] ~= nil then option.fail("solver:run", "option '%s': %s", key, why) end
+  end
   option.check(options, RUN, "solver:run")
-  local t0 = option.number(options, "t0", "solver:run", nil, 0)
-  local steps, until_t = steps_of(solver, options, t0)
-  local plan = { t0 = t0, steps = steps, until_t = until_t,
-    every = option.whole(options, "every", "solver:run", 1, 1 << 53, 1) }
-  local level = first_level(solver, options, t0)
-  check_trace(solver, level, t0)
+  local checkpoint = option.text(options, "checkpoint", "solver:run")
+  local plan = plan_of(solver, options)
+  local level = solver.ending and last_level(solver, options)
+    or first_level(solver, options, plan.t0)
+  if not solver.ending then check_trace(solver, level, plan.t0) end
   local started = os.clock()
-  local outcome = go(solver, level, plan)
-  local run = runs.new(solver, level, plan, outcome, os.clock() - started)
-  if outcome.code ~= "ok" then runs.fail(run, outcome) end
-  return run
-end), [[
-solver:run{u=, ut= | p=, steps= | t=, every=, t0=} -> dm.line_run
+  local outcome = stream.go(solver, level, plan)
+  local made = runs.new(solver, level, plan, outcome, os.clock() - started)
+  if checkpoint then made:checkpoint(checkpoint) end
+  if outcome.code ~= "ok" then runs.fail(made, outcome) end
+  return made
+end
+
+core.method("dm.line_solver", "run", blame.caller(run), [[
+solver:run{u=, ut= | p=, steps= | t=, every=, t0=, file=, checkpoint=} -> dm.line_run
 u, ut: functions of x, or lists of a number (with values = n: n numbers) for every node; ut is
 interpolated as u is, so that p_i is the integral of L_ut phi_i; p: those themselves. t: a duration.
-Rows at the start, every `every` slabs and at the end. A level that is not found raises a
+Rows at the start, every `every` slabs and at the end. file: a NumPy file that the rows go to as
+they come (t, energy, u, p; dm.load reads it); the run keeps the first and the last one. checkpoint:
+a file for where it ended, also where it was stopped (run:checkpoint). A level that is not found,
+and an energy that has outgrown the start by 2^104, as beyond the limit of stability, raise a
 dm.failure, whose `path` is the run so far.]])
 
 ---- the limit of stability, the impedance ----

@@ -32,6 +32,9 @@ return {
   { "out_of_time", "the seconds or steps allowed were over",
     "The run was given seconds =, or control = without at =, and its steps became shorter and "
       .. "shorter: more seconds, a larger tolerance; the path so far is in failure.path." },
+  { "blow_up", "the energy has outgrown the start, of which nothing is left",
+    "A field on a line beyond the limit of stability of its cells: field:stability_limit says up "
+      .. "to which height of a slab they are stable; the run so far is in failure.path." },
   { "collapse", "a reduced system: the locked inertia vanishes there",
     "The shape comes near, or a step jumped over, one at which the group does not act freely (r = "
       .. "0): smaller steps there, or no reduction." },

@@ -31,7 +31,7 @@ M.CLASSES = {
 local NUMBER = {}
 for i, class in ipairs(M.CLASSES) do NUMBER[class.name] = i end
 
-local FAILED = { not_finite = "blow-up", no_convergence = "no convergence",
+local FAILED = { not_finite = "blow-up", blow_up = "blow-up", no_convergence = "no convergence",
   singular = "no convergence", stopped = "not run", no_start = "no start" }
 
 --- The class of a cell whose run ended with this code.

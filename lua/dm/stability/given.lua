@@ -10,6 +10,7 @@ local fail = require "dm.base.options".failing "dm.stability"
 
 -- a copy of the system with these numbers among its params
 local function with_params(system, values, names)
+  if system.line then return lines.with_params(system, values, names) end
   local given, params = {}, {}
   for key, value in pairs(system.given) do given[key] = value end
   for key, value in pairs(system.params) do params[key] = value end

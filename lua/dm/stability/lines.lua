@@ -2,6 +2,7 @@
 -- runs of the field, one a member.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local fields = require "dm.line"
 local grids = require "dm.line.grid"
 
 local M = {}
@@ -163,10 +164,20 @@ end
 function M.wrapped(x)
   if not M.is_line(x) then return x end
   local keys = { q = "u", v = "ut", p = "p" }
-  return setmetatable({ line = x, given = {}, Q = { dimension = x.nodes * x.values },
+  return setmetatable({ line = x, given = {}, params = x.params, Q = { dimension = x.nodes * x.values },
     field = { n = x.nodes * x.values, start = function(given, key)
       return grids.values(x.grid, given, x.values, keys[key] or key, "dm.stability")
     end } }, System)
+end
+
+--- The same field with these numbers among its params.
+function M.with_params(system, values, names)
+  local given, params = {}, {}
+  for key, value in pairs(system.line.given) do given[key] = value end
+  for key, value in pairs(system.params) do params[key] = value end
+  for _, name in ipairs(names) do params[name] = values[name] end
+  given.params = params
+  return M.wrapped(fields.field(given))
 end
 
 ---- theory ----

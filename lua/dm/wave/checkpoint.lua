@@ -1,8 +1,6 @@
---- Where a run of a wave ended, as a text of `key value` lines: all numbers with their bits, the
--- state one number a line, and at the end a checksum of the lines before.
-local core = require "dm.core"
+--- Where a run of a wave ended, as a file of its state (dm.data.state_file).
 local option = require "dm.base.options"
-local text_file = require "dm.base.text_file"
+local state_file = require "dm.data.state_file"
 
 local M = {}
 
@@ -13,76 +11,23 @@ local fail = option.failing(WHERE)
 -- what must be the same in the wave that goes on
 local SAME = { "kind", "from", "to", "N", "hbar", "m", "g" }
 
--- Fowler, Noll and Vo, 64 bits
-local function checksum(text)
-  local sum = 0xcbf29ce484222325 | 0
-  for i = 1, #text do sum = (sum ~ text:byte(i)) * 0x100000001b3 end
-  return ("%016x"):format(sum)
-end
-
--- numbers with all bits, texts as they are
-local function written(x)
-  if math.type(x) == "float" then return ("%a"):format(x) end
-  return tostring(x)
-end
-
--- V as one number: of its bits
-local function fingerprint(V)
-  local parts = {}
-  for j = 1, #V do parts[j] = ("%a"):format(V[j]) end
-  return checksum(table.concat(parts, " "))
-end
+local written = state_file.written
 
 function M.write(path, file)
-  local wave, ending, lines = path.wave, path.ending, { HEAD }
-  local function add(key, value) lines[#lines + 1] = key .. " " .. written(value) end
+  local wave, ending, fields = path.wave, path.ending, {}
+  local function add(key, value) fields[#fields + 1] = { key, value } end
   for _, key in ipairs(SAME) do add(key, wave[key]) end
-  add("V", fingerprint(wave.V))
+  add("V", state_file.fingerprint(wave.V))
   add("rule", path.rule)
   add("h", path.h)
   add("norm", path.solver.norm and 1 or 0)
   if path.solver.wisdom then add("wisdom", path.solver.wisdom) end
   add("t0", ending.t0)
   add("step", ending.step)
-  add("state", #ending.state)
-  for i = 1, #ending.state do lines[#lines + 1] = ("%a"):format(ending.state[i]) end
-  local text = table.concat(lines, "\n") .. "\n"
-  if type(file) ~= "string" then
-    option.fail("path:checkpoint", "a file name is needed (got %s)", option.got(file))
-  end
-  local made, why = core.new_file(file)
-  if not made then option.fail("path:checkpoint", "cannot write %s: %s", file, why) end
-  text_file.write(made, text .. "end " .. checksum(text) .. "\n", "path:checkpoint")
-  local fine
-  fine, why = core.end_file(made, file)
-  if not fine then option.fail("path:checkpoint", "cannot write %s: %s", file, why) end
-  return file
+  return state_file.write(file, HEAD, fields, ending.state, "path:checkpoint")
 end
 
 ---- reading ----
-
--- the fields of a file, its state among them
-local function read(file)
-  local handle, why = io.open(file, "r")
-  if not handle then fail("cannot open %s", why) end
-  local text = handle:read "a" or ""
-  handle:close()
-  local body, sum = text:match "^(.*\n)end (%x+)\n$"
-  if not body or text:sub(1, #HEAD + 1) ~= HEAD .. "\n" then
-    fail("%s is no checkpoint of a wave", file)
-  end
-  if checksum(body) ~= sum then
-    fail("%s: its lines do not have the checksum that it ends with: it was changed", file)
-  end
-  local fields, state = {}, {}
-  for line in body:gmatch "[^\n]+" do
-    local key, value = line:match "^(%a[%w]*) (.*)$"
-    if key then fields[key] = value else state[#state + 1] = tonumber(line) end
-  end
-  if #state ~= tonumber(fields.state) then fail("%s: numbers of the state are missing", file) end
-  fields.state = core.vector(state)
-  return fields
-end
 
 local function check_same(wave, fields)
   for _, key in ipairs(SAME) do
@@ -91,7 +36,7 @@ local function check_same(wave, fields)
         fields[key], written(wave[key]))
     end
   end
-  if fields.V ~= fingerprint(wave.V) then
+  if fields.V ~= state_file.fingerprint(wave.V) then
     fail "the wave is not the one of the checkpoint: V is another one"
   end
 end
@@ -115,7 +60,7 @@ function M.resume(wave, from)
   if type(from) ~= "string" then
     fail("a path or the name of a file is needed (got %s)", option.got(from))
   end
-  local fields = read(from)
+  local fields = state_file.read(from, HEAD, "a wave", WHERE)
   check_same(wave, fields)
   return solver_of(wave, { rule = fields.rule, h = tonumber(fields.h),
     norm = fields.norm == "1" or nil, wisdom = fields.wisdom,

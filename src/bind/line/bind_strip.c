@@ -7,6 +7,7 @@
 #include "bind/value/array.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 /* a vector of all nodes, an option of the table at 2; NULL: not given */
@@ -39,11 +40,60 @@ static void set_vector(lua_State *L, const char *key, const double *from, long r
     lua_setfield(L, -2, key);
 }
 
+/* fields of an ending, as Lua has them */
+static const struct {
+    const char *key;
+    size_t offset;
+} ending_fields[] = {{"t", offsetof(dm_strip_ending, t)},
+                     {"before", offsetof(dm_strip_ending, before)},
+                     {"h", offsetof(dm_strip_ending, h)},
+                     {"energy", offsetof(dm_strip_ending, energy)},
+                     {"target", offsetof(dm_strip_ending, target)},
+                     {"scale", offsetof(dm_strip_ending, scale)},
+                     {"most", offsetof(dm_strip_ending, most)}};
+enum { ENDING_FIELDS = sizeof ending_fields / sizeof *ending_fields };
+
+/* Push the table of an ending, with the two levels before as the rows of `old`. */
+static void push_ending(lua_State *L, const dml_strip *d, const dm_strip_ending *at) {
+    const uint32_t n = dm_strip_unknowns(&d->strip);
+    lua_createtable(L, 0, ENDING_FIELDS + 2);
+    for (int k = 0; k < ENDING_FIELDS; k++) {
+        const char *place = (const char *)at + ending_fields[k].offset;
+        lua_pushnumber(L, *(const double *)(const void *)place);
+        lua_setfield(L, -2, ending_fields[k].key);
+    }
+    lua_pushinteger(L, at->done), lua_setfield(L, -2, "done");
+    double *old = dml_pushmatrix(L, 2, n);
+    for (int k = 0; k < 2; k++) dm_strip_get_old(&d->room, k, old + (size_t)k * n);
+    lua_setfield(L, -2, "old");
+}
+
+/* Option "from" of the table at 2: an ending; its levels before, or NULL without one. The matrix
+ * stays on the stack. */
+static const double *read_ending(lua_State *L, const dml_strip *d, dm_strip_ending *at) {
+    if (lua_getfield(L, 2, "from") == LUA_TNIL) return NULL;
+    luaL_checktype(L, -1, LUA_TTABLE);
+    const int table = lua_gettop(L);
+    for (int k = 0; k < ENDING_FIELDS; k++) {
+        char *place = (char *)at + ending_fields[k].offset;
+        lua_getfield(L, table, ending_fields[k].key);
+        *(double *)(void *)place = luaL_checknumber(L, -1);
+        lua_pop(L, 1);
+    }
+    at->done = (lua_getfield(L, table, "done"), luaL_checkinteger(L, -1));
+    lua_pop(L, 1);
+    lua_getfield(L, table, "old");
+    const dml_array *a = dml_checkarray(L, lua_gettop(L), 2);
+    if (a->rows != 2 || a->columns != dm_strip_unknowns(&d->strip) || !dml_numbersof(a))
+        luaL_error(L, "'old' must have two rows, a column for every number of a level");
+    return dml_numbersof(a);
+}
+
 /* The table that a run gives: matrices of the rows that there are, and how it ended. */
 static void push_outcome(lua_State *L, const dml_strip *d, const dm_strip_record *rows,
                          const dm_strip_outcome *o, dm_status status) {
     const uint32_t n = dm_strip_unknowns(&d->strip);
-    lua_createtable(L, 0, 12);
+    lua_createtable(L, 0, 13);
     dml_setresult(L);
     set_matrix(L, "u", rows->u, o->rows, n);
     set_vector(L, "t", rows->t, o->rows);
@@ -56,6 +106,7 @@ static void push_outcome(lua_State *L, const dml_strip *d, const dm_strip_record
     lua_pushnumber(L, o->solve.residual), lua_setfield(L, -2, "residual");
     lua_pushnumber(L, o->h), lua_setfield(L, -2, "h");
     lua_pushinteger(L, o->tangled), lua_setfield(L, -2, "tangled");
+    push_ending(L, d, &o->ending), lua_setfield(L, -2, "ending");
 }
 
 /* Is an option of the table at 2 true? */
@@ -68,8 +119,8 @@ static int is_on(lua_State *L, const char *key) {
 
 /* Rows in memory of the collector: nothing is left to free where a step fails. */
 static int strip_run(lua_State *L) {
-    static const char *const known[] = {"u",     "p",     "guess", "t0", "h",
-                                        "steps", "every", "free",  NULL};
+    static const char *const known[] = {"u",     "p",     "guess", "t0",   "h",
+                                        "steps", "every", "free",  "from", NULL};
     dml_strip *d = dml_checkstrip(L);
     lua_settop(L, 2);
     dml_options(L, 2, known);
@@ -81,6 +132,9 @@ static int strip_run(lua_State *L) {
                           .is_free = is_on(L, "free"),
                           .stop = &dml_stop};
     plan.guess = level_of(L, d, "guess");
+    dm_strip_ending from = {0};
+    plan.old = read_ending(L, d, &from);
+    if (plan.old) plan.from = &from;
     const long most = dm_strip_plan_rows(&plan);
     check_rows(L, most, n);
     const double *u = level_of(L, d, "u"), *p = level_of(L, d, "p");
@@ -254,7 +308,7 @@ static int strip_fail(lua_State *L) {
                      .time = lua_tonumber(L, 7),
                      .rule = luaL_checkstring(L, 2),
                      .root = lua_tostring(L, 4)};
-    f.step += f.status != DM_STOPPED;
+    f.step += f.status != DM_STOPPED && f.status != DM_BLOW_UP;
     lua_getfield(L, 1, "h"), f.h = lua_tonumber(L, -1);
     lua_getfield(L, 1, "residual"), f.residual = lua_tonumber(L, -1);
     lua_getfield(L, 1, "iterations"), f.iterations = (int)lua_tointeger(L, -1);
@@ -264,9 +318,10 @@ static int strip_fail(lua_State *L) {
 
 static const dml_row methods[] =
     {{"run", strip_run,
-      "strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=} -> table\n"
+      "strip:run{u=, p=, guess=, t0=, h=, steps=, every=, free=, from=} -> table\n"
       "Levels from u (and p, of an action) on: u, p (matrices, a row a level), t, energy, code, "
-      "status, done, iterations, residual, h, tangled."},
+      "status, done, iterations, residual, h, tangled, ending. from: the ending of a run, whose "
+      "last u and p are given; then this one has the bits of one that never stopped."},
      {"momenta", strip_momenta,
       "strip:momenta(lower, upper, t, h) -> dm.vector\nThe momenta of the upper level."},
      {"cells", strip_cells,

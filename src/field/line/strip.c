@@ -2,6 +2,7 @@
  * cell to the last on every backend. */
 #include "field/line/strip.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The last group of lanes reads one entry beyond its cells, the right node. */
@@ -71,25 +72,45 @@ int dm_strip_open_laws(dm_strip_room *room, dm_arena *arena) {
     return room->corners != NULL;
 }
 
-/* On a ring the first node once more behind the last, so that every cell has a right one. */
-void dm_strip_put(dm_strip_room *room, size_t level, const double *x) {
-    const dm_strip *s = room->strip;
+/* x at `level`; on a ring the first node once more behind the last, so that every cell has a right
+ * one */
+static void put(const dm_strip *s, double *level, const double *x) {
     const uint32_t n = s->layout.values;
     for (uint32_t k = 0; k < n; k++) {
-        double *to = room->memory + level + (size_t)k * s->layout.stride;
+        double *to = level + (size_t)k * s->layout.stride;
         for (uint32_t i = 0; i < s->nodes; i++) to[i] = x[(size_t)i * n + k];
         if (dm_strip_is_ring(s)) to[s->nodes] = to[0];
     }
 }
 
-/* Without the node that a ring has twice. */
-void dm_strip_get(const dm_strip_room *room, size_t level, double *x) {
-    const dm_strip *s = room->strip;
+/* the other way, without the node that a ring has twice */
+static void get(const dm_strip *s, const double *level, double *x) {
     const uint32_t n = s->layout.values;
     for (uint32_t k = 0; k < n; k++) {
-        const double *from = room->memory + level + (size_t)k * s->layout.stride;
+        const double *from = level + (size_t)k * s->layout.stride;
         for (uint32_t i = 0; i < s->nodes; i++) x[(size_t)i * n + k] = from[i];
     }
+}
+
+void dm_strip_put(dm_strip_room *room, size_t level, const double *x) {
+    put(room->strip, room->memory + level, x);
+}
+
+void dm_strip_get(const dm_strip_room *room, size_t level, double *x) {
+    get(room->strip, room->memory + level, x);
+}
+
+/* where level `number` of those before is */
+static double *old_level(const dm_strip_room *room, int number) {
+    return room->old + (size_t)number * dm_cell_upper(&room->strip->layout, 0);
+}
+
+void dm_strip_put_old(dm_strip_room *room, int number, const double *x) {
+    put(room->strip, old_level(room, number), x);
+}
+
+void dm_strip_get_old(const dm_strip_room *room, int number, double *x) {
+    get(room->strip, old_level(room, number), x);
 }
 
 /* Scalars of array loops have a copy for every lane. */
@@ -130,6 +151,18 @@ void dm_strip_sum(dm_strip_room *room, const dm_cell_map *f, uint32_t count, dou
         for (uint32_t k = 0; k < count; k++)
             for (uint32_t i = 0; i < cells; i++) out[k] += room->buffer[k * DM_CELL_BLOCK + i];
     }
+}
+
+/* In the order of the cells. */
+double dm_strip_size(dm_strip_room *room, const dm_cell_map *f) {
+    const dm_strip *s = room->strip;
+    double sum = 0.0;
+    for (uint32_t c = 0; c < s->cells; c += DM_CELL_BLOCK) {
+        const uint32_t cells = block_of(s, c);
+        dm_cell_map_run(f, room->memory, room->scalars, room->buffer, c, cells);
+        for (uint32_t i = 0; i < cells; i++) sum += fabs(room->buffer[i]);
+    }
+    return sum;
 }
 
 /* S_upper, and half of the force -c u_t over the slab. */

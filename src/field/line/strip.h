@@ -98,6 +98,10 @@ int dm_strip_open_laws(dm_strip_room *room, dm_arena *arena);
 void dm_strip_put(dm_strip_room *room, size_t level, const double *x);
 void dm_strip_get(const dm_strip_room *room, size_t level, double *x);
 
+/* The same of the levels before, 0 the last one. */
+void dm_strip_put_old(dm_strip_room *room, int number, const double *x);
+void dm_strip_get_old(const dm_strip_room *room, int number, double *x);
+
 /* scalar k of all lanes */
 void dm_strip_set(dm_strip_room *room, uint32_t k, double x);
 
@@ -110,6 +114,9 @@ dm_status dm_strip_solve(dm_strip_room *room, double *height, double target,
  * all cells. */
 void dm_strip_collect(dm_strip_room *room, const dm_cell_map *f, uint32_t first, double *out);
 void dm_strip_sum(dm_strip_room *room, const dm_cell_map *f, uint32_t count, double *out);
+
+/* Sum of |output 0| of all cells. */
+double dm_strip_size(dm_strip_room *room, const dm_cell_map *f);
 
 /* upper - lower of value k at node i */
 static inline double dm_strip_moved(const dm_strip_room *room, uint32_t i, uint32_t k) {

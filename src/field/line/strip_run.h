@@ -4,11 +4,25 @@
 
 #include "field/line/strip.h"
 
+/* Where a run stands behind a slab, beside u and p of the level: what goes on from here has the
+ * bits of a run that never stopped. */
+typedef struct {
+    long done;           /* slabs since t0 */
+    double t, before, h; /* of the level, of the one before, height of the slab between them */
+    double energy,
+        target;         /* of that slab; what S_t - S_h of all slabs is, where heights are free */
+    double scale, most; /* of the first slab the energies of all cells, without their signs; and
+                              the largest sum of p u_t so far: what a blow-up is told by */
+} dm_strip_ending;
+
 typedef struct {
     double t0, h; /* start, height of a slab (the first, where heights are free) */
     long steps, every;
-    int is_free;         /* heights are unknown: G of each slab is that of the first one */
-    const double *guess; /* [unknowns] of the first upper level; NULL: the start */
+    int is_free;                 /* heights are unknown: G of each slab is that of the first one */
+    const double *guess;         /* [unknowns] of the first upper level; NULL: the start */
+    const dm_strip_ending *from; /* go on from here, with the two levels before in old[2][unknowns];
+                                    NULL: a start */
+    const double *old;
     const volatile sig_atomic_t *stop; /* may be NULL */
 } dm_strip_plan;
 
@@ -25,11 +39,14 @@ typedef struct {
     double h;         /* the last height */
     uint32_t tangled; /* the cell, from 1, whose nodes have passed each other; 0: none */
     dm_strip_report solve;
+    dm_strip_ending ending;
 } dm_strip_outcome;
 
 long dm_strip_plan_rows(const dm_strip_plan *plan);
 
-/* A step that fails leaves the rows before it and, as the last one, the last good level. */
+/* A step that fails leaves the rows before it and, as the last one, the last good level. DM_BLOW_UP:
+ * the energy of a field without time in it has grown by more than 2^104, as only an instability
+ * makes it. */
 dm_status dm_strip_go(dm_strip_room *room, const dm_strip_plan *plan, dm_strip_record *rows,
                       dm_strip_outcome *outcome);
 

@@ -153,7 +153,7 @@ local calls = {
   ["dm.group_lagrangian"] = { { rotor, legendre_minus = { upright, upright },
     legendre_plus = { upright, upright }, momentum = { dm.SO(3), upright, upright },
     two_form = { upright, upright }, value = { upright, upright } } },
-  ["dm.line_field"] = { { cable, solver = { { h = 0.1 } }, stability_limit = { "cell(gauss(2))", {} }, reflection = { {} } } },
+  ["dm.line_field"] = { { cable, resume = { cable_run }, solver = { { h = 0.1 } }, stability_limit = { "cell(gauss(2))", {} }, reflection = { {} } } },
   ["dm.line_solver"] = { { cable_solver, run = { { u = 0, steps = 2 } } } },
   ["dm.line_run"] = { { cable_run, column = { "energy" }, drift = { "energy" }, multisymplectic = { {} }, conservation = { "t" } } },
   ["dm.strip"] = { { cable_strip, momenta = { five, five, 0, 0.1 }, cells = { five, five, 0, 0.1, "value" }, limit = { nought, 1e-6, 10 },

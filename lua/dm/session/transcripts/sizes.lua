@@ -1,4 +1,4 @@
---- Examples of charts of fields over their size.
+--- Examples of charts of fields over their size, and of checkpoints of fields on lines.
 local M = {}
 
 local CHART = [=[
@@ -30,5 +30,20 @@ M["field_chart.plot"] = CHART .. [=[
 > file = c:plot { file = os.tmpname() .. ".png" }
 > os.remove(file)
 true]=]
+
+local STRING = [=[
+> string_ = dm.field { x = {0, 1, 16}, fixed = "ends",
+>>   L = function(u, ut, ux) return (ut^2 - ux^2)/2 end }
+> run = string_:solver { h = 1/32 }:run { u = math.sin, steps = 8 }
+> file = run:checkpoint(os.tmpname())
+]=]
+
+M["line_run.checkpoint"] = STRING .. [=[
+> string_:resume(file):run { steps = 8 }.t[9], os.remove(file)
+0.5	true]=]
+
+M["line_field.resume"] = STRING .. [=[
+> string_:resume(file):run { steps = 0 }.u[1] == run.u[9], os.remove(file)
+true	true]=]
 
 return M
