@@ -1,5 +1,5 @@
---- Where a run ended, as a text of `key value` lines behind a head: all numbers with their bits, the
--- state one number a line, and at the end a checksum of the lines before.
+--- Where a run ended, as a text of `key value` lines behind a head: all numbers with their bits,
+-- the state one number a line, and at the end a checksum of the lines before.
 local core = require "dm.core"
 local option = require "dm.base.options"
 local text_file = require "dm.base.text_file"

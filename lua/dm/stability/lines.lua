@@ -164,8 +164,8 @@ end
 function M.wrapped(x)
   if not M.is_line(x) then return x end
   local keys = { q = "u", v = "ut", p = "p" }
-  return setmetatable({ line = x, given = {}, params = x.params, Q = { dimension = x.nodes * x.values },
-    field = { n = x.nodes * x.values, start = function(given, key)
+  return setmetatable({ line = x, given = {}, params = x.params,
+    Q = { dimension = x.nodes * x.values }, field = { n = x.nodes * x.values, start = function(given, key)
       return grids.values(x.grid, given, x.values, keys[key] or key, "dm.stability")
     end } }, System)
 end

@@ -44,9 +44,9 @@ typedef struct {
 
 long dm_strip_plan_rows(const dm_strip_plan *plan);
 
-/* A step that fails leaves the rows before it and, as the last one, the last good level. DM_BLOW_UP:
- * the energy of a field without time in it has grown by more than 2^104, as only an instability
- * makes it. */
+/* A step that fails leaves the rows before it and, as the last one, the last good level.
+ * DM_BLOW_UP: the energy of a field without time in it has grown by more than 2^104, as only an
+ * instability makes it. */
 dm_status dm_strip_go(dm_strip_room *room, const dm_strip_plan *plan, dm_strip_record *rows,
                       dm_strip_outcome *outcome);
 
