@@ -163,11 +163,12 @@ end
 --- The field as such a system; anything else as it is.
 function M.wrapped(x)
   if not M.is_line(x) then return x end
-  local keys = { q = "u", v = "ut", p = "p" }
-  return setmetatable({ line = x, given = {}, params = x.params,
-    Q = { dimension = x.nodes * x.values }, field = { n = x.nodes * x.values, start = function(given, key)
-      return grids.values(x.grid, given, x.values, keys[key] or key, "dm.stability")
-    end } }, System)
+  local keys, n = { q = "u", v = "ut", p = "p" }, x.nodes * x.values
+  local function start(given, key)
+    return grids.values(x.grid, given, x.values, keys[key] or key, "dm.stability")
+  end
+  return setmetatable({ line = x, given = {}, params = x.params, Q = { dimension = n },
+    field = { n = n, start = start } }, System)
 end
 
 --- The same field with these numbers among its params.

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { BURST = 16, LOOK = 64 };     /* slabs between looks at the stop flag, at the energy */
+enum { BURST = 16, LOOK = 64 };      /* slabs between looks at the stop flag, at the energy */
 static const double GROWN = 0x1p104; /* energy over that of the start: no digit of it is left */
 
 /* The start, and the last one also where `every` does not divide the steps. */
