@@ -33,6 +33,17 @@ for typed, wanted in head:gmatch "\n| (`[^\n|]-`) |([^\n|]*)|" do
 end
 ok(rows >= 19, "all rows were read", rows)
 
+-- rows of the second table: their test is there
+local named = 0
+for what, file, words in io.open "docs/conventions.md":read "a":gmatch '\n| ([^|]-) | [^|]- | `(test_%a[%w_]*%.lua)`: "([^|]*)" |' do
+  local found = io.popen("cat tests/house/" .. file .. " $(find tests/lua -name " .. file .. ") 2>/dev/null")
+  ok(found:read "a":find(words, 1, true), "the test of " .. what, file .. ": " .. words)
+  found:close()
+  named = named + 1
+end
+local _, all = io.open "docs/conventions.md":read "a":match "\n| what | how | test |\n(.*)":gsub("\n| ", "")
+ok(named == all and named >= 19, "every row names one", named .. " of " .. all)
+
 -- statuses
 local function status_of(command)
   local pipe = io.popen(command .. "; echo status $?")
@@ -43,13 +54,13 @@ end
 ok(status_of(("'%s' -e 'x = 1' 2>/dev/null"):format(dmlua)) == 0, "0")
 ok(status_of(("'%s' -e 'error(1)' 2>/dev/null"):format(dmlua)) == 1, "1 after an error")
 ok(status_of(("'%s' -e 'os.exit(7)'"):format(dmlua)) == 7, "os.exit")
-local interrupted = "'%s' -e '%s' 2>/dev/null & p=$!; sleep 0.7; kill -INT $p; wait $p"
+local interrupted = "'%s' -e '%s' 2>/dev/null & p=$!; sleep 0.7; kill -%s $p; wait $p"
 local run = "dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 - q[1]^2/2 end }:solver { rule = \"verlet\", h = 0.1 }"
   .. ":run { q = {1}, v = {0}, steps = 1e12, every = 1e11 }"
-local function interrupted_status(code)
+local function interrupted_status(code, signal)
   local name = os.tmpname()
   local file = assert(io.open(name, "w"))
-  file:write("set -m\n", interrupted:format(dmlua, code), "\n")
+  file:write("set -m\n", interrupted:format(dmlua, code, signal or "INT"), "\n")
   file:close()
   local status = status_of("sh " .. name .. " 2>/dev/null")
   os.remove(name)
@@ -57,6 +68,7 @@ local function interrupted_status(code)
 end
 ok(interrupted_status "while true do end" == 130, "130 where Ctrl-C ends a script")
 ok(interrupted_status(run) == 130, "also in a C loop")
+ok(interrupted_status("while true do end", "TERM") == 143, "143 where it is terminated")
 ok(interrupted_status("pcall(function() while true do end end) os.exit(3)") == 3, "a script that deals with it ends as it says")
 -- digits, benchmarks
 local dm = require "dm"

@@ -196,6 +196,13 @@ has(text, "Raises for other lengths.\n\n  Example:\n    > dm.vector", "a method 
 has(text, "\n  Example:\n    > dm.tan(math.pi/4)\n    1.0\n", "a function has one")
 has(text, "    > g*h, g:inverse()\n    (1, 5)	(2, 1)\n", "one with several lines")
 
+-- readline's keys, and those that its file binds
+write(home .. "/.inputrc", '"\\C-xq": "6*7"\n')
+text = play("-n", "wait 2004h\nsend \\030q\\r\nwait 42\nwait 2004h\nsend 12\\0013+\\r\nwait 15\n" .. BYE)
+has(text, "6*7\n42", "keys of ~/.inputrc")
+has(text, "\n15\n", "Ctrl-A goes to the beginning of the line")
+os.remove(home .. "/.inputrc")
+
 -- a text longer than the screen of 24 lines goes through $PAGER
 text = session({ "?dm.chart", "?dm.abs", "6*7" }, "", "PAGER='cat -n'")
 has(text, "\n     1\tdm.chart{system", "the pager gets the text")
