@@ -100,6 +100,21 @@ local all = 0
 for _ in pairs(known) do all = all + 1 end
 ok(count == all, "no name has two examples", ("%d, %d"):format(count, all))
 
+-- every entry of the reference has one
+local reference, lacking, entries = require "dm.session.reference", {}, 0
+local function look_for(name)
+  entries = entries + 1
+  if not dm.example(name) then lacking[#lacking + 1] = name end
+end
+for name in pairs(reference.functions(dm)) do look_for(name) end
+for name in pairs(reference.for_modules()) do look_for(name) end
+for class, methods in pairs(reference.classes()) do
+  look_for(class)
+  for name in pairs(methods) do look_for(class:match "[^.]+$" .. ":" .. name) end
+end
+ok(#lacking == 0 and entries > 700, "every function, method and class has an example",
+  table.concat(lacking, " "))
+
 ok(dm.example "path.drift" == known["path.drift"] and dm.example "path:drift" == known["path.drift"] and dm.example "vector" == known["dm.vector"],
   "names as in help")
 ok(dm.example "nothing.here" == nil, "nil where there is none")

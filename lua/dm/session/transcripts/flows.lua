@@ -193,6 +193,15 @@ M["avi_cells.run"] = [=[
 > code, path.q[3]:sum()
 ok	0.1]=]
 
+M["avi_cells.sums"] = [=[
+> core = require "dm.core"
+> K = dm.mesh { simplices = { { 1, 2 } }, points = { { 0 }, { 1 } } }
+> field = K:field { form = 0, L = function(u, v)
+>>   return v:dot(v)/2 - K:sum(1, function(e) return (e[2] - e[1])^2 end, u) end }
+> cells = core.avi(field, dm.vector { 0, 0.1 }, 0)
+> cells:sums()
+{ { 2, 1 } }]=]
+
 M["dm.multisymplectic"] = [=[
 > boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
 >>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
