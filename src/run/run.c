@@ -202,14 +202,19 @@ static dm_status advance_own(loop *l, long end) {
     return DM_OK;
 }
 
+/* Does somebody look at a time of its own between two steps? */
+static int looks_at_time(const loop *l, int timed) {
+    const dm_run_plan *p = l->plan;
+    return l->own && (timed || p->control || p->events || p->at || isfinite(p->until));
+}
+
 /* steps up to `end`, unlooked at; one by one when L depends on t, so that the time of a step, and
- * with it every bit of the result, does not depend on where bursts happen to end; where impulses
- * are wanted too */
+ * every bit of the result, does not depend on where bursts end; where impulses are wanted too */
 static dm_status advance_plainly(loop *l, long end) {
     const int timed =
         !(l->s->model->structure & DM_AUTONOMOUS) && !(l->s->rule->method->traits & DM_FOR_PAIRS);
     const int by_one = timed || l->plan->impulses;
-    if (l->own) return advance_own(l, end);
+    if (looks_at_time(l, timed)) return advance_own(l, end);
     while (l->plan->events && l->done < end && !is_ended(l)) {
         const dm_status status = step_watched(l, time_now(l));
         if (status != DM_OK) return status;

@@ -1,18 +1,12 @@
 /* sem.c - symplectic-energy-momentum steps as an engine with a time of its own. */
 #include "integ/rules/galerkin.h"
-#include "integ/sem/sem_inside.h"
+#include "integ/sem/sem_places.h"
+#include "integ/sem/sem_warm.h"
 #include "linalg/solve/newton.h"
 #include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
-
-/* States that are known: where the last step began, where it led, and where a step on the side
- * from there led. Each has a mark (1: it is there), q[n], p[n], t, and numbers of its own. */
-enum { BASE, FIRST, OTHER, PLACES };
-
-/* Of the step that ended at a state, and of the one that begins there (h = 0: not known yet). */
-enum { H, ENERGY, FLAG, NEXT_H, NEXT_ENERGY, NEXT_FLAG, NUMBERS, PARTS = NEXT_H };
 
 static const double SHORTEST = 0.2; /* of the first step */
 static const double FURTHEST = 2.0; /* times the last step, or a part of it */
@@ -22,13 +16,9 @@ static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
-/* Of a place. */
-static size_t key_of(uint32_t n) {
-    return 2 * (size_t)n + 1;
-}
-/* Of all of them: mark, key, numbers. */
-static size_t place_size(uint32_t n) {
-    return 1 + key_of(n) + NUMBERS;
+/* What a step leaves to the next one: places, and what sem_warm.c keeps. */
+static size_t memory_size(uint32_t n, uint32_t unknowns) {
+    return DM_SEM_PLACES * dm_sem_place_size(n) + dm_sem_warm_size(unknowns);
 }
 
 /* The time decides: a force of another's making could not be told from L. */
@@ -61,7 +51,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, K = (size_t)g.s * n + 1;
     return doubles(sizeof(dm_sem)) + dm_stage_table_size((size_t)g.s, (size_t)g.q.r) + 2 * n + 1 +
            2 * n + 3 * n * n + 3 * n + n + 4 * K + 2 * K * K + n + K + scratch_size(m, K - 1) +
-           PLACES * place_size(m->n);
+           memory_size(m->n, (uint32_t)K) + dm_sem_inputs(m->n) + dm_sem_outputs(m->n);
 }
 
 /* It stands at the beginning of the workspace. */
@@ -74,6 +64,20 @@ static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;
     return block;
+}
+
+/* All that steps have left. */
+static void forget(dm_sem *e) {
+    memset(e->places, 0, memory_size(e->n, e->unknowns) * sizeof *e->places);
+}
+
+/* Of the midpoint of a straight line there may be a kernel of the whole step. */
+static void open_kernel(dm_sem *e, dm_stepper *s) {
+    const int is_middle =
+        e->table.s == 1 && e->table.r == 1 && dm_weight_double(*e->table.c) == 0.5;
+    if (!is_middle || !dm_sem_kernel(&e->kernel, e->m, &e->by_velocity)) return;
+    dm_kernel_prepare(&e->kernel, e->out);
+    s->report.operations = e->kernel.operations;
 }
 
 /* Nothing here depends on h or the start. */
@@ -101,79 +105,63 @@ static dm_status open(dm_stepper *s) {
     e->end = take(&memory, n);
     e->pivot = (uint32_t *)(void *)take(&memory, K);
     e->scratch = take(&memory, scratch_size(m, K - 1));
-    e->places = take(&memory, PLACES * place_size(m->n));
-    memset(e->places, 0, PLACES * place_size(m->n) * sizeof *e->places);
+    e->places = take(&memory, memory_size(m->n, e->unknowns));
+    e->warm = e->places + DM_SEM_PLACES * dm_sem_place_size(m->n);
+    e->in = take(&memory, dm_sem_inputs(m->n));
+    e->out = take(&memory, dm_sem_outputs(m->n));
+    forget(e);
     dm_kernel_prepare(&m->stage, e->at);
     s->report.operations = m->stage.operations + m->energy.operations;
+    open_kernel(e, s);
     return DM_OK;
 }
 
 /* ---- places ---- */
 
-/* Its mark, behind which the key and the numbers stand. */
-static double *place_of(const dm_sem *e, int which) {
-    return e->places + (size_t)which * place_size(e->n);
-}
-
-/* H ... NEXT_FLAG of a place. */
-static double *numbers_of(const dm_sem *e, int which) {
-    return place_of(e, which) + 1 + key_of(e->n);
-}
-
-/* Does the place hold (q, p, t) of this state? */
-static int holds(const dm_sem *e, int which, const double *state) {
-    const double *place = place_of(e, which);
-    return place[0] != 0.0 && memcmp(place + 1, state, 2 * e->n * sizeof *state) == 0 &&
-           place[key_of(e->n)] == state[4 * (size_t)e->n];
-}
-
-/* the place of a state, the newest first; -1: none */
+/* The place of a state; -1: none. */
 static int find(const dm_sem *e, const double *state) {
-    for (int which = OTHER; which >= BASE; which--)
-        if (holds(e, which, state)) return which;
+    static const int order[] = {DM_SEM_FIRST, DM_SEM_OTHER, DM_SEM_BASE};
+    for (int k = 0; k < DM_SEM_PLACES; k++)
+        if (dm_sem_holds(e, order[k], state, e->n)) return order[k];
     return -1;
 }
 
 /* A state that no step led to begins with the first h. */
 static void find_numbers(const dm_sem *e, double *out, const double *state) {
     const int which = find(e, state);
-    memset(out, 0, NUMBERS * sizeof *out);
-    out[H] = e->first, out[ENERGY] = state[4 * (size_t)e->n + 2];
-    if (which >= 0) memcpy(out, numbers_of(e, which), NUMBERS * sizeof *out);
-}
-
-/* The place takes this state and its numbers. */
-static void put(const dm_sem *e, int which, const double *state, const double *numbers) {
-    double *place = place_of(e, which);
-    place[0] = 1.0;
-    memcpy(place + 1, state, 2 * e->n * sizeof *place);
-    place[key_of(e->n)] = state[4 * (size_t)e->n];
-    memcpy(numbers_of(e, which), numbers, NUMBERS * sizeof *numbers);
+    memset(out, 0, DM_SEM_NUMBERS * sizeof *out);
+    out[DM_SEM_LENGTH] = e->first, out[DM_SEM_ENERGY] = state[4 * (size_t)e->n + 2];
+    if (which >= 0) memcpy(out, dm_sem_numbers(e, which, e->n), DM_SEM_NUMBERS * sizeof *out);
 }
 
 /* A step begins here; what others led to is forgotten, unless it is another one from the same
  * state. */
 static void put_base(const dm_sem *e, const double *state, const double *numbers) {
-    if (!holds(e, BASE, state)) place_of(e, FIRST)[0] = place_of(e, OTHER)[0] = 0.0;
-    put(e, BASE, state, numbers);
+    double *first = dm_sem_place(e, DM_SEM_FIRST, e->n),
+           *other = dm_sem_place(e, DM_SEM_OTHER, e->n);
+    if (!dm_sem_holds(e, DM_SEM_BASE, state, e->n)) first[0] = other[0] = 0.0;
+    dm_sem_put(e, DM_SEM_BASE, state, numbers, e->n);
 }
 
 /* The step that is known as the next one at BASE led here, whole or in part. */
-static void put_end(const dm_sem *e, const double *state, const double *numbers) {
-    const double here[NUMBERS] = {numbers[NEXT_H], numbers[NEXT_ENERGY], numbers[NEXT_FLAG]};
-    put(e, place_of(e, FIRST)[0] != 0.0 ? OTHER : FIRST, state, here);
+static void put_end(const dm_sem *e, const double *state, const double *numbers, int warm) {
+    const double here[DM_SEM_NUMBERS] = {numbers[DM_SEM_NEXT_LENGTH], numbers[DM_SEM_NEXT_ENERGY],
+                                         numbers[DM_SEM_NEXT_FLAG], warm};
+    const int taken = *dm_sem_place(e, DM_SEM_FIRST, e->n) != 0.0;
+    dm_sem_put(e, taken ? DM_SEM_OTHER : DM_SEM_FIRST, state, here, e->n);
 }
 
 /* From places and state (whose own numbers are t and the energy) a run goes on bit for bit. */
 static size_t memory(dm_stepper *s, double **place) {
-    *place = sem_of(s)->places;
-    return PLACES * place_size(s->model->n);
+    const dm_sem *e = sem_of(s);
+    *place = e->places;
+    return memory_size(e->n, e->unknowns);
 }
 
 /* For rows: h, E_d and the flag of the step that ended at the state. */
 static void parts(const dm_stepper *s, double *out, const double *state, double t, uint32_t first,
                   uint32_t count) {
-    double numbers[NUMBERS];
+    double numbers[DM_SEM_NUMBERS];
     (void)t;
     find_numbers(sem_of(s), numbers, state);
     memcpy(out, numbers + first, count * sizeof *out);
@@ -181,18 +169,11 @@ static void parts(const dm_stepper *s, double *out, const double *state, double 
 
 /* ---- steps ---- */
 
-/* where a step begins: the state, and its velocity as a first guess */
-static dm_status begin(dm_sem *e, const double *state) {
-    e->state = state;
-    memset(e->v0, 0, e->n * sizeof *e->v0);
-    return dm_legendre_inverse(e->m, e->v0, state, state + e->n, 0.0, e->scratch);
-}
-
 /* A run begins. Its energy is that of a step of h, unless one is given. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_sem *e = sem_of(s);
     double *own = state + 4 * (size_t)e->n;
-    memset(e->places, 0, PLACES * place_size(e->n) * sizeof *e->places);
+    forget(e);
     e->first = h, e->least = SHORTEST * h;
     s->report.sem = (dm_energy_report){.least = INFINITY};
     own[0] = t, own[1] = own[2] = 0.0;
@@ -201,25 +182,27 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
         own[2] = *s->energy;
         return DM_OK;
     }
-    e->begun = begin(e, state);
-    if (e->begun == DM_OK) e->begun = dm_sem_fixed(e, s, h);
+    dm_sem_begin(e, state);
+    e->begun = dm_sem_fixed(e, s, h);
     own[2] = e->begun == DM_OK ? e->energy : 0.0;
     return DM_OK;
 }
 
 /* V and h of the step from here; numbers get what is next */
 static dm_status choose(dm_sem *e, dm_stepper *s, double *numbers) {
-    const double h = numbers[H];
+    const double h = numbers[DM_SEM_LENGTH];
     const double low = fmax(h / FURTHEST, e->least), high = FURTHEST * h;
+    const int goes_on = numbers[DM_SEM_WARM] == DM_SEM_LAST;
     int flagged = 0;
-    dm_status status = dm_sem_solve(e, s, h, low, high);
+    dm_status status = e->kernel.eval ? dm_sem_solve_written(e, s, h, low, high, goes_on)
+                                      : dm_sem_solve(e, s, h, low, high, goes_on);
     const double rounding = status == DM_OK ? dm_sem_conditioning(e) : 0.0;
     if (status != DM_OK) status = dm_sem_fallback(e, s, h, low, high, &flagged);
     s->report.solves++;
     if (status != DM_OK) return status;
-    numbers[NEXT_H] = e->z[e->velocities];
-    numbers[NEXT_ENERGY] = e->energy;
-    numbers[NEXT_FLAG] = flagged;
+    numbers[DM_SEM_NEXT_LENGTH] = e->z[e->velocities];
+    numbers[DM_SEM_NEXT_ENERGY] = e->energy;
+    numbers[DM_SEM_NEXT_FLAG] = flagged;
     s->report.residual = fabs(e->energy - e->E);
     s->report.sem.conditioning = fmax(s->report.sem.conditioning, rounding);
     return DM_OK;
@@ -229,10 +212,10 @@ static dm_status choose(dm_sem *e, dm_stepper *s, double *numbers) {
 static void tell(dm_energy_report *out, const double *numbers, double E) {
     out->energy = E;
     out->steps++;
-    out->fallbacks += numbers[NEXT_FLAG] != 0.0;
-    out->defect = fmax(out->defect, fabs(numbers[NEXT_ENERGY] - E));
-    out->least = fmin(out->least, numbers[NEXT_H]);
-    out->largest = fmax(out->largest, numbers[NEXT_H]);
+    out->fallbacks += numbers[DM_SEM_NEXT_FLAG] != 0.0;
+    out->defect = fmax(out->defect, fabs(numbers[DM_SEM_NEXT_ENERGY] - E));
+    out->least = fmin(out->least, numbers[DM_SEM_NEXT_LENGTH]);
+    out->largest = fmax(out->largest, numbers[DM_SEM_NEXT_LENGTH]);
 }
 
 /* NaN and infinity in what is added. */
@@ -256,43 +239,57 @@ static void move(const dm_sem *e, double *state) {
     dm_sum_add(own, own + 1, h);
 }
 
+/* A whole step has been made: what is told of it and kept for the next one; returns the mark of its
+ * end. A flagged step is none that others continue, and one more from the same state, for a row at
+ * its end, changes nothing. */
+static int go_on(dm_sem *e, dm_stepper *s, double *numbers) {
+    const double mark = numbers[DM_SEM_WARM];
+    const int keeps = mark != DM_SEM_GONE && numbers[DM_SEM_NEXT_FLAG] == 0.0;
+    if (mark != DM_SEM_GONE) tell(&s->report.sem, numbers, e->E);
+    if (keeps) dm_sem_warm_keep(e->warm, e->z, e->unknowns, mark == DM_SEM_LAST);
+    numbers[DM_SEM_WARM] = DM_SEM_GONE;
+    return keeps ? DM_SEM_LAST : DM_SEM_COLD;
+}
+
 /* h other than that of the run: as large a part of the step that is chosen */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_sem *e = sem_of(s);
     const int whole = h == e->first;
-    double numbers[NUMBERS];
+    double numbers[DM_SEM_NUMBERS];
     (void)t;
+    if (whole && e->kernel.eval && dm_sem_go_on(e, s, state)) return DM_OK;
     find_numbers(e, numbers, state);
     if (e->begun != DM_OK && find(e, state) < 0) return e->begun;
     e->E = state[4 * (size_t)e->n + 2];
     e->evaluations = 0;
-    dm_status status = begin(e, state);
-    if (status == DM_OK && (whole || numbers[NEXT_H] == 0.0)) status = choose(e, s, numbers);
-    e->pace = numbers[NEXT_H] / e->first;
+    dm_status status = DM_OK;
+    dm_sem_begin(e, state);
+    if (whole || numbers[DM_SEM_NEXT_LENGTH] == 0.0) status = choose(e, s, numbers);
+    e->pace = numbers[DM_SEM_NEXT_LENGTH] / e->first;
     if (status == DM_OK && !whole) status = dm_sem_fixed(e, s, h * e->pace);
     s->report.evaluations += e->evaluations;
     if (status != DM_OK) return status;
     if (!is_finite(e)) return DM_NOT_FINITE;
-    if (whole) tell(&s->report.sem, numbers, e->E);
+    const int warm = whole ? go_on(e, s, numbers) : DM_SEM_COLD;
     put_base(e, state, numbers);
     move(e, state);
-    put_end(e, state, numbers);
+    put_end(e, state, numbers, warm);
     return DM_OK;
 }
 
 /* The part of a step and its time are proportional. */
 static double pace(const dm_stepper *s, const double *state) {
     const dm_sem *e = sem_of(s);
-    double numbers[NUMBERS];
+    double numbers[DM_SEM_NUMBERS];
     find_numbers(e, numbers, state);
-    return numbers[NEXT_H] > 0.0 ? numbers[NEXT_H] / e->first : e->pace;
+    return numbers[DM_SEM_NEXT_LENGTH] > 0.0 ? numbers[DM_SEM_NEXT_LENGTH] / e->first : e->pace;
 }
 
 /* A step that nobody takes. */
 dm_status dm_sem_energy(dm_stepper *s, const double *state, double h, double *energy) {
     dm_sem *e = sem_of(s);
-    dm_status status = begin(e, state);
-    if (status == DM_OK) status = dm_sem_fixed(e, s, h);
+    dm_sem_begin(e, state);
+    const dm_status status = dm_sem_fixed(e, s, h);
     *energy = e->energy;
     return status;
 }

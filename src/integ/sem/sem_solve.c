@@ -1,5 +1,6 @@
 /* sem_solve.c - the velocities and the length of a symplectic-energy-momentum step. */
 #include "integ/sem/sem_inside.h"
+#include "integ/sem/sem_warm.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
 
@@ -47,7 +48,7 @@ static void go_back(dm_sem *e) {
  * no other does. It ends when what is left is round-off or no longer shrinks. */
 static dm_status iterate(dm_sem *e, dm_stepper *s) {
     double last = INFINITY;
-    e->factored = 0;
+    e->factored = 0, e->slope = 0.0;
     for (int k = 0; k < ITERATIONS; k++) {
         dm_sem_equation(e, e->R, e->J, e->z, e->unknowns);
         const double rest = left(e);
@@ -64,11 +65,24 @@ static dm_status iterate(dm_sem *e, dm_stepper *s) {
     return DM_NO_CONVERGENCE;
 }
 
-/* V_j = v0 */
-static void guess(dm_sem *e, double h) {
+void dm_sem_begin(dm_sem *e, const double *state) {
+    e->state = state;
+    e->begun_at = 0;
+}
+
+/* V_j = v0, which is found when it is asked for first */
+dm_status dm_sem_guess(dm_sem *e, double h) {
+    if (!e->begun_at) {
+        memset(e->v0, 0, e->n * sizeof *e->v0);
+        const dm_status status =
+            dm_legendre_inverse(e->m, e->v0, e->state, e->state + e->n, 0.0, e->scratch);
+        if (status != DM_OK) return status;
+    }
+    e->begun_at = 1;
     for (uint32_t j = 0; j < e->table.s; j++)
         memcpy(e->z + j * (size_t)e->n, e->v0, e->n * sizeof *e->z);
     e->z[e->velocities] = h;
+    return DM_OK;
 }
 
 /* ---- a given length ---- */
@@ -91,8 +105,9 @@ dm_status dm_sem_fixed(dm_sem *e, dm_stepper *s, double h) {
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     dm_newton_report report;
-    guess(e, h);
-    const dm_status status = dm_newton(e->z, &problem, e->scratch, &report);
+    dm_status status = dm_sem_guess(e, h);
+    if (status != DM_OK) return status;
+    status = dm_newton(e->z, &problem, e->scratch, &report);
     s->report.newton += report.iterations, s->report.iterations = report.iterations;
     if (status != DM_OK) return status;
     dm_sem_equation(e, e->R, NULL, e->z, e->velocities);
@@ -107,12 +122,17 @@ static int is_within(const dm_sem *e, double low, double high) {
     return h >= low && h <= high;
 }
 
-/* Curves of degree 1 are found with h; of others E_d is so flat in h that V must be right before h
- * is moved. */
-dm_status dm_sem_solve(dm_sem *e, dm_stepper *s, double h, double low, double high) {
-    guess(e, h);
+/* The steps before tell of both. Without them curves of degree 1 are found with h; of others E_d is
+ * so flat in h that V must be right before h is moved. */
+dm_status dm_sem_solve(dm_sem *e, dm_stepper *s, double h, double low, double high, int goes_on) {
+    if (goes_on) {
+        memcpy(e->z, e->warm + DM_SEM_NEXT, e->unknowns * sizeof *e->z);
+        if (iterate(e, s) == DM_OK && is_within(e, low, high)) return DM_OK;
+    }
+    dm_status status = dm_sem_guess(e, h);
+    if (status != DM_OK) return status;
     if (e->table.s == 1 && iterate(e, s) == DM_OK && is_within(e, low, high)) return DM_OK;
-    dm_status status = dm_sem_fixed(e, s, h);
+    status = dm_sem_fixed(e, s, h);
     if (status == DM_OK) status = iterate(e, s);
     if (status != DM_OK) return status;
     return is_within(e, low, high) ? DM_OK : DM_NO_CONVERGENCE;
@@ -120,11 +140,13 @@ dm_status dm_sem_solve(dm_sem *e, dm_stepper *s, double h, double low, double hi
 
 /* dh/dE is the last entry of J^-1 */
 double dm_sem_conditioning(dm_sem *e) {
-    if (!e->factored) return 0.0;
-    memset(e->dz, 0, e->unknowns * sizeof *e->dz);
-    e->dz[e->velocities] = 1.0;
-    dm_lu_solve(e->dz, e->LU, e->pivot, e->unknowns);
-    return 0.5 * DBL_EPSILON * e->size_of * fabs(e->dz[e->velocities]);
+    if (e->factored) {
+        memset(e->dz, 0, e->unknowns * sizeof *e->dz);
+        e->dz[e->velocities] = 1.0;
+        dm_lu_solve(e->dz, e->LU, e->pivot, e->unknowns);
+        e->slope = e->dz[e->velocities];
+    }
+    return 0.5 * DBL_EPSILON * e->size_of * fabs(e->slope);
 }
 
 /* ---- where Newton's method for both fails ---- */
