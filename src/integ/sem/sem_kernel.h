@@ -17,14 +17,14 @@ static inline uint32_t dm_sem_inputs(uint32_t n) {
     return 4 * n + 2;
 }
 
-/* It gives v[n], h and L_q[n], and of the point before the last correction, that of first order, R[n],
- * L_v . v and E_d; behind them dh/dE. */
+/* It gives v[n], h and L_q[n], and of the point before the last correction, of first order, R[n], L_v
+ * . v and E_d; behind them dh/dE. */
 static inline uint32_t dm_sem_outputs(uint32_t n) {
     return 3 * n + 4;
 }
 
-/* The kernel, from the model where it was made before; 0: there is none. *by_velocity: its R is M^-1
- * times that above. */
+/* The kernel, from the model where it was made before; 0: there is none. *by_velocity: R is a
+ * velocity, not a momentum. */
 int dm_sem_kernel(dm_kernel *out, const dm_model *m, int *by_velocity);
 
 #endif
