@@ -17,8 +17,8 @@ static inline uint32_t dm_sem_inputs(uint32_t n) {
     return 4 * n + 2;
 }
 
-/* It gives v[n], h and L_q[n], and of the point before the last correction, of first order, R[n], L_v
- * . v and E_d; behind them dh/dE. */
+/* It gives v[n], h and L_q[n]; of the point before the last correction, which is of first order,
+ * R[n], L_v . v and E_d; and dh/dE. */
 static inline uint32_t dm_sem_outputs(uint32_t n) {
     return 3 * n + 4;
 }
