@@ -82,7 +82,7 @@ static int same_index(const dm_sum *s, const dm_column *a, const dm_column *b) {
 /* reads the same entries, or equal numbers */
 static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) {
     if (a->first != b->first || a->step != b->step || a->partner != b->partner ||
-        !a->data != !b->data || !same_index(s, a, b))
+        a->varied != b->varied || !a->data != !b->data || !same_index(s, a, b))
         return 0;
     if (!a->data || a->data == b->data) return 1;
     for (uint32_t i = 0; a->index && i < s->bodies; i++)
@@ -97,8 +97,9 @@ static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) 
 int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
     if (a->columns != b->columns || a->bodies != b->bodies || a->from != b->from ||
         a->to != b->to || a->periodic != b->periodic || a->call != b->call ||
-        a->cells != b->cells || a->held != b->held || a->within != b->within ||
-        a->margin != b->margin || a->axes != b->axes || memcmp(a->box, b->box, sizeof a->box) != 0)
+        a->cells != b->cells || a->work != b->work || a->held != b->held ||
+        a->within != b->within || a->margin != b->margin || a->axes != b->axes ||
+        memcmp(a->box, b->box, sizeof a->box) != 0)
         return 0;
     for (uint32_t c = 0; c < b->columns; c++)
         if (!same_column(b, a->column + c, b->column + c)) return 0;

@@ -10,10 +10,11 @@
 
 /* Input c of the term: entry first + step * body, of the graph's inputs or of `data`. The body is
  * i in round i, or its partner i + shift when `partner` is set; step 0: the same in all rounds.
- * In sums over cells of a mesh a round is a cell, and the body is index[i]: one of its faces. */
+ * In sums over cells of a mesh a round is a cell, and the body is index[i]: one of its faces. In
+ * sums of virtual work a column that is `varied` stands for the displacement of its entry. */
 typedef struct {
     uint32_t first, step;
-    int partner;
+    int partner, varied;
     const double *data;    /* numbers instead of inputs, kept by the caller; NULL: inputs */
     const uint32_t *index; /* [bodies], kept by the caller; NULL: as above */
 } dm_column;
@@ -39,6 +40,8 @@ typedef struct dm_sum {
     double box[3]; /* sides, 0: not periodic */
     uint32_t axes, partner;
     int cells; /* over cells of a mesh: it always stays a loop */
+    int work;  /* virtual work of forces (chain/virtual_work.h), linear in columns that are varied:
+                * no root depends on it */
     /* of sums over cells: DM_HELD and DM_MASSLESS entries of q, kept by the caller; NULL: none */
     const uint8_t *held; /* [coordinates] */
     uint32_t coordinates;

@@ -223,7 +223,7 @@ const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_
     const dm_sum **sums = dm_arena_take(arena, (most + 1) * sizeof(void *));
     *count = 0;
     for (const dm_sum *s = dm_sums(g); s && sums; s = s->next) {
-        if (!s->cells) continue;
+        if (!s->cells || s->work) continue;
         dm_gradient(g, root, s->input, 1, factor + *count);
         if (factor[*count]) sums[(*count)++] = s;
     }

@@ -9,6 +9,7 @@
 #include "chain/curvature.h"
 #include "chain/lattice.h"
 #include "chain/loops.h"
+#include "chain/virtual_work.h"
 #include "code/tape/tape.h"
 #include "graph/analyse.h"
 
@@ -161,6 +162,13 @@ static void forget_cyclic(const builder *b, uint8_t *cyclic, const dm_sum *s) {
     }
 }
 
+/* does a sum of virtual work depend on velocities? */
+static int reads_rates(const builder *b, const dm_sum *s) {
+    for (uint32_t c = 0; c < s->columns; c++)
+        if (is_velocity(b, s->column + c) && dm_depends(s->term, &s->value, 1, c, 1)) return 1;
+    return 0;
+}
+
 /* coordinates that L does not depend on, and whether it depends on t */
 static dm_status read_cyclic(const builder *b) {
     const uint32_t n = b->m->n;
@@ -168,7 +176,10 @@ static dm_status read_cyclic(const builder *b) {
     if (!cyclic) return DM_NO_MEMORY;
     for (uint32_t i = 0; i < n; i++) cyclic[i] = b->gradient[i] == 0;
     if (dm_depends(b->g, &b->L, 1, 2 * n, 1)) b->m->structure &= ~(unsigned)DM_AUTONOMOUS;
-    for (const dm_sum *s = dm_sums(b->g); s; s = s->next) forget_cyclic(b, cyclic, s);
+    for (const dm_sum *s = dm_sums(b->g); s; s = s->next) {
+        forget_cyclic(b, cyclic, s);
+        if (s->work) b->m->worked |= reads_rates(b, s) ? DM_WORKED | DM_WORKED_BY_RATES : DM_WORKED;
+    }
     b->m->cyclic = cyclic;
     return DM_OK;
 }
@@ -225,6 +236,15 @@ static dm_status make_curvature(const builder *b) {
     return dm_curvature_open(b->m->curvature, sums, count, b->m->n, b->m->source.compile, arena);
 }
 
+/* forces beside L, where some are there */
+static dm_status make_work(const builder *b) {
+    dm_arena *arena = b->m->source.arena;
+    if (!b->m->worked) return DM_OK;
+    b->m->work = dm_arena_take(arena, sizeof *b->m->work);
+    if (!b->m->work) return DM_NO_MEMORY;
+    return dm_work_open(b->m->work, b->g, b->m->n, b->m->source.compile, arena);
+}
+
 /* value, force, slope and energy, as far as they are wanted; stages would want n x n tables */
 static dm_status make_kernels(const builder *b, unsigned want) {
     dm_model *m = b->m;
@@ -233,6 +253,7 @@ static dm_status make_kernels(const builder *b, unsigned want) {
     dm_status status = DM_OK;
     if (want & DM_WANT_VALUE) status = dm_loops_value(&m->value, b->g, b->L, compile, arena);
     if (status == DM_OK && want & DM_WANT_FORCE) status = make_gradient(b, &m->force, 0);
+    if (status == DM_OK && want & DM_WANT_FORCE) status = make_work(b);
     if (status == DM_OK && want & DM_WANT_SLOPE) status = make_gradient(b, &m->slope, 1);
     if (status == DM_OK && want & DM_WANT_ENERGY) {
         const dm_node energy = dm_sub(b->g, b->energy, b->L);

@@ -61,6 +61,9 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CONSTRAINTS = 7936 /* all of these; what a model does not have is not made */
 };
 
+/* forces on a field beside those of L, and whether they depend on v */
+enum { DM_WORKED = 1, DM_WORKED_BY_RATES = 2 };
+
 struct dm_constraints;
 struct dm_group;
 
@@ -80,6 +83,9 @@ typedef struct {
     const double *momentum_shift;   /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
     const uint8_t *cyclic;          /* [n]: 1 where L does not depend on q_i */
     struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */
+    struct dm_work *work; /* forces beside L on a field (chain/virtual_work.h), DM_WANT_FORCE; NULL:
+                           * none */
+    unsigned worked;      /* DM_WORKED: such forces are there, made or not */
     uint32_t sphere; /* q is cut into unit vectors of so many entries (DM_CELLS); 0: it is not */
     const uint8_t *held; /* [n]: DM_HELD, DM_MASSLESS or 0 (DM_CELLS); NULL: nowhere */
     uint32_t massless;   /* entries that are DM_MASSLESS */

@@ -59,14 +59,29 @@ local match = M.match
 
 ---- arithmetic ----
 
+--- a form among the symbols of a Lagrangian, beside x: set by dm.dec.fields.cochain
+function M.lift() return nil end
+
+-- what a form is lifted to where the other operand, of the two that follow, is no number
+local function lifted(a, b)
+  if is_form(a) and is_form(b) then return nil end
+  local up = is_form(a) and M.lift(a, b) or not is_form(a) and M.lift(b, a)
+  if not up then return nil end
+  return is_form(a) and up or a, is_form(a) and b or up
+end
+
 local function with(a, values) return new(a.mesh, a.degree, a.side, values) end
 
 function Form.__add(a, b)
+  local x, y = lifted(a, b)
+  if x then return x + y end
   match(a, b, "form + form")
   return with(a, a.values + b.values)
 end
 
 function Form.__sub(a, b)
+  local x, y = lifted(a, b)
+  if x then return x - y end
   match(a, b, "form - form")
   return with(a, a.values - b.values)
 end
@@ -76,10 +91,14 @@ function Form.__unm(a) return with(a, -a.values) end
 function Form.__mul(a, b)
   if type(a) == "number" then return with(b, a * b.values) end
   if type(b) == "number" then return with(a, a.values * b) end
+  local x, y = lifted(a, b)
+  if x then return x * y end
   fail("form * x", "forms are multiplied by numbers; a:wedge(b) is the product of two")
 end
 
 function Form.__div(a, b)
+  local x, y = lifted(a, b)
+  if x then return x / y end
   if type(b) ~= "number" then fail("form / x", "a form is divided by numbers") end
   return with(a, a.values / b)
 end

@@ -63,6 +63,9 @@ static int avi_new(lua_State *L) {
         return luaL_error(L, "rule 'avi' cannot eliminate values without mass; take verlet");
     if (m->model.sphere)
         return luaL_error(L, "rule 'avi' cannot step values on a sphere; take rattle");
+    if (m->model.worked)
+        return luaL_error(L, "rule 'avi': the field has forces beside L (force, absorbing), and no "
+                             "cell says when they act; take verlet or midpoint");
     lua_setiuservalue(L, 3, 2);
     k->arena = dml_pusharena(L);
     lua_setiuservalue(L, 3, 3);

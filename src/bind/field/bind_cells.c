@@ -14,8 +14,9 @@
 
 #define TABLE "dm.cell_table"
 
-/* the graph's inputs that a column reads, by name; a vector is data */
-enum { OF_Q = 1, OF_V = 2 };
+/* the graph's inputs that a column reads, by name, or the virtual displacement of an entry of q; a
+ * vector is data */
+enum { OF_Q = 1, OF_V = 2, VARIED = 3 };
 
 enum { DATA = 16 }; /* vectors of data in one sum that may change: others are copied again */
 
@@ -43,6 +44,17 @@ static int cell_faces(lua_State *L) {
     luaL_argcheck(L, set > 0 && set < 2u << k, 3, "a set of vertices of a cell expected");
     uint32_t *face = lua_newuserdatauv(L, (size_t)count * sizeof *face + 1, 1);
     for (uint32_t i = 0; i < count; i++) face[i] = dm_complex_face(&m->K, k, i, set);
+    luaL_setmetatable(L, TABLE);
+    return 1;
+}
+
+/* core.cell_list(vector): numbers of cells, from 1 */
+static int cell_list(lua_State *L) {
+    const long n = dml_length(L, 1);
+    const dml_array *a = dml_toarray(L, 1, 1);
+    luaL_argcheck(L, a && dml_kindof(a).kind == DML_NUMBER, 1, "a vector of numbers expected");
+    uint32_t *cell = lua_newuserdatauv(L, (size_t)n * sizeof *cell + 1, 1);
+    for (long i = 0; i < n; i++) cell[i] = (uint32_t)dml_get(a, (uint32_t)i).as.number - 1;
     luaL_setmetatable(L, TABLE);
     return 1;
 }
@@ -160,6 +172,7 @@ static int column(lua_State *L) {
                    .step = (uint32_t)luaL_checkinteger(L, 3)};
     if (!lua_isnoneornil(L, 4)) c.index = luaL_checkudata(L, 4, TABLE);
     if (a) c.data = r->outer && !lua_toboolean(L, 5) ? copy_of(L, r, a) : dml_numbersof(a);
+    c.varied = source == VARIED;
     if (r->outer) {
         if (source == OF_V) c.first += r->n;
         dml_frame *f = dml_getstate(L)->frames;
@@ -296,7 +309,7 @@ static int give(lua_State *L, request *r, dml_given *given, const dm_sum *s, int
     return 1;
 }
 
-/* core.cell_sum(cells, n, f, held, q, v, sphere) */
+/* core.cell_sum(cells, n, f, held, q, v, sphere, work) */
 static int cell_sum(lua_State *L) {
     dml_state *state = dml_getstate(L);
     double in[DM_SUM_COLUMNS];
@@ -305,10 +318,11 @@ static int cell_sum(lua_State *L) {
                  .in = in};
     const int fn = 3;
     luaL_checktype(L, fn, LUA_TFUNCTION);
-    lua_settop(L, 7);
+    lua_settop(L, 8);
     dm_sum s = {.bodies = r.cells,
                 .cells = 1,
                 .coordinates = r.n,
+                .work = lua_toboolean(L, 8),
                 .sphere = (uint32_t)luaL_optinteger(L, 7, 0)};
     if (!lua_isnil(L, 4)) s.held = lua_touserdata(L, 4);
     luaL_checkstack(L, 20, NULL);
@@ -342,9 +356,12 @@ static const dml_row functions[] = {
      "core.marks(vector) -> userdata\nA byte an entry: 1 for one that is held, 2 for one without "
      "mass."},
     {"cell_sum", cell_sum,
-     "core.cell_sum(cells, n, f, held, q, v, sphere) -> number\n"
+     "core.cell_sum(cells, n, f, held, q, v, sphere, work) -> number\n"
      "The sum of f(column) over cells; column(source, first, step, table) is an entry of q (source "
-     "1), v (2) or a vector. In a trace (q = nil) it stays a loop."},
+     "1), v (2) or a vector. In a trace (q = nil) it stays a loop. work: a sum of virtual work, "
+     "linear in the displacements (source 3)."},
+    {"cell_list", cell_list,
+     "core.cell_list(vector) -> table\nThe cells of a sum over some cells, by number, ascending."},
     {NULL, NULL, NULL}};
 
 const dml_class dml_class_cells = {

@@ -181,6 +181,12 @@ int dml_sub(lua_State *L) {
  * v:dot(w), v:cross(w), v:outer(w) are named. */
 int dml_mul(lua_State *L) {
     dml_operand a, b;
+    if (lua_istable(L, 2) && luaL_getmetafield(L, 2, "__mul") != LUA_TNIL) {
+        lua_insert(L, 1); /* a form: it is multiplied by a symbol */
+        lua_settop(L, 3);
+        lua_call(L, 2, 1);
+        return 1;
+    }
     if (read_operands(L, DM_OP_MUL, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_MUL, &a, &b);
     if (!a.rank || !b.rank) return elementwise(L, DM_OP_MUL, &a, &b);

@@ -66,6 +66,7 @@ static void close(dm_stepper *s) {
 
 const dm_engine dm_engine_rattle_cells = {
     .spheres = 1,
+    .works = 1,
     .fits = fits,
     .wants = wants,
     .work = work,

@@ -41,6 +41,9 @@ const char *dm_rule_fits(const dm_rule *rule, const dm_model *m) {
                "rules step any H(q, p)";
     if (m->sphere && !e->spheres)
         return "the values of this field are unit vectors; take rattle, or a composition of it";
+    if (m->worked && !e->works)
+        return "the field has forces beside L (force, absorbing), which it does not know; take "
+               "verlet, midpoint, gauss(s) or rattle";
     return e->fits ? e->fits(rule, m) : NULL;
 }
 

@@ -38,7 +38,7 @@ void dm_stage_basis(dm_galerkin *out, const dm_rule *rule, const dm_model *m) {
 
 /* Two doubles a weight. */
 size_t dm_stage_table_size(size_t s, size_t r) {
-    return 2 * (2 * r * s + r * r + 4 * r + 2 * s);
+    return 2 * (2 * r * s + 2 * r * r + 4 * r + 2 * s);
 }
 
 /* One array after the other, in the order of the struct. */
@@ -53,6 +53,7 @@ static void lay_out(dm_stage_table *t, double *memory) {
     t->mean = t->reach + r;
     t->beta = t->mean + r;
     t->node = t->beta + s;
+    t->rate = t->node + s;
 }
 
 /* right-hand sides x[s][r] of G x = y by elimination; G is positive definite */
@@ -90,9 +91,11 @@ static void separable_part(dm_stage_table *t, const dm_galerkin *g, const exact 
         for (int k = 0; k < s; k++) mean += e->beta[k] * x[k][m];
         t->mean[m] = dm_weight_of(mean);
         for (int i = 0; i < r; i++) {
-            long double sum = 0.0L;
+            long double sum = 0.0L, rate = 0.0L;
             for (int k = 0; k < s; k++) sum += e->a[i][k] * x[k][m];
+            for (int k = 0; k < s; k++) rate += e->d[i][k] * x[k][m];
             t->A[i * r + m] = dm_weight_of(sum);
+            t->rate[i * r + m] = dm_weight_of(rate);
         }
     }
 }

@@ -30,6 +30,7 @@ typedef struct {
     /* [r*r], [r]: Q_i = q0 + h reach_i v0 + h^2 sum_m A_im M^-1 L_q(m), and q1 = q0 + h v0 + h^2
      * sum_m mean_m M^-1 L_q(m), for L = T(v) - V(q) */
     dm_weight *A, *mean;
+    dm_weight *rate; /* [r*r]: velocities at the points, v0 + h sum_m rate_im M^-1 L_q(m) */
 } dm_stage_table;
 
 /* Velocities at the points of q. */

@@ -58,6 +58,7 @@ typedef struct {
 typedef struct dm_engine {
     int hamiltonian; /* it steps DM_HAMILTONIAN models, too */
     int spheres;     /* it steps fields of unit vectors (sphere of a model), too */
+    int works;       /* it steps fields with forces beside L (worked of a model), too */
     /* the engine that steps such a model: this one, or another that serves it better */
     const struct dm_engine *(*choose)(const dm_rule *rule, const dm_model *m);
     /* NULL when the rule can step the model, else a static sentence */

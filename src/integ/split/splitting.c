@@ -47,7 +47,14 @@ static size_t layout_size(void) {
 }
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {
-    if (dm_splitting_steps(rule, m)) return NULL;
+    dm_splitting table;
+    if (dm_splitting_steps(rule, m)) {
+        rule->method->splitting(&table, rule);
+        if (!(m->worked & DM_WORKED_BY_RATES) || dm_cells_split_damps(&table)) return NULL;
+        return "the field has forces of the rate V (friction, absorbing), and it has kicks inside "
+               "of a step or back in time, where they would feed the waves; take verlet, midpoint "
+               "or gauss(s)";
+    }
     return "it makes kicks and drifts, which need a separable L = T(v) - V(q) with constant mass; "
            "compose an implicit rule instead, for instance kahan-li(6, midpoint), or take gauss(3)";
 }
@@ -256,6 +263,7 @@ static void close(dm_stepper *s) {
 }
 
 const dm_engine dm_engine_splitting = {
+    .works = 1,
     .fits = fits,
     .wants = wants,
     .work = work,

@@ -6,11 +6,13 @@
 #include "integ/stage/lanes/stage_lanes.h"
 #include "integ/stage/stage.h"
 #include "integ/stage/stage_sparse.h"
+#include "integ/stage/stage_worked.h"
 #include "integ/stage/sweep/sweep.h"
 
 static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
     if (m->structure & DM_HAMILTONIAN) return dm_phase_choose(rule, m);
     if (dm_splitting_steps(rule, m)) return &dm_engine_splitting;
+    if (m->worked) return &dm_engine_stage_worked;
     if (m->structure & DM_CELLS) return &dm_engine_stage_sparse;
     return m->constraints ? &dm_engine_constrained : &dm_engine_stage;
 }

@@ -16,7 +16,7 @@ local fail, size, faces_of = option.fail, cell_of.size, cell_of.faces_of
 
 -- at(cell, set) -> list of values on that face
 local function new(like, degree, at, side)
-  return setmetatable({ mesh = like.mesh, around = like.around, degree = degree, at = at,
+  return setmetatable({ mesh = like.mesh, around = like.around or false, degree = degree, at = at,
     side = side or "primal" }, Cochain)
 end
 
@@ -60,7 +60,7 @@ end
 
 -- entry by entry
 local function combined(a, b, where, f)
-  local like = is_cochain(a) and a or b
+  local like = is_cochain(a) and a.around and a or is_cochain(b) and b or a
   a, b = lifted(a, like, where), lifted(b, like, where)
   same(a, b, where)
   return new(like, a.degree, function(cell, set)
@@ -81,6 +81,12 @@ end
 
 local function is_scalar(x)
   return type(x) == "number" or not is_cochain(x) and not form.is_form(x) and core.is_symbol(x)
+end
+
+-- a form of numbers times a symbol, or beside a cochain; of no unknown until it meets one
+function form.lift(a, x)
+  if not is_cochain(x) and not core.is_symbol(x) then return nil end
+  return lifted(a, { mesh = a.mesh }, "form * x")
 end
 
 function Cochain.__add(a, b)
@@ -221,7 +227,7 @@ function Cochain.wedge(a, b)
       a.mesh.dimension)
   end
   local factor = factorial(k) * factorial(l) / factorial(k + l + 1)
-  return new(a, k + l, function(cell, set)
+  return new(a.around and a or b, k + l, function(cell, set)
     local sum
     local rest = set
     while rest ~= 0 do
@@ -258,7 +264,8 @@ end
 function Cochain.dot(a, b)
   b = lifted(b, a, "form:dot")
   same(a, b, "form:dot")
-  local around, n = a.around, a.mesh.dimension
+  local around, n = a.around or b.around, a.mesh.dimension
+  if not around then fail("form:dot", "neither form depends on the unknown") end
   if around.seen then around.seen(a, b) end
   local dual = a.side == "dual"
   local k = dual and n - a.degree or a.degree

@@ -3,6 +3,7 @@
 local class = require "dm.base.class"
 local cochain = require "dm.dec.fields.cochain"
 local core = require "dm.core"
+local forces = require "dm.dec.fields.forces"
 local form = require "dm.dec.form"
 local mass = require "dm.dec.equations.mass"
 local option = require "dm.base.options"
@@ -114,19 +115,18 @@ local function lagrangian(f, L)
     if cochain.is_cochain(value) then
       fail("L must return a number: a:dot(b) is the product of two forms (got a form)")
     end
+    if not q then forces.add(f, around, A, V, t, params) end
     return value
   end
 end
 
 class.method("dm.mesh", "field", function(K, options)
   option.check(options, KNOWN, WHERE)
-  for _, key in ipairs { "absorbing", "force" } do
-    if options[key] ~= nil then fail("option '%s' is not known yet", key) end
-  end
   local k = degree_of(K, options)
   local values, sphere = values_of(options)
   option.need(options, "L", WHERE, "a function of the form, its rate and t")
   option.callable(options, "L", WHERE, "(A, V, t, params)")
+  option.callable(options, "force", WHERE, "(A, V, t, params)")
   check_data(K, options.data)
   local f = { mesh = K, degree = k, values = values, sphere = sphere, data = options.data,
     cells = K:count(k), n = values * K:count(k), on = options.on }
@@ -135,6 +135,8 @@ class.method("dm.mesh", "field", function(K, options)
     f.massless = held.massless(f, mass.of(K, k).values)
   end
   f.marks = core.marks(f.fixed)
+  f.absorbing = forces.absorbing(f, options)
+  f.force = options.force and option.single(options.force, WHERE .. ": force")
   f.start = function(x, key) return start.read(f, x, key) end
   f.column = function(path, name) return paths.column(f, path, name) end
   f.options = options
@@ -149,18 +151,24 @@ class.method("dm.mesh", "field", function(K, options)
   if f.sphere then check_sphere(f, f.masses) end
   return system
 end, [[
-K:field{form=, L=, values=, on=, fixed=, data=, massless=, params=, name=} -> dm.system
+K:field{form=, L=, values=, on=, fixed=, absorbing=, force=, data=, massless=, ...} -> dm.system
 A field: a form of degree `form` (0 unless given) that moves by the Lagrangian L(A, V, t, params) of
 the form A and its rate V, sums over cells: A:dot(B), A:d(), A:wedge(B), A:map(f), A:star(), K:sum.
 The kinetic energy is V:dot(V) / 2 or any sum of m v^2 / 2. values: numbers a cell (default 1); on =
 dm.S(m): unit vectors of m + 1 numbers, by rule = "rattle". fixed: cells that stay where they start,
 "boundary", a list of their numbers or a function of the position of their centre that is true
-there; other boundaries are natural (free). massless = "eliminate": values on cells whose star is 0
-follow from their own equation. data = { name = form }: numbers by name in the cells of
-K:sum. A field is a system: it has solvers, charts, ensembles and checkpoints; q, v and p of a start
-are forms, functions of the position or lists; path:form(i) is row i as a form, path.q[i] its
-values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the largest change of d^T p at
-free cells, where L has A only in dA). Raises where free cells have no kinetic energy, or a negative
-one.]])
+there; other boundaries are natural (free). absorbing: boundary cells, named like those of fixed or
+{ "boundary", c = 2 }, that let waves of speed c (default 1) out: the force -c V with the star of
+the boundary, exact for waves that come at a right angle, up to (cos a - 1)/(cos a + 1) for those at
+the angle a; facets all of whose cells are named absorb. force(A, V, t, params): a form f beside L,
+whose virtual work is f:dot(dA) (friction -g * V, driving cos(t) * J), a list of one for every
+value, or a list of numbers that are added to dL/dq; it reads A and V on the cell itself. Forces of
+V are stepped by verlet, rattle, and rules of stages, others by every splitting too. massless =
+"eliminate": values on cells whose star is 0 follow from their own equation. data = { name = form }:
+numbers by name in the cells of K:sum. A field is a system: it has solvers, charts, ensembles and
+checkpoints; q, v and p of a start are forms, functions of the position or lists; path:form(i) is
+row i as a form, path.q[i] its values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the
+largest change of d^T p at free cells, where L has A only in dA). Raises where free cells have no
+kinetic energy, or a negative one.]])
 
 return {}

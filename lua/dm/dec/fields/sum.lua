@@ -35,7 +35,7 @@ end
 -- what the first unknown of a Lagrangian belongs to; of forms alone: no unknown
 local function around_of(list)
   for _, x in ipairs(list) do
-    if cochain.is_cochain(x) then return x.around end
+    if cochain.is_cochain(x) and x.around then return x.around end
   end
   return { n = 0, q = core.constant(1, 0) }
 end

@@ -186,6 +186,7 @@ static void close(dm_stepper *s) {
 const dm_engine dm_engine_composition = {
     .hamiltonian = 1,
     .spheres = 1,
+    .works = 1,
     .choose = choose,
     .fits = fits,
     .keeps_quadratic = keeps_quadratic,
