@@ -113,16 +113,26 @@ static int find_mass(const dm_inertia *x, const double *state, double t) {
     return 1;
 }
 
+/* The mass that was found, scaled, as the first rows and columns of A[N*N]. */
+static void place_mass(const dm_inertia *x, double *A, size_t N) {
+    const size_t n = x->model->n;
+    const double *M = x->room + 3 * n + 1;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) A[i * N + j] = x->scale[i] * M[i * n + j] * x->scale[j];
+}
+
 /* How many are negative of the mass that was found, and the size of the value next to zero. The
- * bordered matrix has as many negative values more as there are independent constraints. */
+ * bordered matrix has as many negative values more as there are independent constraints. Without
+ * any, and with all values far above zero, as they mostly are, less work tells so. */
 static uint32_t count(const dm_inertia *x, double *least) {
+    static const double FAR = 1e-3;
     const dm_model *m = x->model;
     const size_t n = m->n, N = order(m);
     double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(m);
+    place_mass(x, A, N);
+    if (N == n && dm_all_positive(A, (uint32_t)N, FAR, least)) return 0;
     memset(A, 0, N * N * sizeof *A);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-            A[i * N + j] = x->scale[i] * out[n + i * n + j] * x->scale[j];
+    place_mass(x, A, N);
     add_constraints(x, A, at, out);
     return dm_negative_values(A, (uint32_t)N, least);
 }

@@ -38,6 +38,10 @@ static void counts_random_matrices(void) {
                 negative += D[i] < 0.0;
             }
             congruent(A, S, D, n);
+            memcpy(S, A, sizeof S);
+            const int positive = dm_all_positive(S, n, 0.0, &least);
+            if (!CHECK(positive == (negative == 0))) return;
+            if (positive && !CHECK(least <= A[0])) return;
             if (!CHECK(dm_negative_values(A, n, &least) == negative)) return;
             if (!CHECK(least > 0.0 && least < INFINITY)) return;
         }
@@ -55,6 +59,17 @@ static void counts_without_a_diagonal(void) {
     CHECK(dm_negative_values(zero, 2, &least) == 0);
     CHECK(least == 0.0);
     CHECK(dm_negative_values(two, 4, &least) == 2);
+}
+
+/* [1, c; c, 1] with the pivots 1 and 1 - c^2 */
+static void knows_positive_ones(void) {
+    double least, near[] = {1.0, 0.9, 0.9, 1.0}, none[] = {1.0, NAN, NAN, 1.0};
+    double far[] = {1.0, 0.9, 0.9, 1.0}, over[] = {1.0, 1.1, 1.1, 1.0};
+    CHECK(dm_all_positive(near, 2, 0.1, &least));
+    CHECK(fabs(least - 0.19) < 1e-15);
+    CHECK(!dm_all_positive(far, 2, 0.2, &least));
+    CHECK(!dm_all_positive(over, 2, 0.0, &least));
+    CHECK(!dm_all_positive(none, 2, 0.0, &least));
 }
 
 /* The pivot goes to zero with the value. */
