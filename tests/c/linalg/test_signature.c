@@ -87,6 +87,7 @@ static void tells_how_near(void) {
 int main(void) {
     RUN(counts_random_matrices, "counts negative values of 1 to 12");
     RUN(counts_without_a_diagonal, "counts where the diagonal is zero");
+    RUN(knows_positive_ones, "knows matrices that are positive by far");
     RUN(tells_how_near, "tells how near to zero a value is");
     return check_finish();
 }
