@@ -119,6 +119,12 @@ function M.callable(t, key, where, of)
   return M.passing(t, key, where, is_function, of and "a function of " .. of or "a function")
 end
 
+--- An object of a class; what = "a group, such as dm.SO(3)".
+function M.object(t, key, where, class, what, default)
+  local function is_one(x) return M.got(x) == class end
+  return M.passing(t, key, where, is_one, what, default)
+end
+
 -- what a function gave: one value, `what` of the message
 local function one(what, value, ...)
   local more = select("#", ...)

@@ -38,7 +38,8 @@ end
 
 --- One position, velocity or momentum, called `key` in messages.
 function M.list(x, system, key)
-  if system and system.field then x = system.field.start(x, key) end
+  local field = system and system.field
+  if field and type(field) ~= "function" then x = field.start(x, key) end -- a mesh has a method
   if type(x) == "number" then return { x } end
   if system and is_named(x) then return unnamed(x, system, key) end
   if x ~= nil and key ~= "u" and key ~= "dp" and not count_of(x) then

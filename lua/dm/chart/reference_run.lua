@@ -1,7 +1,8 @@
 --- The reference of a chart: two unlike methods that agree (dm.reference.engine), or a run that
 -- was given.
 local engine = require "dm.reference.engine"
-local fail = require "dm.base.options".failing "dm.chart"
+local option = require "dm.base.options"
+local fail = option.failing "dm.chart"
 local worse = require "dm.chart.measures".worse
 
 local M = {}
@@ -61,6 +62,7 @@ function M.find(chart)
       fail("option 'reference' must be { rule =, h = }; left out, one is found (got %s)",
         tostring(given))
     end
+    option.positive(given, "h", "dm.chart: reference", "a step")
     return given_run(chart, given), 0, ("reference: %s, h = %g, taken as given")
       :format(tostring(given.rule), given.h)
   end

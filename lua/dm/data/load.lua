@@ -25,9 +25,26 @@ local function npy_text(file, handle)
   return text
 end
 
+local MOST = 2 ^ 48 -- rows that a file may say it has
+
+local function whole(file, digits)
+  local n = math.tointeger(tonumber(digits))
+  if not n or n > MOST then fail(file, "has an impossible shape: %s", digits:sub(1, 40)) end
+  return n
+end
+
+-- the numbers of a row are in the file
+local function width_of(file, digits, handle)
+  local n = whole(file, digits)
+  local at = handle:seek()
+  if 8 * n > handle:seek "end" then fail(file, "ends inside the first row of %d numbers", n) end
+  handle:seek("set", at)
+  return n
+end
+
 -- names of the columns, how many numbers each has in a row (0: one, and no array) and the number of
 -- rows, from named fields or a plain array
-local function npy_shape(file, text)
+local function npy_shape(file, text, handle)
   local rows, width = text:match("'shape': *%((%d+),? *(%d*)%)")
   local fields = text:match("'descr': *%[(.-)%], *'fortran")
   local names, counts = {}, {}
@@ -37,15 +54,19 @@ local function npy_shape(file, text)
       if kind ~= "<f8" then fail(file, "field %s has type %s; only <f8 is read", name, kind) end
       if shape:find "%d+%s*,%s*%d" then fail(file, "field %s is an array of arrays", name) end
       names[#names + 1] = name:gsub("\\(.)", "%1")
-      counts[#names] = tonumber(shape:match "%d+") or 0
+      local count = shape:match "%d+"
+      counts[#names] = count and width_of(file, count, handle) or 0
     end
   elseif text:find("'descr': *'<f8'") and rows then
-    for c = 1, tonumber(width) or 1 do names[c], counts[c] = "c" .. c, 0 end
+    local columns = width ~= "" and rows ~= "0" and width_of(file, width, handle)
+    for c = 1, columns or math.min(tonumber(width) or 1, 1000) do
+      names[c], counts[c] = "c" .. c, 0
+    end
   else
     fail(file, "holds neither <f8 numbers nor records of them")
   end
   if not rows or #names == 0 then fail(file, "has an unknown shape") end
-  return names, tonumber(rows), counts
+  return names, whole(file, rows), counts
 end
 
 local BLOCK = 100 -- numbers that one call of unpack gives
@@ -64,7 +85,7 @@ local function numbers(handle, count)
 end
 
 local function load_npy(file, handle)
-  local names, rows, counts = npy_shape(file, npy_text(file, handle))
+  local names, rows, counts = npy_shape(file, npy_text(file, handle), handle)
   local width, columns = 0, {}
   for c in ipairs(names) do columns[c], width = {}, width + math.max(1, counts[c]) end
   for i = 1, rows do

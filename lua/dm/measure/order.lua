@@ -2,6 +2,7 @@
 -- the step is halved.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
 -- steps of the runs that are compared; relative differences that tell something, above round-off;
@@ -90,7 +91,8 @@ local function search(Ld, start)
 end
 
 local function order(Ld, options)
-  options = starts.lists(options or {}, Ld)
+  options = starts.lists(option.check(options or {}, { "q", "v", "p" }, "Ld:order",
+    "{ q =, v = } or none"), Ld)
   local q, v = anywhere(Ld.Q.dimension)
   if not Ld.system and Ld.constraint and not options.q then
     error("Ld:order: a start on the constraint is needed, Ld:order { q =, v = }", 2)

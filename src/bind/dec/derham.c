@@ -215,7 +215,8 @@ static void make(lua_State *L, integral *q, const dml_mesh *m, uint32_t k, uint3
 static void check_callable(lua_State *L, int arg, int optional) {
     if (optional && lua_isnil(L, arg)) return;
     if (lua_type(L, arg) == LUA_TFUNCTION) return;
-    if (luaL_getmetafield(L, arg, "__call") == LUA_TNIL) luaL_typeerror(L, arg, "function");
+    if (lua_isnumber(L, arg) || luaL_getmetafield(L, arg, "__call") == LUA_TNIL)
+        luaL_typeerror(L, arg, "function"); /* numbers: see mesh_euler.c */
     lua_pop(L, 1);
 }
 

@@ -65,6 +65,7 @@ static int action_new(lua_State *L) {
                                .keeps_sums = 1,
                                .lazy = 1};
     dml_traced traced;
+    luaL_argcheck(L, n >= 1 && n < INT32_MAX / 4, 1, "a number of entries, 1 at least, is needed");
     luaL_checktype(L, 2, LUA_TFUNCTION);
     lua_settop(L, 2);
     action *a = lua_newuserdatauv(L, sizeof *a, 1);

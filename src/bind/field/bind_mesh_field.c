@@ -66,6 +66,7 @@ static int field_hessian(lua_State *L) {
     const dml_system *s = dml_checksystem(L, 1);
     const double t = luaL_optnumber(L, 3, 0.0);
     dml_model *m = dml_pushmodel(L, 1);
+    luaL_argcheck(L, m->graph && dm_sum_over_cells(m->graph), 1, "it has no sums over cells");
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
     memset(x, 0, (2 * (size_t)s->n + 1) * sizeof *x);
     dml_vectorarg(L, 2, "q", x, s->n);

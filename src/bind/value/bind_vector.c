@@ -218,8 +218,8 @@ static int vector_outer(lua_State *L) {
 static int vector_map(lua_State *L) {
     const dml_array *a = check(L);
     lua_settop(L, 2);
-    if (!lua_isfunction(L, 2) && !luaL_getmetafield(L, 2, "__call"))
-        luaL_typeerror(L, 2, "function");
+    if (!lua_isfunction(L, 2) && (lua_isnumber(L, 2) || !luaL_getmetafield(L, 2, "__call")))
+        luaL_typeerror(L, 2, "function"); /* numbers: see bind/dec/mesh_euler.c */
     lua_settop(L, 2);
     dml_newarray(L, 1, a->rows, 1, &zero);
     const int with_place = lua_type(L, 2) == LUA_TFUNCTION && !lua_iscfunction(L, 2);

@@ -174,6 +174,9 @@ local KNOWN = { "group", "action", "section", "mu", "factor" }
 
 M.level = blame.caller(function(system, given)
   option.check(given, KNOWN, WHERE, "{ group =, mu = } or { action =, section =, mu = }")
+  option.object(given, "group", WHERE, "dm.space", "a group, such as dm.SO(3)")
+  option.object(given, "action", WHERE, "dm.action", "a dm.action")
+  option.whole(given, "factor", WHERE, 1)
   for _, key in ipairs { "constraint", "rolling", "force", "control" } do
     if system.given[key] then
       option.fail(WHERE, "groups that are not abelian reduce systems without '%s'", key)
@@ -183,6 +186,7 @@ M.level = blame.caller(function(system, given)
     option.fail(WHERE, "L depends on the time, which groups that are not abelian do not reduce")
   end
   local group = given.group
+  if not group and not given.action then option.need(given, "group", WHERE, "a group") end
   if given.action then
     system, group = by_action(system, given)
   elseif not system.place then
