@@ -249,13 +249,18 @@ static dm_status number_cells(dm_complex *K, const buckets *b, uint32_t base,
     return number_length(K, b, base, report, b->k);
 }
 
-static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,
-                             const dm_simplices *given, uint32_t k, volatile const int *stop,
-                             dm_complex_report *report) {
+/* where degree k of a complex gets its memory from */
+typedef struct {
+    dm_arena *arena, *tuples; /* what stays; vertices of the cells */
+    dm_arena *scratch;
+} places;
+
+static dm_status make_degree(dm_complex *K, const places *from, const dm_simplices *given,
+                             uint32_t k, volatile const int *stop, dm_complex_report *report) {
     const uint32_t base = given->simplices;
     const size_t faces = k < K->n ? (size_t)K->count[k + 1] * (k + 2) : 0;
     if (base + faces >= UINT32_MAX) return DM_TOO_LARGE;
-    uint32_t *start = dm_arena_take(scratch, ((size_t)given->vertices + 2) * sizeof *start);
+    uint32_t *start = dm_arena_take(from->scratch, ((size_t)given->vertices + 2) * sizeof *start);
     if (!start) return DM_NO_MEMORY;
     /* begins stand one place further while put_records moves each to its end, the next begin */
     buckets b = {k, NULL, start + 1, given->vertices};
@@ -263,15 +268,17 @@ static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,
     const dm_status status = count_records(&b, K, given, report);
     if (status != DM_OK) return status;
     for (uint32_t v = 0; v < given->vertices; v++) b.start[v + 1] += b.start[v];
-    b.at = dm_arena_take(scratch, ((size_t)b.start[given->vertices] + 1) * (k + 1) * sizeof *b.at);
-    if (faces) K->face[k + 1] = dm_arena_take(arena, faces * sizeof(uint32_t));
+    b.at = dm_arena_take(from->scratch,
+                         ((size_t)b.start[given->vertices] + 1) * (k + 1) * sizeof *b.at);
+    if (faces) K->face[k + 1] = dm_arena_take(from->arena, faces * sizeof(uint32_t));
     if (!b.at || (faces && !K->face[k + 1])) return DM_NO_MEMORY;
     put_records(&b, K, given);
     b.start = start;
     if (stop && *stop) return DM_STOPPED;
     K->count[k] = sort_buckets(&b);
     if (stop && *stop) return DM_STOPPED;
-    K->vertex[k] = dm_arena_take(arena, ((size_t)K->count[k] + 1) * (k + 1) * sizeof(uint32_t));
+    K->vertex[k] =
+        dm_arena_take(from->tuples, ((size_t)K->count[k] + 1) * (k + 1) * sizeof(uint32_t));
     if (!K->vertex[k]) return DM_NO_MEMORY;
     return number_cells(K, &b, base, report);
 }
@@ -321,6 +328,32 @@ static int has_loose_vertices(const dm_complex *K) {
     return 0;
 }
 
+static int is_stored(const dm_complex *K, uint32_t k) {
+    return k <= DM_SMALL || k == K->n;
+}
+
+/* From the top down. Vertices that are not stored are needed until the degree below is made, so two
+ * arenas take turns with them. */
+static dm_status make_degrees(dm_complex *K, dm_arena *arena, const dm_simplices *given,
+                              volatile const int *stop, dm_complex_report *report) {
+    dm_status status = DM_OK;
+    dm_arena passing[2];
+    for (uint32_t i = 0; i < 2; i++) dm_arena_init(&passing[i], arena->allocate, arena->ud);
+    for (uint32_t k = K->n; status == DM_OK && k > 0; k--) {
+        dm_arena *tuples = is_stored(K, k) ? arena : &passing[k % 2];
+        const places from = {arena, tuples, dm_arena_scratch(arena)};
+        if (stop && *stop) status = DM_STOPPED;
+        if (!from.scratch) status = DM_NO_MEMORY;
+        if (status != DM_OK) break;
+        if (tuples != arena) dm_arena_release(tuples);
+        status = make_degree(K, &from, given, k, stop, report);
+    }
+    for (uint32_t i = 0; i < 2; i++) dm_arena_release(&passing[i]);
+    for (uint32_t k = 0; k < K->n; k++)
+        if (!is_stored(K, k)) K->vertex[k] = NULL;
+    return status;
+}
+
 dm_status dm_complex_build(dm_complex *K, dm_arena *arena, const dm_simplices *given,
                            volatile const int *stop, dm_complex_report *report) {
     dm_status status = DM_OK;
@@ -328,68 +361,10 @@ dm_status dm_complex_build(dm_complex *K, dm_arena *arena, const dm_simplices *g
     *report = (dm_complex_report){DM_COMPLEX_FINE, 0, 0};
     for (uint32_t i = 0; i < given->simplices; i++)
         if (degree_of(given, i) > K->n) K->n = degree_of(given, i);
-    for (uint32_t k = K->n; status == DM_OK && k > 0; k--) {
-        dm_arena *scratch = dm_arena_scratch(arena);
-        if (!scratch) return DM_NO_MEMORY;
-        if (stop && *stop) return DM_STOPPED;
-        status = make_degree(K, arena, scratch, given, k, stop, report);
-    }
+    status = make_degrees(K, arena, given, stop, report);
     if (status == DM_OK) status = make_vertices(K, arena, given);
     for (uint32_t k = 0; status == DM_OK && k < K->n; k++)
         status = stop && *stop ? DM_STOPPED : make_cofaces(K, arena, k);
     if (status == DM_OK) K->pure = K->pure && !has_loose_vertices(K);
     return status;
-}
-
-/* ---- questions ---- */
-
-uint32_t dm_complex_find(const dm_complex *K, uint32_t k, const uint32_t *tuple) {
-    uint32_t low = 0, high = k <= K->n ? K->count[k] : 0;
-    while (low < high) {
-        const uint32_t middle = low + (high - low) / 2;
-        const int order = compare(K->vertex[k] + (size_t)middle * (k + 1), tuple, k + 1);
-        if (order == 0) return middle;
-        if (order < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return UINT32_MAX;
-}
-
-/* vertices are dropped from the last one, so that those before keep their places */
-uint32_t dm_complex_face(const dm_complex *K, uint32_t k, uint32_t cell, uint32_t set) {
-    uint32_t d = k;
-    for (uint32_t p = k + 1; p-- > 0 && d > 0;)
-        if (!(set >> p & 1)) cell = K->face[d][(size_t)cell * (d + 1) + p], d--;
-    return cell;
-}
-
-long dm_complex_euler(const dm_complex *K) {
-    long sum = 0;
-    for (uint32_t k = 0; k <= K->n; k++) sum += k % 2 ? -(long)K->count[k] : (long)K->count[k];
-    return sum;
-}
-
-static uint32_t root_of(uint32_t *parent, uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-}
-
-uint32_t dm_complex_components(const dm_complex *K, uint32_t *component, uint32_t *work) {
-    uint32_t count = 0;
-    for (uint32_t v = 0; v < K->count[0]; v++) work[v] = v;
-    for (uint32_t e = 0; e < K->count[1]; e++) {
-        const uint32_t a = root_of(work, K->vertex[1][2 * e]);
-        const uint32_t b = root_of(work, K->vertex[1][2 * e + 1]);
-        if (a < b)
-            work[b] = a; /* the root is the first vertex of a component */
-        else
-            work[a] = b;
-    }
-    for (uint32_t v = 0; v < K->count[0]; v++) {
-        const uint32_t root = root_of(work, v);
-        component[v] = root == v ? count++ : component[root];
-    }
-    return count;
 }

@@ -16,12 +16,14 @@
 
 #include <stdint.h>
 
-enum { DM_DIMENSION = 8 };
+enum { DM_DIMENSION = 8, DM_SMALL = 3 };
 
 typedef struct {
-    uint32_t n;                         /* dimension: the highest degree */
-    uint32_t count[DM_DIMENSION + 1];   /* cells of degree k; 0 above n */
-    uint32_t *vertex[DM_DIMENSION + 1]; /* [count[k]][k + 1], from 0 */
+    uint32_t n;                       /* dimension: the highest degree */
+    uint32_t count[DM_DIMENSION + 1]; /* cells of degree k; 0 above n */
+    /* [count[k]][k + 1], from 0, of degrees up to DM_SMALL and n; between them NULL: a third of all
+     * memory would be theirs there, and dm_complex_vertices finds them by faces */
+    uint32_t *vertex[DM_DIMENSION + 1];
     /* [count[k]][k + 1]: cell of degree k - 1 opposite to vertex j; degree 0: NULL */
     uint32_t *face[DM_DIMENSION + 1];
     /* cofaces of cell i of degree k: coface[k][coface_at[k][i] .. coface_at[k][i + 1] - 1],
@@ -59,6 +61,9 @@ typedef struct {
  * DM_NO_MEMORY, DM_STOPPED (*stop was set). Time and memory grow linearly with its cells. */
 dm_status dm_complex_build(dm_complex *K, dm_arena *arena, const dm_simplices *given,
                            volatile const int *stop, dm_complex_report *report);
+
+/* The k + 1 vertices of a cell: where they are stored, or in room[DM_DIMENSION + 1]. */
+const uint32_t *dm_complex_vertices(const dm_complex *K, uint32_t k, uint32_t cell, uint32_t *room);
 
 /* The number of an ascending tuple of k + 1 vertices, or UINT32_MAX when it is no cell. */
 uint32_t dm_complex_find(const dm_complex *K, uint32_t k, const uint32_t *tuple);

@@ -49,8 +49,7 @@ static double *check_values(lua_State *L, int arg, uint32_t count) {
 
 /* Raise for a dual volume that is divided by. */
 static void refuse(lua_State *L, const dml_mesh *m, const dm_sharp_fault *fault) {
-    const uint32_t k = fault->degree;
-    const char *cell = dml_pushcell(L, m->K.vertex[k] + (size_t)fault->cell * (k + 1), k + 1);
+    const char *cell = dml_pushface(L, &m->K, fault->degree, fault->cell);
     luaL_error(L,
                "zero dual volume at simplex %s; dual = \"barycentric\" makes a mesh without, "
                "K:quality() counts them",

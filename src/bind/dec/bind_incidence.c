@@ -82,14 +82,15 @@ static int mesh_lumped(lua_State *L) {
     const double *x = dml_numbersat(L, 3, "a number for every cell", (int32_t)count);
     dm_cell_metric *cell = lua_newuserdatauv(L, sizeof *cell, 0);
     double *out = dml_pushvector(L, m->K.count[0]);
+    uint32_t room[DM_DIMENSION + 1];
     for (uint32_t i = 0; i < count; i++) {
         if (x[i] == 0.0) continue;
+        const uint32_t *vertex = dm_complex_vertices(&m->K, k, i, room);
         if (k == 0)
             out[i] += x[i];
         else
             dm_metric_simplex(cell, &m->K, &m->metric, k, i);
-        for (uint32_t j = 0; k && j <= k; j++)
-            out[m->K.vertex[k][(size_t)i * (k + 1) + j]] += x[i] * cell->share[1u << j];
+        for (uint32_t j = 0; k && j <= k; j++) out[vertex[j]] += x[i] * cell->share[1u << j];
     }
     return 1;
 }

@@ -31,8 +31,7 @@ static void check_rings(lua_State *L, dml_mesh *m) {
         luaL_error(L,
                    "the mesh is no manifold: round %s, cell %d of degree %d, the top cells make no "
                    "single loop or fan",
-                   dml_pushcell(L, m->K.vertex[k] + (size_t)torn * (k + 1), k + 1), (int)torn + 1,
-                   (int)k);
+                   dml_pushface(L, &m->K, k, torn), (int)torn + 1, (int)k);
     m->ringed = 1;
 }
 
@@ -84,8 +83,7 @@ static int mesh_dual_ring(lua_State *L) {
                          "top cells round it, and no curvature"
                        : "round cell %d of degree %d, %s, the top cells make no single loop: "
                          "the mesh is no manifold there",
-                   (int)cell + 1, (int)k,
-                   dml_pushcell(L, m->K.vertex[k] + (size_t)cell * (k + 1), k + 1));
+                   (int)cell + 1, (int)k, dml_pushface(L, &m->K, k, cell));
     lua_createtable(L, (int)length, 0);
     dml_setresult(L);
     for (uint32_t i = 0; i < length; i++) {

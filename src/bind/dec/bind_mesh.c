@@ -33,7 +33,7 @@ void dml_needorientation(lua_State *L, const dml_mesh *m) {
     luaL_error(L,
                "the mesh is not orientable: it is no manifold at %s, a face of %d cells of degree "
                "%d; %s",
-               dml_pushcell(L, m->K.vertex[n - 1] + (size_t)facet * n, n),
+               dml_pushface(L, &m->K, n - 1, facet),
                (int)(m->K.coface_at[n - 1][facet + 1] - m->K.coface_at[n - 1][facet]), (int)n,
                GOES_ON);
 }
@@ -54,13 +54,15 @@ static int mesh_count(lua_State *L) {
 /* A table of tables: ids of a script begin at 1, those of the complex at 0. */
 static int mesh_simplices(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
-    const uint32_t k = dml_checkdegree(L, 2, m), *v = m->K.vertex[k];
+    const uint32_t k = dml_checkdegree(L, 2, m);
+    uint32_t room[DM_DIMENSION + 1];
     lua_createtable(L, (int)m->K.count[k], 0);
     dml_setresult(L);
     for (uint32_t i = 0; i < m->K.count[k]; i++) {
+        const uint32_t *v = dm_complex_vertices(&m->K, k, i, room);
         lua_createtable(L, (int)k + 1, 0);
         for (uint32_t j = 0; j <= k; j++) {
-            lua_pushinteger(L, (lua_Integer)v[(size_t)i * (k + 1) + j] + 1);
+            lua_pushinteger(L, (lua_Integer)v[j] + 1);
             lua_rawseti(L, -2, (lua_Integer)j + 1);
         }
         lua_rawseti(L, -2, (lua_Integer)i + 1);
@@ -240,7 +242,7 @@ static int mesh_star_values(lua_State *L) {
             luaL_error(L,
                        "zero dual volume at simplex %s: its star has no inverse; give pinv = true "
                        "for 0 there, or dual = \"barycentric\" to the mesh",
-                       dml_pushcell(L, m->K.vertex[k] + (size_t)i * (k + 1), k + 1));
+                       dml_pushface(L, &m->K, k, i));
     }
     return 1;
 }

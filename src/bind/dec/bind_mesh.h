@@ -44,5 +44,6 @@ int dml_mesh_pusheuler(lua_State *L, const dml_mesh *m);
 
 /* Push "{2, 5, 9}": vertices of a cell, from 1. */
 const char *dml_pushcell(lua_State *L, const uint32_t *vertex, uint32_t count);
+const char *dml_pushface(lua_State *L, const dm_complex *K, uint32_t k, uint32_t cell);
 
 #endif

@@ -60,8 +60,9 @@ static int mesh_circumcentres(lua_State *L) {
     dml_needmetric(L, m);
     if (!m->points) luaL_error(L, "this mesh has no points: its centres have no places");
     double *out = dml_pushmatrix(L, m->K.count[k], N);
+    uint32_t room[DM_DIMENSION + 1];
     for (uint32_t i = 0; i < m->K.count[k]; i++) {
-        const uint32_t *v = m->K.vertex[k] + (size_t)i * (k + 1);
+        const uint32_t *v = dm_complex_vertices(&m->K, k, i, room);
         dm_metric_simplex(&c, &m->K, &m->metric, k, i);
         for (uint32_t j = 0; j <= k; j++)
             for (uint32_t x = 0; x < N; x++)

@@ -126,9 +126,10 @@ static void set_corner(const integral *q, const dml_mesh *m, uint32_t j, uint32_
 
 /* out[count[k]]: cells about ascending vertices */
 static void over_cells(const integral *q, const dml_mesh *m, double *out) {
+    uint32_t room[DM_DIMENSION + 1];
     for (uint32_t i = 0; i < m->K.count[q->k]; i++) {
-        for (uint32_t j = 0; j <= q->k; j++)
-            set_corner(q, m, j, m->K.vertex[q->k][(size_t)i * (q->k + 1) + j]);
+        const uint32_t *vertex = dm_complex_vertices(&m->K, q->k, i, room);
+        for (uint32_t j = 0; j <= q->k; j++) set_corner(q, m, j, vertex[j]);
         out[i] = integrate(q);
     }
 }

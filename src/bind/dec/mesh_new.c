@@ -128,6 +128,11 @@ const char *dml_pushcell(lua_State *L, const uint32_t *vertex, uint32_t count) {
     return lua_tostring(L, -1);
 }
 
+const char *dml_pushface(lua_State *L, const dm_complex *K, uint32_t k, uint32_t cell) {
+    uint32_t room[DM_DIMENSION + 1];
+    return dml_pushcell(L, dm_complex_vertices(K, k, cell, room), k + 1);
+}
+
 /* The sentence of a fault, with the simplex as it was given. */
 static void refuse(lua_State *L, const dm_simplices *given, const dm_complex_report *report) {
     static const char *const why[] =
@@ -193,7 +198,7 @@ static double length_of(lua_State *L, const dml_mesh *m, uint32_t e) {
     const double length = lua_tonumber(L, at);
     if (lua_type(L, at) != LUA_TNUMBER || !(length > 0.0) || !isfinite(length))
         luaL_error(L, "dm.mesh: the length of edge %s must be a number > 0 (got %s)",
-                   dml_pushcell(L, m->K.vertex[1] + 2 * (size_t)e, 2), luaL_tolstring(L, at, NULL));
+                   dml_pushface(L, &m->K, 1, e), luaL_tolstring(L, at, NULL));
     return length;
 }
 
@@ -248,8 +253,7 @@ static void check_range(lua_State *L, const dml_mesh *m, const double *length2) 
             luaL_error(L,
                        "dm.mesh: edge %s is too %s for volumes of degree %d, which leave the "
                        "range of numbers: take another unit of length",
-                       dml_pushcell(L, m->K.vertex[1] + 2 * (size_t)e, 2),
-                       length2[e] > 1.0 ? "long" : "short", (int)n);
+                       dml_pushface(L, &m->K, 1, e), length2[e] > 1.0 ? "long" : "short", (int)n);
         }
 }
 
@@ -275,7 +279,7 @@ static void measure(lua_State *L, dm_arena *arena, dml_mesh *m) {
                            "its Cayley-Menger determinant is not positive"
                          : "dm.mesh: the simplex of degree %d %s is degenerate: its points lie "
                            "in a smaller space",
-                   (int)k, dml_pushcell(L, m->K.vertex[k] + (size_t)cell * (k + 1), k + 1));
+                   (int)k, dml_pushface(L, &m->K, k, cell));
     m->measured = 1;
 }
 

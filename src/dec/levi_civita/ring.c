@@ -47,7 +47,8 @@ static uint32_t first_top(const dm_complex *K, uint32_t cell) {
 }
 
 dm_ring_kind dm_ring(uint32_t *ring, uint32_t *length, const dm_complex *K, uint32_t cell) {
-    const uint32_t n = K->n, k = n - 2, *vertex = K->vertex[k] + (size_t)cell * (k + 1);
+    uint32_t room[DM_DIMENSION + 1];
+    const uint32_t n = K->n, k = n - 2, *vertex = dm_complex_vertices(K, k, cell, room);
     const uint32_t facets = K->coface_at[k][cell + 1] - K->coface_at[k][cell];
     const uint32_t start = first_top(K, cell);
     uint32_t side[2] = {0, 1}, top = start, count = 0;
@@ -76,7 +77,8 @@ dm_ring_kind dm_ring(uint32_t *ring, uint32_t *length, const dm_complex *K, uint
 /* A fan has two ends: facets of one top cell. A cell at the boundary with two ends may have a loop
  * beside its fan: then the fan is shorter than what is there. */
 static int single_fan(const dm_complex *K, uint32_t cell) {
-    const uint32_t n = K->n, k = n - 2, *vertex = K->vertex[k] + (size_t)cell * (k + 1);
+    uint32_t room[DM_DIMENSION + 1];
+    const uint32_t n = K->n, k = n - 2, *vertex = dm_complex_vertices(K, k, cell, room);
     const uint32_t first = K->coface_at[k][cell], last = K->coface_at[k][cell + 1];
     uint32_t ends = 0, facet = UINT32_MAX, count = 1, side[2] = {0, 1};
     for (uint32_t i = first; i < last; i++) {

@@ -109,8 +109,9 @@ static dm_status make_pieces(pieces *p, const dm_realization *r, uint32_t k, dm_
 static double direction_sign(const dm_realization *from, uint32_t s, const dm_realization *to,
                              uint32_t t, uint32_t k) {
     double a[MOST][MOST], size = 1.0;
-    const uint32_t *v = from->K->vertex[k] + (size_t)s * (k + 1),
-                   *w = to->K->vertex[k] + (size_t)t * (k + 1);
+    uint32_t room[2][DM_DIMENSION + 1];
+    const uint32_t *v = dm_complex_vertices(from->K, k, s, room[0]);
+    const uint32_t *w = dm_complex_vertices(to->K, k, t, room[1]);
     for (uint32_t i = 0; i < k; i++) {
         double largest = 0.0;
         for (uint32_t j = 0; j < k; j++) {

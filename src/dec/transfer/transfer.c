@@ -29,8 +29,9 @@ static const double *point_of(const dm_realization *r, uint32_t vertex) {
 
 /* the points of a cell */
 static void points_of(const dm_realization *r, uint32_t k, uint32_t cell, const double *at[MOST]) {
-    for (uint32_t j = 0; j <= k; j++)
-        at[j] = point_of(r, r->K->vertex[k][(size_t)cell * (k + 1) + j]);
+    uint32_t room[DM_DIMENSION + 1];
+    const uint32_t *vertex = dm_complex_vertices(r->K, k, cell, room);
+    for (uint32_t j = 0; j <= k; j++) at[j] = point_of(r, vertex[j]);
 }
 
 /* Ready to place points in a cell; 0 where it is degenerate, as no cell of a metric is. */
@@ -173,12 +174,23 @@ static dm_status sum_cell(transfer *t, uint32_t cell, double *covered) {
 
 /* ---- all cells ---- */
 
+/* [count[k]][k + 1]: those of the complex, or made in the arena; NULL without memory */
+static const uint32_t *all_vertices(const dm_complex *K, uint32_t k, dm_arena *arena) {
+    const size_t length = k + 1;
+    if (K->vertex[k]) return K->vertex[k];
+    uint32_t *out = dm_arena_take(arena, K->count[k] * length * sizeof *out);
+    for (uint32_t i = 0; out && i < K->count[k]; i++)
+        dm_complex_vertices(K, k, i, out + i * length);
+    return out;
+}
+
 /* bins of the cells that those of `to` are compared with: top cells, or for sums the k-cells */
 static dm_status open_transfer(transfer *t, dm_transfer_rule rule, dm_arena *scratch) {
     const uint32_t d = rule == DM_TRANSFER_SUM ? t->k : t->from->K->n;
-    const dm_status status =
-        dm_boxes_make(&t->boxes, scratch, t->from->K->vertex[d], t->from->K->count[d], d + 1,
-                      t->from->points, t->from->N);
+    const uint32_t *vertex = all_vertices(t->from->K, d, scratch);
+    if (!vertex) return DM_NO_MEMORY;
+    const dm_status status = dm_boxes_make(&t->boxes, scratch, vertex, t->from->K->count[d], d + 1,
+                                           t->from->points, t->from->N);
     if (status != DM_OK || rule != DM_TRANSFER_WHITNEY) return status;
     return count_tops(t, scratch);
 }

@@ -84,6 +84,37 @@ static void simplex_of_dimension_7(void) {
     dm_arena_release(&arena);
 }
 
+/* Of the boundary of an 8-simplex with a simplex beside it, every cell: ascending, face j is what is
+ * left without vertex j, in order, and found by its vertices. Degrees 4 to 6 of 7 are not stored. */
+static void vertices_of_cells(void) {
+    uint32_t vertex[80], used = 0;
+    dm_arena arena;
+    dm_complex K;
+    dm_complex_report report;
+    for (uint32_t i = 0; i < 9; i++)
+        for (uint32_t j = 9; j-- > 0;)
+            if (j != i) vertex[used++] = j;
+    for (uint32_t j = 3; j < 11; j++) vertex[used++] = j;
+    dm_arena_init(&arena, allocate, NULL);
+    CHECK(build(&K, &arena, 11, 10, 8, vertex, &report) == DM_OK);
+    CHECK(K.vertex[3] && !K.vertex[4] && !K.vertex[6] && K.vertex[7]);
+    int wrong = 0;
+    for (uint32_t k = 1; k <= 7; k++)
+        for (uint32_t c = 0; c < K.count[k]; c++) {
+            uint32_t here[DM_DIMENSION + 1], there[DM_DIMENSION + 1];
+            const uint32_t *v = dm_complex_vertices(&K, k, c, here);
+            wrong += dm_complex_find(&K, k, v) != c;
+            for (uint32_t j = 0; j <= k; j++) {
+                const uint32_t *f =
+                    dm_complex_vertices(&K, k - 1, K.face[k][c * (k + 1) + j], there);
+                wrong += j > 0 && v[j - 1] >= v[j];
+                for (uint32_t i = 0; i < k; i++) wrong += f[i] != v[i < j ? i : i + 1];
+            }
+        }
+    CHECK(wrong == 0);
+    dm_arena_release(&arena);
+}
+
 static void faults_are_named(void) {
     static const uint32_t repeated[] = {0, 1, 2, 1, 3, 1}, twice[] = {0, 1, 2, 1, 2, 3, 2, 0, 1},
                           unknown[] = {0, 1, 9};
@@ -104,6 +135,7 @@ int main(void) {
     RUN(octahedron, "an octahedron has its faces, in order");
     RUN(moebius_band_has_no_orientation, "a Moebius band has no orientation");
     RUN(simplex_of_dimension_7, "a simplex of dimension 7 has binomial numbers of faces");
+    RUN(vertices_of_cells, "cells have their vertices, also where these are not stored");
     RUN(faults_are_named, "what is no complex is refused, with the simplex");
     return check_finish();
 }

@@ -84,6 +84,13 @@ near(dm.mesh { icosphere = 3 }:volume(2):sum(), 12.506493, 1e-6, "area of icosph
 near(dm.mesh { cube_tiling = 3 }:volume(3):sum(), 1, 1e-14, "volume of a cube")
 near(dm.mesh { shells = { 3, 2 } }:volume(3):sum(), 8 * 2 ^ 3 / 6, 1e-13, "volume of an octahedron of radius 2")
 
+-- memory, in every dimension: all arrays by all cells
+for n, shells in pairs { [2] = 40, [3] = 12, [4] = 6, [5] = 4, [6] = 3, [7] = 2, [8] = 2 } do
+  local K, cells = dm.mesh { shells = { n, shells } }, 0
+  for k = 0, n do cells = cells + K:count(k) end
+  ok(K.bytes <= 72 * cells, ("at most 72 bytes a cell of any degree, dimension %d"):format(n), K.bytes / cells)
+end
+
 -- chains: integers, boundaries, Stokes
 local K = dm.mesh { cube_tiling = 2 }
 local c = K:chain(2, { { 3, K:simplices(2)[7] }, { -2, K:simplices(2)[31] } })
