@@ -1,4 +1,4 @@
-/* complex_find.c - what is asked of a complex that is made: vertices, numbers, faces, components. */
+/* complex_find.c - what is asked of a complex: vertices, numbers, faces, components. */
 #include "dec/complex.h"
 
 #include <string.h>

@@ -24,7 +24,8 @@ local function fail(...) option.fail(WHERE, ...) end
 
 ---- what is given ----
 
--- resistances of the facets, exactly 0 where they are but rounding; whether one is
+-- resistances of the facets, exactly 0 where they are but rounding; how many are, and how many are
+-- negative
 local function resistances(K, options)
   local n = K.dimension
   local kappa = options.permeability
@@ -35,15 +36,16 @@ local function resistances(K, options)
     if not (k[i] > 0) then fail("permeability must be > 0 (got %g in cell %d)", k[i], i) end
   end
   local R, volume = K:weighted_dual(n - 1, k:map(function(x) return 1 / x end)), K:volume(n - 1)
-  local largest, zeros = 0, 0
+  local largest, zeros, negatives = 0, 0, 0
   for i = 1, #R do
     R[i] = R[i] / volume[i]
     largest = math.max(largest, math.abs(R[i]))
   end
   for i = 1, #R do
     if math.abs(R[i]) <= SMALL * largest then R[i], zeros = 0, zeros + 1 end
+    if R[i] < 0 then negatives = negatives + 1 end
   end
-  return R, zeros
+  return R, zeros, negatives
 end
 
 -- the source of every top cell, about its ascending vertices
@@ -135,12 +137,17 @@ local function centred(p, list, volume)
   for _, i in ipairs(list) do p[i] = p[i] - sum / size end
 end
 
-local function report_of(s, zeros, means)
-  local report = s:report()
+local function report_of(s, zeros, negatives, means)
+  local report, notes = s:report(), {}
   if zeros > 0 then
-    report.note = ("%d facets have a zero dual: flux and pressure are solved for together"):format(
-      zeros)
+    notes[1] = ("%d facets have a zero dual: flux and pressure are solved for together"):format(zeros)
   end
+  if negatives > 0 then
+    report.negative_stars = negatives
+    notes[#notes + 1] = ("%d facets have a negative dual: the equations are not definite, and fluxes "
+      .. "there may be far off; K:quality() counts them"):format(negatives)
+  end
+  if #notes > 0 then report.note = table.concat(notes, "; ") end
   if #means > 0 then
     report.mean = #means == 1 and means[1] or means
     report.text = "no pressure is given: what the sources have more than flows out is taken away, "
@@ -153,7 +160,7 @@ class.method("dm.mesh", "darcy", function(K, options)
   option.check(options, KNOWN, WHERE)
   local wish, n = option.one_of(options, "solver", WHERE, solver.ways), K.dimension
   local signs, volume = K:oriented(mass.ones(K, n)), K:volume(n)
-  local R, zeros = resistances(K, options)
+  local R, zeros, negatives = resistances(K, options)
   local open, push, known, held = boundary(K, options)
   local D = K:incidence(n - 1)
   local q, keep, means = sources(K, options) - D * known, mass.ones(K, n), {}
@@ -168,7 +175,7 @@ class.method("dm.mesh", "darcy", function(K, options)
   local p = K:oriented(P)
   for _, list in ipairs(floats) do centred(p, list, volume) end
   return core.result { flux = K:form(n - 1, core.spread(flux, open, known)),
-    pressure = K:form(0, p, { dual = true }), report = report_of(s, zeros, means) }
+    pressure = K:form(0, p, { dual = true }), report = report_of(s, zeros, negatives, means) }
 end, [[
 K:darcy{permeability=, source=, pressure=, flux=, solver=} -> { flux, pressure, report }
 Flow through a porous medium, v = -kappa grad p, div v = source. flux: the primal (n - 1)-form of v
@@ -178,6 +185,7 @@ permeability > 0: a number, a function of the point (asked at barycentres), a du
 function of the circumcentre of a facet; where it gives nil, and without it, flux is the density
 that flows outward, a number or a function of the circumcentre, or an (n - 1)-form (0). Without a
 pressure the sources lose what does not flow out, the pressure has mean 0, and report.text says so.
-report: solver, unknowns, note. Raises where the mesh is not orientable (Leok 3.1).]])
+report: solver, unknowns, note, negative_stars of facets. Fluxes and pressures converge where cells
+are well-centred, or nearly: barycentric duals lose that. Raises where the mesh is not orientable (Leok 3.1).]])
 
 return M
