@@ -2511,8 +2511,9 @@ function dm_mesh_class:d(k, options) end
 ---function of the circumcentre of a facet; where it gives nil, and without it, flux is the density
 ---that flows outward, a number or a function of the circumcentre, or an (n - 1)-form (0). Without a
 ---pressure the sources lose what does not flow out, the pressure has mean 0, and report.text says so.
----report: solver, unknowns, note, negative_stars of facets. Fluxes and pressures converge where cells
----are well-centred, or nearly: barycentric duals lose that. Raises where the mesh is not orientable (Leok 3.1).
+---report: solver, unknowns, note, negative_stars of facets. Fluxes and pressures converge where the
+---cells are well-centred, or nearly: barycentric duals lose that. Raises where the mesh is not
+---orientable (Leok 3.1).
 ---@param options? table
 ---@return table
 function dm_mesh_class:darcy(options) end

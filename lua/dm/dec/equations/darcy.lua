@@ -140,12 +140,13 @@ end
 local function report_of(s, zeros, negatives, means)
   local report, notes = s:report(), {}
   if zeros > 0 then
-    notes[1] = ("%d facets have a zero dual: flux and pressure are solved for together"):format(zeros)
+    notes[1] = ("%d facets have a zero dual: flux and pressure are solved for together"):format(
+      zeros)
   end
   if negatives > 0 then
     report.negative_stars = negatives
-    notes[#notes + 1] = ("%d facets have a negative dual: the equations are not definite, and fluxes "
-      .. "there may be far off; K:quality() counts them"):format(negatives)
+    notes[#notes + 1] = ("%d facets have a negative dual: the equations are not definite, and "
+      .. "fluxes there may be far off; K:quality() counts them"):format(negatives)
   end
   if #notes > 0 then report.note = table.concat(notes, "; ") end
   if #means > 0 then
@@ -185,7 +186,8 @@ permeability > 0: a number, a function of the point (asked at barycentres), a du
 function of the circumcentre of a facet; where it gives nil, and without it, flux is the density
 that flows outward, a number or a function of the circumcentre, or an (n - 1)-form (0). Without a
 pressure the sources lose what does not flow out, the pressure has mean 0, and report.text says so.
-report: solver, unknowns, note, negative_stars of facets. Fluxes and pressures converge where cells
-are well-centred, or nearly: barycentric duals lose that. Raises where the mesh is not orientable (Leok 3.1).]])
+report: solver, unknowns, note, negative_stars of facets. Fluxes and pressures converge where the
+cells are well-centred, or nearly: barycentric duals lose that. Raises where the mesh is not
+orientable (Leok 3.1).]])
 
 return M
