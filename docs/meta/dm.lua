@@ -965,7 +965,8 @@ function dm_discrete_lagrangian_class:against_exact(options) end
 ---is invariant, so that its steps keep the momentum map (Leok, remark 5.2). points: of every angle
 ---(8), by the trapezoidal rule on SO(2) and T^n, by Euler's angles on SO(3) with Gauss nodes of the
 ---cosine, by factors on products. Invariance is looked at to 1e-12: raises where more points are
----needed, for a group that is not compact, and for rules whose Ld is found by solving.
+---needed, and for a group that is not compact. Of a rule of stages, gauss(2), these are solved for
+---inside of the mean, at every element.
 ---@param group? any
 ---@param options? table
 ---@return dm.discrete_lagrangian
@@ -5009,7 +5010,7 @@ function dm_wave_equation_class:slope(re, im) end
 
 ---dm.wave_path: the rows of a run of a wave
 ---fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
----title, notes (what to know of its accuracy), ns_per_step; #path rows
+---title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows
 ---@class dm.wave_path
 local dm_wave_path_class = {}
 
@@ -5083,13 +5084,14 @@ local dm_wave_solver_class = {}
 ---@return table
 function dm_wave_solver_class:report() end
 
----solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=} -> dm.wave_path
+---solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=, file=} -> dm.wave_path
 ---
 ---Steps from psi, a function of x that returns re and im (left out: 0), a complex vector or
 ---{ re =, im = }; t: a duration, up to the step that reaches it. A row for `every` steps and the last.
----seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. What ends
----a run early, Ctrl-C too, is a dm.failure with the path so far. The rows: path.psi[i], and columns t,
----norm, energy, x, momentum, noether.
+---seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. file =
+---"rows.npy": rows go there as they come, NumPy records of the columns, re and im; the path keeps the
+---columns, and psi of the last row. What ends a run early, Ctrl-C too, is a dm.failure with the path
+---so far. The rows: path.psi[i], and columns t, norm, energy, x, momentum, noether.
 ---@param options? table
 ---@return dm.wave_path
 function dm_wave_solver_class:run(options) end

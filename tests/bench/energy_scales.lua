@@ -41,16 +41,55 @@ for _, a in ipairs { 0, 0.02 } do
   end
 end
 
-local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
-local function step_of(rule)
-  local solver, best = kepler:solver { rule = rule, h = 0.05 }, math.huge
-  for _ = 1, 10 do
-    best = math.min(best, solver:run { q = { 0.5, 0 }, v = { 0, sqrt(3) }, steps = 20000, every = 20000 }.ns_per_step)
-  end
-  return best
+-- what sem keeps, and a step of it beside one of midpoint: ns, the best of many, taking turns
+local function line(V)
+  return dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - V(q[1]) end }
 end
-local plain = step_of "midpoint"
-for _, rule in ipairs { "sem(1, gauss(1))", "sem(2, gauss(2))" } do
-  local ns = step_of(rule)
-  print(("%-34s %8.0f ns, midpoint %.0f ns: %.1f times"):format(rule .. ", a step", ns, plain, ns / plain))
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local pendulum = line(function(x) return -cos(x) end)
+local PROBLEMS = {
+  { "Kepler, e = 0.5", kepler, { 0.5, 0 }, { 0, sqrt(3) }, 0.05 },
+  { "pendulum from 1 rad", pendulum, { 1 }, { 0 }, 0.1 },
+  { "oscillator", line(function(x) return x ^ 2 / 2 end), { 1 }, { 0 }, 0.1 },
+  { "two rods", dm.system { Q = dm.R(2), L = function(q, v)
+    return v[1] ^ 2 + v[2] ^ 2 / 2 + v[1] * v[2] * cos(q[1] - q[2]) + 2 * cos(q[1]) + cos(q[2])
+  end }, { 0.3, 0.2 }, { 0, 0 }, 0.02 },
+  { "J2 satellite", dm.system { Q = dm.R(3), L = function(q, v)
+    local r = q:norm()
+    return v:dot(v) / 2 + 1 / r - 0.025 / r ^ 3 * (3 * q[3] ^ 2 / r ^ 2 - 1)
+  end }, { 0.9, 0, 0 }, { 0, 0.99, 0.55 }, 0.05 },
+  { "five coordinates", dm.system { Q = dm.R(5), L = function(q, v)
+    return v:dot(v) / 2 - q:dot(q) / 2 - q:dot(q) ^ 2 / 4
+  end }, { 0.5, 0.3, 0.1, 0, 0.2 }, { 0, 0.2, 0.4, 0.1, 0.3 }, 0.05 },
+}
+
+local function runner(problem, rule)
+  local solver = problem[2]:solver { rule = rule, h = problem[5] }
+  local from = { q = problem[3], v = problem[4], steps = 10000, every = 10000 }
+  return function() return solver:run(from).ns_per_step end, solver
+end
+print(("\n%-24s %10s %10s %8s %10s %8s"):format("a step, ns", "midpoint", "sem(1)", "times", "sem(2)", "times"))
+for _, problem in ipairs(PROBLEMS) do
+  local plain, one, two = runner(problem, "midpoint"), runner(problem, "sem(1, gauss(1))"), runner(problem, "sem(2, gauss(2))")
+  local best = { math.huge, math.huge, math.huge }
+  for _ = 1, 15 do
+    for i, each in ipairs { plain, one, two } do best[i] = math.min(best[i], each()) end
+  end
+  print(("%-24s %10.0f %10.0f %8.2f %10.0f %8.1f"):format(problem[1], best[1], best[2], best[2] / best[1], best[3], best[3] / best[1]))
+end
+
+print(("\n%-24s %8s %10s %10s %10s"):format("sem on Kepler, 1e5 steps", "h", "E_d", "momentum", "flagged"))
+for s = 1, 3 do
+  local path = kepler:solver { rule = ("sem(%d, gauss(%d))"):format(s, s), h = 0.05 }
+    :run { q = { 0.5, 0 }, v = { 0, sqrt(3) }, steps = 1e5, every = 1000 }
+  print(("%-24s %8.3g %10.1e %10.1e %10d"):format(("sem(%d, gauss(%d))"):format(s, s), 0.05, path.sem.defect,
+    path:drift(path:momentum(dm.SO(2))).largest, path.sem.fallbacks))
+end
+
+-- Ld of gauss(s) beside the exact one, between the ends of a motion
+print(("\n%-24s %10s %10s %10s"):format("Ld of the pendulum", "slope", "of momenta", "2s+1, 2s"))
+for s = 1, 3 do
+  local e = dm.discrete_lagrangian(pendulum, { rule = ("gauss(%d)"):format(s), h = 0.2 })
+    :against_exact { q = { 0.7 }, v = { 0.9 }, h = { 0.8, 0.4, 0.2 } }
+  print(("%-24s %10.2f %10.2f %7d, %d"):format(("gauss(%d)"):format(s), e.value_slope, e.momentum_slope, 2 * s + 1, 2 * s))
 end

@@ -5,6 +5,7 @@ local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
+local solved = require "dm.measure.solved"
 
 local abs, max = math.abs, math.max
 
@@ -57,6 +58,20 @@ local function check_size(kit, G, points)
   end
 end
 
+-- of a rule of stages, whose velocities are found inside
+local function solved_formula(Ld)
+  local fine, coefficients = pcall(Ld.coefficients, Ld)
+  if not fine or not coefficients then
+    options.fail(WHERE, "the Ld of '%s' is no formula and has no stages: take a rule of stages, "
+      .. "gauss(s), lobatto(s), galerkin(s, quadrature), or a formula of your own", Ld.rule)
+  end
+  if not Ld.system:structure().autonomous then
+    options.fail(WHERE, "L depends on time, and the mean of a rule whose stages are solved for "
+      .. "has none: take midpoint or trapezoidal of an L at a given time")
+  end
+  return solved.formula(coefficients, Ld.system.L, Ld.Q.dimension)
+end
+
 -- Ld as a function of (q0, q1, h, params), which numbers and symbols go through
 local function formula_of(Ld)
   for _, key in ipairs { "constraint", "force", "rolling", "map" } do
@@ -64,11 +79,7 @@ local function formula_of(Ld)
       options.fail(WHERE, "this discrete Lagrangian has '%s', which a mean of Ld leaves out", key)
     end
   end
-  if not Ld.Ld then
-    options.fail(WHERE, "the Ld of this rule is found by solving for its stages, and its mean over "
-      .. "a group would be no rule: take midpoint or trapezoidal, or a formula of your own")
-  end
-  return Ld.Ld
+  return Ld.Ld or solved_formula(Ld)
 end
 
 -- sum of w Ld(g q0, g q1) over the elements
@@ -137,6 +148,7 @@ The mean of Ld(g q0, g q1) over a compact group, by its standard action on Q or 
 is invariant, so that its steps keep the momentum map (Leok, remark 5.2). points: of every angle
 (8), by the trapezoidal rule on SO(2) and T^n, by Euler's angles on SO(3) with Gauss nodes of the
 cosine, by factors on products. Invariance is looked at to 1e-12: raises where more points are
-needed, for a group that is not compact, and for rules whose Ld is found by solving.]])
+needed, and for a group that is not compact. Of a rule of stages, gauss(2), these are solved for
+inside of the mean, at every element.]])
 
 return {}

@@ -1,6 +1,7 @@
 --- dm.wave_path: what a run of a wave recorded.
 local class = require "dm.base.class"
 local core = require "dm.core"
+local files = require "dm.wave.file"
 local lists = require "dm.base.lists"
 local notes = require "dm.wave.notes"
 local option = require "dm.base.options"
@@ -13,7 +14,7 @@ local WHERE = "solver:run"
 local Path = core.class({ __name = "dm.wave_path" }, [[
 dm.wave_path: the rows of a run of a wave
 fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
-title, notes (what to know of its accuracy), ns_per_step; #path rows]])
+title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows]])
 
 local COLUMNS = { "t", "norm", "energy", "x", "momentum", "noether" }
 
@@ -31,7 +32,11 @@ function Rows.__index(rows, i)
   if i < 1 or i > #path then
     option.fail("path.psi", "rows are counted from 1 to %d (got %d)", #path, i)
   end
-  return space.wrap(path.wave, core.wave_values(path.rows, i))
+  if not path.file then return space.wrap(path.wave, core.wave_values(path.rows, i)) end
+  if i < #path then
+    option.fail("path.psi", "row %d is in %s: the path keeps the last one, %d", i, path.file, #path)
+  end
+  return space.wrap(path.wave, core.wave_values(path.block, #path.block))
 end
 
 function Rows.__len(rows) return #rawget(rows, "path") end
@@ -74,7 +79,7 @@ end
 
 ---- runs ----
 
-local KNOWN = { "psi", "steps", "t", "every", "t0", "seconds", "checkpoint" }
+local KNOWN = { "psi", "steps", "t", "every", "t0", "seconds", "checkpoint", "file" }
 
 local function count_steps(options, h)
   if options.steps ~= nil and options.t ~= nil then
@@ -125,21 +130,37 @@ local function fail(path, code)
     WHY[code], path)
 end
 
+local function read_file(options)
+  local file = option.text(options, "file", WHERE)
+  if file and not file:find "%.npy$" then
+    option.fail(WHERE, "option 'file' must end in .npy: rows are written as NumPy records (got "
+      .. "'%s')", file)
+  end
+  return file
+end
+
 function M.run(solver, options)
   option.check(options, KNOWN, WHERE)
   local steps = count_steps(options, solver.h)
   local every = option.whole(options, "every", WHERE, 1, nil, 1)
   local seconds = option.positive(options, "seconds", WHERE, "a time of CPU")
-  local file = option.text(options, "checkpoint", WHERE)
+  local checkpoint, file = option.text(options, "checkpoint", WHERE), read_file(options)
   local t0, first = begin(solver, options)
-  local rows, done, code, took = solver.stepper:run(t0, first, steps, every, seconds)
+  local rows, done, code, took, block
+  if file then
+    rows, done, code, took, block = files.run(solver.stepper, file, WHERE, COLUMNS, { t0 = t0,
+      first = first, steps = steps, every = every, seconds = seconds }, solver.wave.N)
+  else
+    rows, done, code, took = solver.stepper:run(t0, first, steps, every, seconds)
+  end
   local path = new(solver, rows, first)
+  path.file, path.block = file, block
   path.t0, path.steps, path.asked = t0, done, options.t
   path.ns_per_step = done > 0 and took / done * 1e9 or 0
   path.ending = { state = solver.stepper:state(), t0 = t0, step = first + done }
   path.notes = notes.of(path)
   solver.steps, solver.ns_per_step = done, path.ns_per_step
-  if file then path:checkpoint(file) end
+  if checkpoint then path:checkpoint(checkpoint) end
   if code ~= "ok" then fail(path, code) end
   return path
 end

@@ -103,9 +103,10 @@ and slabs; parasitic: the share of the parasitic mode in the start of "two-step"
 class.method("dm.wave_solver", "run", function(solver, options)
   return path_.run(solver, options, space)
 end, [[
-solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=} -> dm.wave_path
+solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=, file=} -> dm.wave_path
 Steps from psi, a function of x that returns re and im (left out: 0), a complex vector or
 { re =, im = }; t: a duration, up to the step that reaches it. A row for `every` steps and the last.
-seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. What ends
-a run early, Ctrl-C too, is a dm.failure with the path so far. The rows: path.psi[i], and columns t,
-norm, energy, x, momentum, noether.]])
+seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. file =
+"rows.npy": rows go there as they come, NumPy records of the columns, re and im; the path keeps the
+columns, and psi of the last row. What ends a run early, Ctrl-C too, is a dm.failure with the path
+so far. The rows: path.psi[i], and columns t, norm, energy, x, momentum, noether.]])

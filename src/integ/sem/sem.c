@@ -24,10 +24,11 @@ static size_t memory_size(uint32_t n, uint32_t unknowns) {
 /* The time decides: a force of another's making could not be told from L. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->structure & DM_AUTONOMOUS
-               ? NULL
-               : "L depends on time, so that the motion keeps no energy that could choose the "
-                 "steps";
+    if (m->structure & DM_AUTONOMOUS) return NULL;
+    return m->source.graph ? "L depends on time, so that the motion keeps no energy that could "
+                             "choose the steps"
+                           : "L is not traced, so that whether it depends on time, and keeps an "
+                             "energy that could choose the steps, is not known";
 }
 
 /* The energy has a kernel of its own; the mass is for the first guess of the velocity. */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 static const double ROUND = 4 * DBL_EPSILON; /* of the terms: what is left is round-off */
-static const double SMALL = 1e-12;           /* of the terms: may be round-off, if it stays */
+static const double SMALL = 3e-14;           /* of the terms: may be round-off, if it stays */
 enum { ITERATIONS = 30, SCAN = 24, TRIES = 100 };
 
 /* largest entry of R[s n] */
@@ -19,10 +19,15 @@ static double largest(const dm_sem *e) {
     return out;
 }
 
+/* At rest all terms vanish, and nothing is left of them. */
+static double part(double left, double size) {
+    return left == 0.0 ? 0.0 : left / size;
+}
+
 /* what is left of all equations at z, each by the size of its terms */
 static double left(const dm_sem *e) {
     const double sum = e->R[e->velocities];
-    return fmax(largest(e) / e->size, fabs(sum) / e->size_of);
+    return fmax(part(largest(e), e->size), part(fabs(sum), e->size_of));
 }
 
 /* z less J^-1 R; the factors stay for the conditioning */

@@ -9,7 +9,7 @@
 #define INLINE static inline __attribute__((always_inline))
 
 static const double ROUND = 4 * DBL_EPSILON; /* of the terms: what is left is round-off */
-static const double SMALL = 1e-12;           /* of the terms: may be round-off, if it stays */
+static const double SMALL = 3e-14;           /* of the terms: may be round-off, if it stays */
 enum { CALLS = 8 };                          /* of the kernel, each two iterations */
 
 INLINE double larger(double a, double b) {
@@ -109,8 +109,10 @@ static int solve_from(dm_sem *e, dm_stepper *s, const double *z, double low, dou
         return solve_and_take(e, s, z, low, high, 2);
     case 3:
         return solve_and_take(e, s, z, low, high, 3);
-    default:
+    case 4:
         return solve_and_take(e, s, z, low, high, 4);
+    default:
+        return solve_and_take(e, s, z, low, high, e->n);
     }
 }
 
@@ -193,7 +195,9 @@ int dm_sem_go_on(dm_sem *e, dm_stepper *s, double *state) {
         return go_on(e, s, state, 2);
     case 3:
         return go_on(e, s, state, 3);
-    default:
+    case 4:
         return go_on(e, s, state, 4);
+    default:
+        return go_on(e, s, state, e->n);
     }
 }

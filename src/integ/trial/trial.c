@@ -132,6 +132,10 @@ static dm_status solve_damped(dm_trial *e, dm_stepper *s) {
     return status;
 }
 
+/* Of a space with a fast phase that is not linear, which has many roots: a curve whose momentum at
+ * the end is not that of the step, the defect relative to it, is another one than was meant. */
+static const double DOUBTFUL = 0.5, WRONG = 1.0;
+
 /* from one of both guesses */
 static dm_status solve(dm_trial *e, dm_stepper *s, int moves) {
     if (!guess(e, moves)) return DM_NOT_FINITE;
@@ -139,6 +143,18 @@ static dm_status solve(dm_trial *e, dm_stepper *s, int moves) {
     if (dm_trial_iterate(e, s) == DM_OK) return DM_OK;
     guess(e, moves);
     return solve_damped(e, s);
+}
+
+/* The better one of the roots of both guesses, if that is one of the motion. */
+static dm_status choose_root(dm_trial *e, dm_stepper *s, int moves, double *defect) {
+    const double first = *defect;
+    *defect = solve(e, s, !moves) == DM_OK ? dm_trial_defect(e) : INFINITY;
+    if (!(*defect < first)) {
+        const dm_status status = solve(e, s, moves);
+        if (status != DM_OK) return status;
+        *defect = first;
+    }
+    return *defect <= WRONG ? DM_OK : DM_NO_CONVERGENCE;
 }
 
 /* Is z the step of length h from this state? */
@@ -169,12 +185,14 @@ static dm_status find_curve(dm_stepper *s, const double *state, double t, double
     if (status != DM_OK) return status;
     status = solve(e, s, moves);
     if (status != DM_OK && solve(e, s, !moves) == DM_OK) status = DM_OK;
+    double defect = status == DM_OK && e->row->phases ? dm_trial_defect(e) : 0.0;
+    if (defect > DOUBTFUL && !e->k->linear) status = choose_root(e, s, moves, &defect);
     s->report.evaluations += e->evaluations;
     if (status != DM_OK) return status;
     note_solved(e, state, t);
     if (e->row->phases && (!e->k->linear || s->report.condition == 0.0))
         s->report.condition = fmax(s->report.condition, dm_trial_condition(e));
-    if (e->row->phases) s->report.defect = fmax(s->report.defect, dm_trial_defect(e));
+    s->report.defect = fmax(s->report.defect, defect);
     return DM_OK;
 }
 
@@ -217,7 +235,9 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_trial *e = trial_of(s);
     (void)state;
     if (e->row->phases && !e->k->linear)
-        return "the product ansatz has no solution near a straight line: take the additive one";
+        return "the product ansatz has no solution near a straight line, or only one whose "
+               "momentum "
+               "at the end is not that of the step: take the additive one";
     if (e->row->phases)
         return "the space of two scales fits a step of several radians of the fast phase: take "
                "more "

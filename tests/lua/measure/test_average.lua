@@ -34,7 +34,24 @@ ok(path:drift(path:momentum(dm.SO(2))).largest > 0.1, "  those of Ld do not")
 
 raises("take more points", function() return own(dm.R(2), function(a) return a[1] ^ 4 end):average(dm.SO(2), { points = 4 }) end)
 raises("not compact", function() return Ld:average(dm.SE(2)) end)
-raises("solving for its stages", function() return dm.discrete_lagrangian(crooked, { rule = "gauss(2)", h = 0.1 }):average(dm.SO(2)) end)
+-- stages are solved for inside: the mean over the angles one by one, and steps that keep the momentum
+local quartic = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 - q[1] ^ 4 / 4 end }
+for _, rule in ipairs { "gauss(2)", "galerkin(2, gauss(3))", "lobatto(3)" } do
+  local given = dm.discrete_lagrangian(quartic, { rule = rule, h = 0.1 })
+  local solved, sum = given:average(dm.SO(2), { points = 24 }), 0
+  for k = 0, 23 do
+    local c, s = cos(pi * k / 12), math.sin(pi * k / 12)
+    sum = sum + given({ c - 0.2 * s, s + 0.2 * c }, { 0.9 * c - 0.35 * s, 0.9 * s + 0.35 * c }) / 24
+  end
+  near(solved({ 1, 0.2 }, { 0.9, 0.35 }), sum, 1e-14, "stages inside, " .. rule)
+  local run = solved:solver {}:run { q0 = { 1, 0 }, q1 = { 1, 0.1 }, steps = 50 }
+  ok(run:drift(run:momentum(dm.SO(2))).largest < 1e-13, "  the momentum stays", run:drift(run:momentum(dm.SO(2))).largest)
+end
+raises("'exact' is no formula", function() return dm.discrete_lagrangian(crooked, { rule = "exact", h = 0.1 }):average(dm.SO(2)) end)
+raises("depends on time", function()
+  local timed = dm.system { Q = dm.R(2), L = function(q, v, t) return v:dot(v) / 2 - t * q[1] ^ 2 end }
+  return dm.discrete_lagrangian(timed, { rule = "gauss(2)", h = 0.1 }):average(dm.SO(2))
+end)
 raises("takes a group or an action", function() return Ld:average(3) end)
 raises("action is on T^2", function() return Ld:average(together) end)
 raises("unknown option 'point'", function() return Ld:average(dm.SO(2), { point = 3 }) end)

@@ -102,6 +102,12 @@ local function run(k, h, more) return function() solver(k, h, more):run { q = { 
 raises("take nodes = 6 and phases = 15", run(1e2, 0.125))
 raises("which polynomials follow", run(1e2, 0.0125))
 raises("no solution near a straight line", run(1e4, 0.2, { ansatz = "product" }))
+-- a root of other equations' motion: its momentum at the end is hundreds of times the step's
+for _, k in ipairs { 1e3, 1e4 } do
+  raises("take the additive one", function()
+    solver(k, 0.2, { ansatz = "product" }):run { q = { 0, 0.8 }, v = { 0, 0 }, steps = 5 }
+  end)
+end
 raises("2 coordinates", run(1e4, 0.1, { degrees = { 2, 3, 4 } }))
 raises("'frequency' is missing", dm.multiscale, {})
 raises("must be odd", dm.multiscale, { frequency = 10, phases = 8 })

@@ -118,6 +118,38 @@ ok(notes(dm.schroedinger { x = { 0, 2 * math.pi, 16 } }, "two-step", 0.05, funct
 raises("no multiplier", function() dm.schroedinger({ x = { 0, 2 * math.pi, 16 }, V = -1 }):solver { rule = "two-step", h = 0.04, norm = true }:run {
   psi = function(x) return cos(2 * x) + 1, sin(2 * x) end, steps = 1000 } end)
 
+---- rows that go to a file ----
+
+do
+  local file = os.tmpname() .. ".npy"
+  local ring = dm.schroedinger { x = { -10, 10, 64 }, V = function(x) return x ^ 2 / 2 end }
+  for _, rule in ipairs { "strang", "gauss(2)", "two-step" } do
+    local options = { psi = packet, steps = 6007, every = 3 } -- more rows than one block takes
+    local function run() return ring:solver({ rule = rule, h = 0.005 }):run(options) end
+    local kept = run()
+    options.file = file
+    local sent, off = run(), 0
+    for _, name in ipairs { "t", "norm", "energy", "noether" } do
+      local a, b = kept:column(name), sent:column(name)
+      for i = 1, #kept do off = off + math.abs(a[i] - b[i]) end
+    end
+    local a, b = kept.psi[#kept], sent.psi[#sent]
+    for j = 1, 64 do off = off + math.abs(a.re[j] - b.re[j]) + math.abs(a.im[j] - b.im[j]) end
+    ok(#sent == 2004 and off == 0, "file: the same bits by " .. rule, off)
+    local handle = io.open(file, "rb")
+    local text = handle:read "a"
+    handle:close()
+    local size = 8 * (6 + 2 * 64)
+    local head = #text - 2004 * size
+    local row = kept.psi[1001]
+    ok(text:sub(2, 6) == "NUMPY" and head % 64 == 0 and ("<d"):unpack(text, head + 1000 * size + 49)
+      == row.re[1] and ("<d"):unpack(text, head + 1001 * size - 7) == row.im[64], "  and rows")
+    raises("keeps the last one", function() return sent.psi[3] end)
+  end
+  os.remove(file)
+  raises(".npy", function() ring:solver({ rule = "strang", h = 0.1 }):run { psi = packet, steps = 1, file = "rows.csv" } end)
+end
+
 ---- what is refused ----
 
 local function ring(t) t.x = t.x or { 0, 1, 16 } return function() return dm.schroedinger(t) end end
