@@ -71,6 +71,7 @@ def _load_npy(name):
 def _load_text(name):
     with open(name, encoding="utf-8-sig") as file:
         lines = [line.rstrip("\n") for line in file]
+    lines = [line.split("#")[0] if line.lstrip()[:1] in tuple("+-.0123456789") else line for line in lines]
     rows = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
         raise ValueError("%s is empty" % name)
@@ -93,7 +94,10 @@ def _load_text(name):
     for i, line in rows:
         row = fields(line)
         if len(row) != len(names):
-            raise ValueError("%s: line %d has %d fields, the first line has %d" % (name, i, len(row), len(names)))
+            short = len(row) < len(names)
+            raise ValueError("%s: line %d, column %s: %s: the line has %d fields, the first one %d" % (
+                name, i, names[len(row)] if short else len(names) + 1,
+                "nothing is there" if short else "one too many", len(row), len(names)))
         for c, text in enumerate(row):
             try:
                 columns[c].append(number(text))
@@ -134,7 +138,8 @@ def kernel(name, function):
     with open(name) as file:
         sizes = {found[3]: (int(found[1]), int(found[2])) for found in _HEAD.finditer(file.read())}
     if function not in sizes:
-        raise KeyError("%s has no function %s; there are %s" % (name, function, ", ".join(sorted(sizes))))
+        raise KeyError("%s has no function %s; there are %s" % (
+            name, function, ", ".join(sorted(sizes)) or "none that dmlua has emitted"))
     inputs, outputs = sizes[function]
     call = getattr(_compile(name), function)
     call.argtypes, call.restype = [ctypes.c_void_p, ctypes.c_void_p], None

@@ -47,7 +47,8 @@ local function fields_of(line, separator)
   return fields
 end
 
-local WORDS = { nan = 0 / 0, ["-nan"] = 0 / 0, inf = math.huge, ["-inf"] = -math.huge }
+local NAN = math.abs(0 / 0)  -- without a sign, which would be printed
+local WORDS = { nan = NAN, ["-nan"] = NAN, inf = math.huge, ["-inf"] = -math.huge }
 
 local function number_of(field, comma)
   if comma then field = field:gsub(",", ".", 1) end
@@ -67,6 +68,12 @@ end
 
 ---- lines ----
 
+-- a line without the comment behind its numbers
+local function uncommented(line)
+  if not line:find "^%s*[-+]?%.?%d[%w.+-]*[%s,;]" then return line end
+  return (line:gsub("[%s,;]#.*$", ""))
+end
+
 -- a function that gives number and text of the next line that says something, the first `skip`
 -- lines left out, and a table whose `comment` is the last comment above the first such line
 local function lines_of(handle, skip, fail)
@@ -84,7 +91,7 @@ local function lines_of(handle, skip, fail)
       local comment = line:match "^%s*#(.*)$"
       if not comment and line:find "%S" then
         seen.first = true
-        return number, line
+        return number, uncommented(line)
       end
       if comment and not seen.first then seen.comment = comment end
     end
@@ -151,7 +158,7 @@ end
 local function reader(handle, given, fail)
   local next_line, seen = lines_of(handle, given.skip or 0, fail)
   local number, line = next_line()
-  if not number then fail "is empty; a line of column names is needed" end
+  if not number then fail "is empty; a line of numbers is needed" end
   local second_number, second = next_line()
   local separator, comma = look_at(line, given, fail)
   if second then comma = comma or select(2, look_at(second, given, fail)) end
@@ -194,6 +201,13 @@ local function given_names(names, count, fail)
   return table.move(names, 1, count, 1, {})
 end
 
+local function fail_ragged(at, fields, names, fail)
+  local short = #fields < #names
+  fail("line %d, column %s: %s: the line has %d field%s, the first one %d", at,
+    short and names[#fields + 1] or #names + 1, short and "nothing is there" or "one too many",
+    #fields, #fields == 1 and "" or "s", #names)
+end
+
 --- Names and columns (lists of numbers) of an open file; `where` names it in messages. given: {
 -- separator, decimal, names, skip (lines) }, what is left out is seen from the text.
 function M.read(handle, where, given)
@@ -202,9 +216,7 @@ function M.read(handle, where, given)
   local r = reader(handle, given, fail)
   local names, columns, rows = first_fields(r, given, fail), {}, 0
   local function add(at, fields)
-    if #fields ~= #names then
-      fail("line %d has %d fields, the first line has %d", at, #fields, #names)
-    end
+    if #fields ~= #names then fail_ragged(at, fields, names, fail) end
     rows = rows + 1
     for c, field in ipairs(fields) do
       columns[c][rows] = number_of(field, r.comma)
