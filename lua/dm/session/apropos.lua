@@ -25,6 +25,23 @@ function M.docs()
   return found
 end
 
+--- The doc that writes itself "shape.lift", "rho:check" or "core.crc32", where the word before the
+-- dot is no class; or nil.
+function M.as_written(name)
+  local owner, method = name:match "^([%a_]+)[.:]([%w_]+)$"
+  if not owner then return nil end
+  if owner == "core" then return docs[require "dm.session.reference".for_modules()[name] or 1] end
+  local start, second = owner .. ":" .. method, nil  -- second: behind an "or" of the signature
+  for line, doc in pairs(M.docs()) do
+    if line:sub(1, #start) == start and line:find("^[%({]", #start + 1) then return doc end
+    local other = line:find("   or   " .. start, 1, true)
+    if other and line:find("^[%({]", other + 8 + #start) and (not second or doc < second) then
+      second = doc
+    end
+  end
+  return second
+end
+
 -- a sentence in at most `width` characters, whole words of it
 local function cut(sentence, width)
   if #sentence <= width then return sentence end

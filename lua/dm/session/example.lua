@@ -6,20 +6,6 @@ local option = require "dm.base.options"
 
 local M = {}
 
-M.example = blame.caller(function(name)
-  if type(name) ~= "string" then
-    option.fail("dm.example", "a name is needed, as \"path.drift\" (got %s)", option.got(name))
-  end
-  local known = require "dm.session.transcripts"
-  local plain = name:gsub(":", ".")
-  return known[plain] or known["dm." .. plain] or nil
-end)
-
-core.docs[M.example] = [[
-dm.example(name) -> string or nil
-What is typed at a prompt and answered for a function, a method or a class by its name in help:
-dm.example "path.drift"; nil of a name that help does not know.]]
-
 local by_doc  -- doc -> example, made when the first one is asked for
 
 -- a doc that several classes share has the example of the class that it is written for
@@ -45,10 +31,30 @@ local function collect()
   end
 end
 
---- The example of the function, method or class that has this doc, or nil.
-function M.of_doc(doc)
+--- The example of the function, method or class that has this doc, or nil; name: by which it was
+-- asked for, of several classes that share the doc.
+function M.of_doc(doc, name)
+  local own = name and require "dm.session.transcripts"[(name:gsub(":", "."))]
+  if own then return own end
   if not by_doc then collect() end
   return by_doc[doc]
 end
+
+M.example = blame.caller(function(name)
+  if type(name) ~= "string" then
+    option.fail("dm.example", "a name is needed, as \"path.drift\" (got %s)", option.got(name))
+  end
+  local known = require "dm.session.transcripts"
+  local plain = name:gsub(":", ".")
+  local own = known[plain] or known["dm." .. plain]
+  if own then return own end
+  local doc = require "dm.session.apropos".as_written(name)
+  return doc and M.of_doc(doc)
+end)
+
+core.docs[M.example] = [[
+dm.example(name) -> string or nil
+What is typed at a prompt and answered for a function, a method or a class by its name in help:
+dm.example "path.drift"; nil of a name that help does not know.]]
 
 return M

@@ -13,10 +13,11 @@ local first_line, write, wrapped = layout.first_line, layout.write, layout.wrapp
 local text_width, sorted = layout.width, layout.sorted
 
 -- a doc, and below it the example that belongs to it
-local function shown_doc(doc)
-  local example = require "dm.session.example".of_doc(doc)
+local function shown_doc(doc, name)
+  local example = require "dm.session.example".of_doc(doc, name)
   if not example then return layout.doc(doc) end
-  return layout.doc(doc) .. "\n\n  Example:\n    " .. example:gsub("\n+$", ""):gsub("\n", "\n    ")
+  return layout.doc(doc) .. "\n\n  Example:\n    " .. example:gsub("\n+$", "")
+    :gsub("\n%f[^\n]", "\n    ")
 end
 
 ---- names of the standard library ----
@@ -50,8 +51,8 @@ local function help_class(class)
   return true
 end
 
-local function help_function(f)
-  if docs[f] then return write(shown_doc(docs[f])) end
+local function help_function(f, name)
+  if docs[f] then return write(shown_doc(docs[f], name)) end
   if standard[f] then
     return write(("%s: standard Lua, reference manual section %s")
       :format(table.unpack(standard[f])))
@@ -167,25 +168,9 @@ end
 -- "path.drift", "solver:run", "dm.path.drift": the method of a class, also before there is a value
 -- of it
 local function method_of_class(name)
-  local class, method = name:gsub("^dm%.", ""):match "^([%a_]+)[.:]([%a_]+)$"
+  local class, method = name:gsub("^dm%.", ""):match "^([%w_]+)[.:]([%w_]+)$"
   local methods = class and require "dm.session.complete".methods_of("dm." .. class)
   return methods and methods[method]
-end
-
--- "shape.lift", "rho:check", "problem.solve": the doc that writes itself so, where the word before
--- the dot is no class
-local function as_written(name)
-  local owner, method = name:match "^([%a_]+)[.:]([%w_]+)$"
-  if not owner then return nil end
-  local start, second = owner .. ":" .. method, nil  -- second: behind an "or" of the signature
-  for line, doc in pairs(search.docs()) do
-    if line:sub(1, #start) == start and line:find("^[%({]", #start + 1) then return doc end
-    local other = line:find("   or   " .. start, 1, true)
-    if other and line:find("^[%({]", other + 8 + #start) and (not second or doc < second) then
-      second = doc
-    end
-  end
-  return second
 end
 
 -- "routh", "plot": the functions and methods of that name: their docs, where they are few, else
@@ -218,13 +203,13 @@ local function help_name(name)
     return explain(object.value)
   end
   local method = method_of_class(name)
-  if method and docs[method] then return help_function(method) end
+  if method and docs[method] then return help_function(method, (name:gsub("^dm%.", ""))) end
   for _, rule in ipairs(core.rules and core.rules() or {}) do
     if rule.name == name:match "^[%w_]*" then
       return write(rule.signature or name, "\n", wrapped(rule.doc or "", text_width(), "  "))
     end
   end
-  local written = as_written(name)
+  local written = search.as_written(name)
   if written then return write(shown_doc(written)) end
   if docs["dm." .. name] then return help_name("dm." .. name) end
   local same = of_name(name)

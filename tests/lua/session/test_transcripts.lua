@@ -115,8 +115,17 @@ end
 ok(#lacking == 0 and entries > 700, "every function, method and class has an example",
   table.concat(lacking, " "))
 
+-- and help shows it below the text
+local help, layout, silent = require "dm.session.help", require "dm.session.text", {}
+for name, text in pairs(known) do
+  local shown = layout.collected(help.ask, name)
+  if not shown:find("\n  Example:\n    " .. text:match "^[^\n]*", 1, true) then silent[#silent + 1] = name end
+end
+ok(#silent == 0, "?name shows the example of every name", table.concat(silent, " "))
+
 ok(dm.example "path.drift" == known["path.drift"] and dm.example "path:drift" == known["path.drift"] and dm.example "vector" == known["dm.vector"],
   "names as in help")
+ok(dm.example "rho.invariants" == known["frame.invariants"], "or as its doc writes it")
 ok(dm.example "nothing.here" == nil, "nil where there is none")
 tap.raises("a name is needed", dm.example, 3)
 tap.done()
