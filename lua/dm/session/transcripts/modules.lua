@@ -69,6 +69,12 @@ M["dm.cell_table"] = [=[
 > faces[1], faces[2]
 1	2]=]
 
+M["core.cell_list"] = [=[
+> core = require "dm.core"
+> cells = core.cell_list(dm.vector { 2, 5, 7 })
+> cells[1], cells[3]
+2	7]=]
+
 M["core.cell_sum"] = [=[
 > core = require "dm.core"
 > K = dm.mesh { grid = 1 }
