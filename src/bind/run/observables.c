@@ -1,6 +1,7 @@
 #include "bind/run/observables.h"
 #include "bind/model/space_group.h"
 #include "bind/trace/backend.h"
+#include "graph/analyse.h"
 
 #include <string.h>
 
@@ -49,6 +50,12 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
     dm_kernel *kernel = o->kernel + (out - o->list);
     dm_arena *arena = dml_pusharena(L);
     dml_trace(L, fn, &s, arena, &traced);
+    if (model_of(r)->model.structure & DM_LINEAR_IN_V &&
+        dm_depends(traced.graph, traced.out, traced.outputs, (uint32_t)n, (uint32_t)n))
+        luaL_error(L,
+                   "%s reads v, which a run of an L linear in v does not have: no momentum "
+                   "determines it; write it in q, t and p",
+                   what);
     const dm_status status =
         compiler(L, r)(kernel, traced.graph, traced.out, traced.outputs, arena);
     if (status != DM_OK) luaL_error(L, "%s: %s", what, dm_status_text(status));
