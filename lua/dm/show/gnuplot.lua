@@ -117,6 +117,13 @@ local function draw_style(series, colour, round, linewidth)
     paint)
 end
 
+-- white round lines and points that are drawn over cells
+local function halo_of(series, block)
+  local dots = size_of_points(#series.x)
+  return ("%s using 1:2 with %s lc rgb '#ffffff' notitle"):format(block, series.style == "points"
+    and ("points pt 7 ps %.2f"):format(dots + 0.35) or "lines lw 3.5")
+end
+
 local function add_series(add, panel, number, prefix)
   local plots = {}
   local scale = { width = 2 * panel.width, height = 2 * panel.height,
@@ -127,9 +134,11 @@ local function add_series(add, panel, number, prefix)
     local colour = series.colour or palette.LINES[(i - 1) % #palette.LINES + 1]
     local title = panel.legend and "title " .. caption(series.name, panel.plain) or "notitle"
     add_data(add, block, series, panel)
+    if series.halo then plots[#plots + 1] = halo_of(series, block) end
     plots[#plots + 1] = ("%s using %s with %s %s")
       :format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
-      draw_style(series, colour, series.colour and 0 or (i - 1) // #palette.LINES,
+      draw_style(series, colour, series.open and 1 or series.colour and 0 or
+        (i - 1) // #palette.LINES,
       panel.linewidth), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then

@@ -78,7 +78,8 @@ local function check_series(given, where)
   option.passing(given, "colour", where, is_colour, "the name of a colour or \"#rrggbb\"")
 end
 
--- { x =, y =, name =, style =, colour = } with its own copy of the numbers
+-- { x =, y =, name =, style =, colour = } with its own copy of the numbers; halo: white round what
+-- is drawn over cells, open: circles for points
 local function make_series(given, options, i)
   local what = "series " .. i
   local x = series_.numbers(given.x or given[1], what .. ": x")
@@ -89,7 +90,7 @@ local function make_series(given, options, i)
   if given.style ~= "cells" then option.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
   local names = type(options.names) == "table" and options.names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
-    colour = given.colour,
+    colour = given.colour, halo = given.halo, open = given.open,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }
   for _, edge in ipairs(out.style == "cells" and { "xlow", "xhigh", "ylow", "yhigh" } or {}) do
     out[edge] = series_.numbers(given[edge] or {}, what .. ": " .. edge)
