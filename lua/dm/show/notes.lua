@@ -62,26 +62,50 @@ local function power_of(series)
   return (n * sxy - sx * sy) / spread, sx / n, sy / n
 end
 
--- the middle of the series that is nearest to this slope, in logarithms
+-- the middle of the series that is nearest to this slope, in logarithms, and its own slope
 local function place_for(panel, slope)
-  local best, at_x, at_y
+  local best, at_x, at_y, own
   for _, series in ipairs(panel.series) do
     local s, x, y = power_of(series)
     local off = s and math.abs(s - slope)
-    if off and (not best or off < best) then best, at_x, at_y = off, x, y end
+    if off and (not best or off < best) then best, at_x, at_y, own = off, x, y, s end
   end
   local x, y = panel.x, panel.y
-  return at_x or (log(x.lo) + log(x.hi)) / 2, at_y or (log(y.lo) + log(y.hi)) / 2
+  return at_x or (log(x.lo) + log(x.hi)) / 2, at_y or (log(y.lo) + log(y.hi)) / 2,
+    own or slope
 end
 
 local WIDE, BELOW, ROOM = 0.16, 0.07, 0.04 -- parts of the axes
 
 local function clamp(v, lo, hi) return math.max(lo, math.min(hi, v)) end
 
+-- Left end and foot of the triangle of a slope, `moved` to the right: below the series at both of
+-- its ends, inside the panel.
+local function foot_of(panel, slope, width, moved)
+  local x, y = panel.x, panel.y
+  local across, up, rise = log(x.hi / x.lo), log(y.hi / y.lo), slope * width
+  local mx, my, own = place_for(panel, slope)
+  local x0 = clamp(mx + moved, log(x.lo) + ROOM * across, log(x.hi) - 2.5 * ROOM * across - width)
+  local low = my + own * (x0 - mx) + math.min(0, own * width - rise) - BELOW * up
+    - math.max(0, -rise)
+  return x0, clamp(low, log(y.lo) + ROOM * up + math.max(0, -rise),
+    log(y.hi) - ROOM * up - math.max(0, rise))
+end
+
+-- is a box { x0, x1, y0, y1 } apart from all others?
+local function is_free(box, others)
+  for _, o in ipairs(others) do
+    if box[1] < o[2] and o[1] < box[2] and box[3] < o[4] and o[3] < box[4] then return false end
+  end
+  return true
+end
+
+local MOVES = { 0, 1, -1, 2, -2, 3, -3, 0 } -- widths by which a triangle is moved out of the way
+
 --- Triangles { x = 4 numbers, y = 4 numbers, at = { x, y }, text } of the slopes of a panel whose
 -- axes are made: below and to the right of the series that each is nearest to, inside the panel.
 function M.triangles(panel)
-  local out, x, y = {}, panel.x, panel.y
+  local out, boxes, x, y = {}, {}, panel.x, panel.y
   local across, up = log(x.hi / x.lo), log(y.hi / y.lo)
   for k, slope in ipairs(panel.slopes) do
     local width = WIDE * across
@@ -90,12 +114,13 @@ function M.triangles(panel)
       width = 0.5 * up / math.abs(slope)
       rise = slope * width
     end
-    local mx, my = place_for(panel, slope)
-    local x0 = clamp(mx + (k - 1) * 0.02 * across, log(x.lo) + ROOM * across,
-      log(x.hi) - 2.5 * ROOM * across - width)
-    local low = my + slope * (x0 - mx) - BELOW * up - math.max(0, -rise)
-    low = clamp(low, log(y.lo) + ROOM * up + math.max(0, -rise),
-      log(y.hi) - ROOM * up - math.max(0, rise))
+    local x0, low
+    for _, by in ipairs(MOVES) do
+      x0, low = foot_of(panel, slope, width, by * (width + 0.08 * across))
+      boxes[k] = { x0, x0 + width + 0.07 * across, math.min(low, low + rise),
+        math.max(low, low + rise) }
+      if is_free(boxes[k], { table.unpack(boxes, 1, k - 1) }) then break end
+    end
     local x1, y1 = x0 + width, low + rise
     local e = math.exp
     out[k] = { x = { e(x0), e(x1), e(x1), e(x0) }, y = { e(low), e(low), e(y1), e(low) },

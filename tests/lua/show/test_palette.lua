@@ -104,6 +104,14 @@ for block in kept:gmatch "%$slope_1_%d << EOD\n(.-)EOD" do
   for k = 1, 4 do ok(x[k] > 1e-3 and x[k] < 1e-1 and y[k] > 1e-10 and y[k] < 1, "inside of the panel", x[k] .. " " .. y[k]) end
 end
 ok(#found == 2 and math.abs(found[1] - 4) < 1e-6 and math.abs(found[2] + 1) < 1e-6, "triangles of their slopes", table.concat(found, " "))
+dm.plot({ 1e-3, 1e-1 }, { 1e-9, 1e-5 }, { file = "a.png", log = "xy", slopes = { 2, 4 } })
+local ends = {}
+for block in kept:gmatch "%$slope_1_%d << EOD\n(.-)EOD" do
+  local x = {}
+  for a in block:gmatch "(%S+) %S+\n" do x[#x + 1] = tonumber(a) end
+  ends[#ends + 1] = { math.min(table.unpack(x)), math.max(table.unpack(x)) }
+end
+ok(ends[1][2] < ends[2][1] or ends[2][2] < ends[1][1], "two triangles at one line stand beside each other")
 -- panels in line
 dm.figure { { u, { 1, 1e9, 2 } }, { u, u, title = "t" }, { u, u }, { u, u }, columns = 2, file = "a.png", letters = true, share = "x" }
 local edges = {}
