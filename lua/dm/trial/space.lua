@@ -134,6 +134,7 @@ function curves.curve(given, n)
   end
   return function(t, _, h, z)
     local q = given.curve(t, z, h)
+    if n == 1 and type(q) == "userdata" and not lists.count(q) then q = { q } end
     if type(q) == "number" or lists.count(q) ~= n then
       options.fail(GALERKIN, "'curve' must return the %d coordinates of the system (got %s)", n,
         tostring(lists.got(q)))

@@ -57,6 +57,7 @@ typedef struct {
     int varied;   /* these are not the parameters of the system */
     int names;    /* stack index of parameters that are inputs of the kernels; 0: none are */
     const double *values; /* of these */
+    const double *energy; /* that all steps are to have; NULL: that of the first one */
 } dml_part;
 
 /* The options q, and v or p: raises unless they are sources; 1 for v. */

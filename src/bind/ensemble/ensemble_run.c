@@ -170,6 +170,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     if (p->values && !inside) return DM_NO_NATIVE;
     if (p->values && !dml_vary_is_traced(L, p, &r)) return DM_NO_NATIVE;
     open_steppers(L, &r, threads, steppers);
+    for (int i = 0; i < threads; i++) steppers[i]->energy = p->energy;
     const dm_ensemble_rows rows = rows_of(p);
     dm_ensemble plan = {.members = p->count,
                         .steps = p->steps,
@@ -261,9 +262,9 @@ static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
 }
 
 int dml_solver_ensemble(lua_State *L) {
-    static const char *const known[] = {"members", "q",     "v",       "p",    "steps",
-                                        "t",       "t0",    "threads", "vary", "project",
-                                        "every",   "watch", "rows",    "h",    NULL};
+    static const char *const known[] = {"members", "q",       "v",      "p",       "steps", "t",
+                                        "t0",      "threads", "vary",   "project", "every", "watch",
+                                        "rows",    "h",       "energy", NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -276,6 +277,8 @@ int dml_solver_ensemble(lua_State *L) {
     lua_settop(L, 2);
     const long members = read_members(L);
     dml_part p = {0};
+    double energy;
+    if (dml_stepping_energy(L, solver, &energy)) p.energy = &energy;
     const dm_pace *pace = dml_read_steps(L, solver, members, &p.steps);
     if (!pace) p.steps = read_steps(L, solver->h);
     const double t0 = dml_number(L, 2, "t0", 0.0);

@@ -182,18 +182,23 @@ static dm_status save(void *ud, long done) {
     return DM_NOT_WRITTEN;
 }
 
-/* energy = E of the steps */
-static void check_energy(lua_State *L, const run *u) {
-    if (!has(L, "energy")) return;
-    if (!(u->r.solver->method->traits & DM_BY_ENERGY))
+int dml_stepping_energy(lua_State *L, const dml_solver *s, double *out) {
+    if (!has(L, "energy")) return 0;
+    if (!(s->method->traits & DM_BY_ENERGY))
         luaL_error(L,
                    "field 'energy' goes with rules that choose their steps by it, sem(s, "
                    "quadrature(r)); rule '%s' does not",
-                   u->r.solver->nodes[0].name);
-    if (u->from)
+                   s->nodes[0].name);
+    const double E = dml_number(L, 2, "energy", 0.0);
+    if (out) *out = E;
+    return 1;
+}
+
+/* energy = E of the steps */
+static void check_energy(lua_State *L, const run *u) {
+    if (dml_stepping_energy(L, u->r.solver, NULL) && u->from)
         luaL_error(L, "field 'energy': this solver goes on from a checkpoint, whose steps have "
                       "their energy");
-    dml_number(L, 2, "energy", 0.0);
 }
 
 /* What is asked of the run, before anything is traced. */
@@ -365,8 +370,7 @@ int dml_solver_run(lua_State *L) {
     read_plan(L, &u);
     if (u.r.solver->method == &dm_method_step && !u.from) dml_step_order(L);
     dml_stepping_prepare(L, &u.r, u.r.t0);
-    u.energy = dml_number(L, 2, "energy", 0.0);
-    if (has(L, "energy")) u.r.stepper.energy = &u.energy;
+    if (dml_stepping_energy(L, u.r.solver, &u.energy)) u.r.stepper.energy = &u.energy;
     dml_path *path = make_path(L, &u);
     if (has(L, "file")) open_file(L, &u);
     if (has(L, "control")) u.plan.control = dml_control_read(L, &u.control, &u.r, u.plan.until);

@@ -115,6 +115,10 @@ int dml_solver_run(lua_State *L);
  * index `path` (0: none); DM_OK: nothing. */
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path);
 
+/* Field `energy` of the options at 2, that all steps are to have, into *out unless that is NULL; 0:
+ * it is not there. Raises where the rule does not choose its steps by it. */
+int dml_stepping_energy(lua_State *L, const dml_solver *s, double *out);
+
 /* Steps of h that cover a duration; raises when they are too many to count. */
 long dml_stepping_cover(lua_State *L, double duration, double h);
 

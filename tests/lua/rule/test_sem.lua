@@ -177,6 +177,11 @@ local cloud = one:ensemble { members = 3, q = { { 0.5, 0 }, { 0.6, 0 }, { 0.7, 0
   v = function() return { 0, 1.5 } end, steps = 20 }
 local single = one:run { q = { 0.6, 0 }, v = { 0, 1.5 }, steps = 20 }
 ok(cloud.q[2][1] == single.q[21][1], "a member is a run of its own")
+cloud = one:ensemble { members = 3, q = { { 0.5, 0 }, { 0.6, 0 }, { 0.7, 0 } },
+  v = function() return { 0, 1.5 } end, steps = 20, energy = -0.6, threads = 2 }
+single = one:run { q = { 0.6, 0 }, v = { 0, 1.5 }, steps = 20, energy = -0.6 }
+ok(cloud.q[2][1] == single.q[21][1], "  with the energy that is asked for, too")
+raises("does not", function() kepler:solver { rule = "gauss(1)", h = 0.1 }:ensemble { members = 1, q = { { 1, 0 } }, v = { { 0, 1 } }, steps = 1, energy = 1 } end)
 
 -- what has no energy to keep
 local function run(system, rule, n)
