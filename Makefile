@@ -130,6 +130,11 @@ valgrind: programs
 	@UNDER=valgrind tests/run $(C_TESTS) $(LUA_TESTS)
 bench: programs
 	@tests/bench/run
+# docs/benchmarks/drifts.md; DRIFTS = steps a start and rows, as "1e6 Kepler"
+DRIFTS =
+drifts: all
+	@for level in plain fma avx512; do \
+	  DMLUA_PROCESSOR=$$level nice $(B)/dmlua tests/bench/dm/long_runs.lua $(DRIFTS); done
 
 format:
 	clang-format -i $(foreach tree,src tests,$(call below,$(tree),*.[ch]))
@@ -208,6 +213,7 @@ help:
 	@echo "make valgrind   the tests under valgrind"
 	@echo "make house      only the checks of structure: floors, symbols, docs, sizes"
 	@echo "make bench      measured times"
+	@echo "make drifts     slopes of momentum and energy over long runs (hours; DRIFTS=1e5)"
 	@echo "make charts     measure the gallery of docs/charts.md again"
 	@echo "make docs       write docs/reference.md, the man page and the completions again"
 	@echo "make format, make lint"
@@ -217,6 +223,6 @@ help:
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
-.PHONY: all modules setup programs test house demo san sanitized valgrind bench charts format lint docs \
+.PHONY: all modules setup programs test house demo san sanitized valgrind bench drifts charts format lint docs \
   install uninstall rock deb site clean help always
 -include $(shell find $(B) -name '*.d' -type f -not -path '$(B)/san/*' -not -path '$(B)/deb/*' 2>/dev/null)
