@@ -46,6 +46,8 @@ return {
     cavity = "frequencies on a mesh, no rule of time",
     torus_fields = "forms on a mesh, no rule of time",
     rossby_haurwitz = "a flow on a mesh, one rule",
+    wave_map = "a field on a mesh, one rule",
+    own_steps = "a field on a mesh, steps of its own in every cell",
     bending_bar = "a least energy, no rule of time",
     argon = "pairs of 864 bodies, one rule",
     star_cluster = "pairs of 1000 bodies, one rule",

@@ -145,7 +145,8 @@ local function fit_slope(boxes, gauge, known, h)
     boxes.slope[at.c] = sum / at.pulled
   elseif math.abs(sum) > 1e-9 then
     option.fail(WHERE, "the start has no level above it: its means are off by %.3g; a component "
-      .. "that gains a constant round the ring is to be named in 'gain'", sum)
+      .. "that gains a constant round the ring is to be named in 'gain', or h is at a resonance of "
+      .. "the boxes: take another h", sum)
   end
 end
 

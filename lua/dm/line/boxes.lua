@@ -40,6 +40,16 @@ local function square(given, key, d)
   return matrix
 end
 
+-- Raises where no row has a derivative by t.
+local function check_moves(matrix)
+  for i = 1, #matrix do
+    for j = 1, #matrix do
+      if matrix[i][j] ~= 0 then return end
+    end
+  end
+  fail "option 'M' is 0: nothing moves in time"
+end
+
 local function names_of(given, d)
   local names, seen = {}, {}
   if given ~= nil and lists.count(given) ~= d then
@@ -77,6 +87,7 @@ M.multisymplectic = blame.caller(function(options)
   local K = square(options.K, "K")
   local d = #K
   local MM = square(options.M, "M", d)
+  check_moves(MM)
   option.callable(options, "S", "dm.multisymplectic", "z")
   local grid = grids.read(options.x, "dm.multisymplectic")
   if not grid.periodic then

@@ -84,7 +84,8 @@ end
 --- Nodes whose equation of motion is singular, since the slopes of u on both
 -- sides of them are equal: 1 in a vector of all nodes. Ends of an open line are held, too.
 function M.affine(grid, u, n)
-  local marks, kinks, largest = core.zeros(grid.nodes), {}, 0
+  local marks, kinks, largest, size = core.zeros(grid.nodes), {}, 0, 0
+  for i = 1, #u do size = math.max(size, math.abs(u[i])) end
   for i = 1, grid.nodes do
     local left, right = i == 1 and grid.nodes or i - 1, i == grid.nodes and 1 or i + 1
     local kink = 0
@@ -97,7 +98,8 @@ function M.affine(grid, u, n)
     if not grid.periodic and (i == 1 or i == grid.nodes) then kink = 0 end
     kinks[i], largest = kink, math.max(largest, kink)
   end
-  for i = 1, grid.nodes do marks[i] = kinks[i] <= 1e-3 * largest and 1 or 0 end
+  local least = math.max(1e-3 * largest, 1e-13 * size) -- of kinks that are no round-off
+  for i = 1, grid.nodes do marks[i] = kinks[i] <= least and 1 or 0 end
   return marks
 end
 

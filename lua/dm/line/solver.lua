@@ -167,6 +167,10 @@ local function check_trace(solver, level, t0)
     end
     local place = core.vector { field.from + (c - 1) * field.dx }
     local plain = level.action(corners(level.u), corners(upper), place, core.vector { t0, h })
+    if plain ~= plain then
+      option.fail("solver:run", "L of the start is no number (NaN) in cell %d: is u inside the "
+        .. "domain of L there?", c)
+    end
     if math.abs(plain - traced[c][1]) > 1e-8 * (math.abs(plain) + field.dx * h) then
       option.fail("solver:run", "L of the start in cell %d gives %.9g, but what was traced %.9g: "
         .. "a trace does not see == and truth tests (dm.where), nor globals that change", c, plain,

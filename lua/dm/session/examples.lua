@@ -17,7 +17,8 @@ M.names = { "kepler", "figure_for_paper", "outer_solar_system", "satellite", "re
   "resonance_tongues", "bounded_but_wrong",
   "least_model", "game_loop", "exact_oscillator", "variational_runge_kutta",
   "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential",
-  "rossby_haurwitz", "bending_bar", "argon", "star_cluster",
+  "rossby_haurwitz", "wave_map", "own_steps",
+  "bending_bar", "argon", "star_cluster",
   "rough_rod", "two_scales", "tunnel", "soliton", "kinks", "free_knots" }
 
 local function text_of(file)

@@ -151,7 +151,12 @@ function M.check_first(map, cell)
     map.start.p = function(c) return map.system_of(c):legendre(map.start.q(c), rest) end
   end
   -- a misspelled one is told here
-  for _, rule in ipairs(map.rule_list) do system:solver { rule = rule, h = 1 } end
+  for _, rule in ipairs(map.rule_list) do
+    if not system:solver({ rule = rule, h = 1 }).ensemble then
+      fail("rule '%s' has steps of its own in every cell, and no ensembles: its report tells which "
+        .. "are beyond their limit", tostring(rule))
+    end
+  end
 end
 
 -- does nothing move in a step from the start of the cell? Rates below are round-off

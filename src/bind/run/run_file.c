@@ -15,11 +15,38 @@ static int close_stream(lua_State *L) {
     return luaL_fileresult(L, file && fclose(file) == 0, NULL);
 }
 
-/* ('q1', '<f8'), ... */
-static void add_fields(lua_State *L, luaL_Buffer *b, int names) {
+/* how many names from number i on are q1, q2, ..., of one letter; 0: they are something else */
+static lua_Integer count_numbered(lua_State *L, int names, lua_Integer i, lua_Integer count) {
+    char wanted[32];
+    lua_rawgeti(L, names, i);
+    const char letter = *lua_tostring(L, -1);
+    lua_Integer k = 0;
+    for (; i + k <= count; k++) {
+        snprintf(wanted, sizeof wanted, "%c%lld", letter, (long long)k + 1);
+        lua_rawgeti(L, names, i + k);
+        const int same = strcmp(lua_tostring(L, -1), wanted) == 0;
+        lua_pop(L, 1);
+        if (!same) break;
+    }
+    lua_pop(L, 1);
+    return k;
+}
+
+/* ('q1', '<f8'), ...; with `arrays` ('q', '<f8', (2,)) in the place of q1, q2 */
+static void add_fields(lua_State *L, luaL_Buffer *b, int names, int arrays) {
     const lua_Integer count = (lua_Integer)lua_rawlen(L, names);
     for (lua_Integer i = 1; i <= count; i++) {
+        const lua_Integer many = arrays ? count_numbered(L, names, i, count) : 0;
         lua_rawgeti(L, names, i);
+        if (many > 0) {
+            const char letter[2] = {*lua_tostring(L, -1), '\0'};
+            lua_pop(L, 1);
+            lua_pushfstring(L, "%s('%s', '<f8', (%I,))", i > 1 ? ", " : "", letter,
+                            (LUAI_UACINT)many);
+            luaL_addvalue(b);
+            i += many - 1;
+            continue;
+        }
         luaL_gsub(L, lua_tostring(L, -1), "\\", "\\\\");
         luaL_gsub(L, lua_tostring(L, -1), "'", "\\'");
         lua_pushfstring(L, "%s('%s', '<f8')", i > 1 ? ", " : "", lua_tostring(L, -1));
@@ -40,13 +67,13 @@ static void write_count(char out[ROOM + 1], long rows) {
 
 /* Push the header of version 1.0, or of 3.0 (UTF-8) with its longer size: a text of a length
  * that does not depend on the number of rows; *behind: where that stands. */
-static void push_header(lua_State *L, int names, long rows, long *behind) {
+static void push_header(lua_State *L, int names, int arrays, long rows, long *behind) {
     enum { UNIT = 64 };
     luaL_Buffer b;
     char count[ROOM + 1];
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "{'descr': [");
-    add_fields(L, &b, names);
+    add_fields(L, &b, names, arrays);
     luaL_addstring(&b, "], 'fortran_order': False, 'shape': (");
     write_count(count, rows);
     luaL_addstring(&b, count);
@@ -152,7 +179,7 @@ static int is_there(const char *name) {
 }
 
 /* The header is as long for any number of rows, so that it can be counted up in its place. */
-void dml_file_open(lua_State *L, dml_run_file *f, int names, double from) {
+void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from) {
     const int one = 1;
     lua_getfield(L, 2, "file");
     if (lua_type(L, -1) != LUA_TSTRING || !strstr(lua_tostring(L, -1), ".npy"))
@@ -167,7 +194,7 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, double from) {
     f->outlet = (dm_outlet){.room = DML_ROWS_IN_MEMORY, .flush = flush, .ud = f};
     const int goes_on = !isnan(from) && is_there(f->name);
     open_stream(L, f, !goes_on);
-    push_header(L, names, 0, &f->behind);
+    push_header(L, names, arrays, 0, &f->behind);
     if (goes_on) {
         if (!keep_rows(L, f, from))
             luaL_error(L,

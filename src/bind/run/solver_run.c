@@ -263,7 +263,11 @@ static dml_path *make_path(lua_State *L, run *u) {
 static void open_file(lua_State *L, run *u) {
     lua_getfield(L, u->path, "columns");
     const double from = u->from ? find_time(u) : NAN;
-    dml_file_open(L, &u->file, lua_gettop(L), from);
+    const int names = lua_gettop(L);
+    lua_getfield(L, u->path, "system");
+    const int is_field = lua_getfield(L, -1, "field") != LUA_TNIL;
+    lua_settop(L, names);
+    dml_file_open(L, &u->file, names, is_field, from);
     u->plan.outlet = &u->file.outlet;
     lua_pushstring(L, u->file.name);
     lua_setiuservalue(L, u->path, DML_PATH_FILE);

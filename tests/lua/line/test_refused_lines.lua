@@ -94,4 +94,16 @@ for _, f in ipairs(list) do os.remove(f) end
 for _, ending in ipairs { "", ".npy", ".html" } do os.remove(name .. ending) end
 near(#tostring(wave), #tostring(wave), 0, tostring(wave))
 ok(tostring(field { fixed = "left", absorbing = { right = 2 } }):find "fixed and absorbing %(c = 2%) end", "a field says what its ends are")
+-- L that is no number, equations without time, a resonance, nodes that have nowhere to go
+raises("no number (NaN) in cell 1", function() field { L = function(_, ut, ux) return ut ^ 2 - ux ^ 2 + 0 / 0 end }:solver { h = 0.1 }:run { u = 1, steps = 1 } end)
+local function klein_gordon(m, M) -- u_tt = u_xx - m u by boxes: a mode that grows by e^(10 t) has no step of 0.2
+  return dm.multisymplectic { names = { "u", "p", "q" }, M = M or { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+    S = function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 + m * z[1] ^ 2 / 2 end, x = { 0, 1, 9, periodic = true } }
+end
+local function one() return 1 end
+raises("resonance of the boxes", function() klein_gordon(-100):solver { h = 0.2 }:run { z = { u = one, p = math.sin }, steps = 1 } end)
+ok(#klein_gordon(-100):solver { h = 0.19 }:run { z = { u = one, p = math.sin }, steps = 1 } == 2, "beside it there is a step")
+raises("nothing moves in time", function() klein_gordon(1, { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }) end)
+local still = dm.field { x = { 0, 1, 20 }, fixed = "ends", L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end }:solver { h = 0.01, free = "x" }:run { u = function(x) return x / 3 end, steps = 20 }
+ok(#still.frozen == 19 and tostring(still):find "19 of them frozen", "where all of u is affine all nodes stay, whatever its round-off", tostring(still))
 tap.done()

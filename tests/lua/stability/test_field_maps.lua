@@ -60,6 +60,7 @@ local open = dm.field { x = { 0, 1, 20 }, absorbing = "ends", L = linear }
 map = dm.stability { open, u = function(x) return math.exp(-50 * (x - 0.5) ^ 2) end, rule = "cell(gauss(2))", h = { 0.01, 0.2, 9, "log" }, steps = 400 }
 near(map:limit(1), 0.05, 2e-3, "absorbing ends take the energy away; the limit stays")
 
+raises("steps of its own in every cell", function() dm.stability { quartic, rule = "avi", h = 0.1, steps = 10, q = function() return 0 end, v = function() return 0 end } end)
 raises("not both", function() dm.stability { kink, u = 0, q = 0, rule = "cell(corners)", h = 0.1, steps = 10 } end)
 raises("on a line", function() dm.stability { kink, u = 0, rule = "verlet", h = 0.1, steps = 10 } end)
 raises("must be finite", function() dm.stability { kink, u = function() return 0 / 0 end, rule = "cell(corners)", h = 0.1, steps = 10 } end)
