@@ -3369,6 +3369,25 @@ function dm_path_class:vtk(file) end
 ---@return number
 function dm_path_class:worst(constraint) end
 
+---dm.prismal: slices of time, made by dm.prismal{t0, t1, ...}, the rule of a field's solver
+---fields: times (a dm.vector)
+---@class dm.prismal
+local dm_prismal_class = {}
+
+---dm.prismal_solver: steps of a field between uneven slices, made by
+---field:solver{rule = dm.prismal{...}}
+---fields: system, rule, slices
+---@class dm.prismal_solver
+local dm_prismal_solver_class = {}
+
+---solver:run{q=, v= | p=, every=} -> dm.path
+---
+---Steps of a field over all slices of dm.prismal, from q and v or p at the first one. Rows at the
+---start, at every slice (every = k: every k-th) and at the last.
+---@param options? table
+---@return dm.path
+function dm_prismal_solver_class:run(options) end
+
 ---dm.random: random numbers by counting, made by dm.random(seed)
 ---field: seed
 ---@class dm.random
@@ -4781,7 +4800,8 @@ function dm_system_class:slice(what, options) end
 ---A solver for this system: see dm.solver and dm.rules().
 ---Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a function(cell) of the
 ---cells of the potential (default: half of what each allows), start = "half" for half a kick at the
----start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003).
+---start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003); and rule =
+---dm.prismal{t0, t1, ...}, without h: prisms over uneven slices of time.
 ---Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps
 ---as `rule`, whose p is s + mu A.
 ---@param options? table
@@ -6025,6 +6045,17 @@ function dm.pow(x, y) end
 ---@param options? table
 ---@return string
 function dm.pretty(value, options) end
+
+---dm.prismal{t0, t1, ...} -> dm.prismal
+---
+---Slices of time as the rule of a field: field:solver{rule = dm.prismal{...}}, without h. Space-time
+---is cut into prisms over the cells of the mesh, from slice to slice; varying their action gives
+---M ((A2 - A1)/h1 - (A1 - A0)/h0) = (h0 + h1)/2 dL/dA at every inner slice (Leok 3.12): symplectic, it
+---keeps Gauss's law to round-off, has order 2 where steps change smoothly, and is verlet where all
+---are equal.
+---@param options? table
+---@return dm.prismal
+function dm.prismal(options) end
 
 ---dm.product(G, H, ...) -> dm.space
 ---

@@ -40,6 +40,7 @@ local rows = {
   palette = "dm.show.palette",
   msfem = "dm.elements",
   plot = "dm.show.plot",
+  prismal = "dm.dec.fields.prismal",
   polynomial_roots = "dm.measure.recurrence",
   pretty = "dm.session.pretty",
   multigrid = "dm.dec.dynamics.multigrid",

@@ -62,7 +62,9 @@ __attribute__((always_inline)) static inline void gather(const dm_cell_loop *l, 
         double *to = in;
         for (uint32_t r = 0; r < count; r += lanes, to += (size_t)l->columns * lanes) {
             const uint32_t i = first + r;
-            if (c->index)
+            if (c->index && step == 1)
+                for (uint32_t lane = 0; lane < lanes; lane++) to[lane] = from[c->index[i + lane]];
+            else if (c->index)
                 for (uint32_t lane = 0; lane < lanes; lane++)
                     to[lane] = from[step * c->index[i + lane]];
             else if (step == 1)
@@ -84,6 +86,11 @@ __attribute__((always_inline)) static inline void run_block(const dm_cell_loop *
         dm_kernel_prepare(kernel, y);
     else
         dm_kernel_prepare_lanes(kernel, lanes, y);
+    if (l->outputs == 1 && !(kernel->fixed && kernel->fixed[0])) { /* no constant: y is not kept */
+        for (uint32_t r = 0; r < count; r += lanes, in += (size_t)l->columns * lanes)
+            dm_kernel_eval(kernel, in, out + r);
+        return;
+    }
     for (uint32_t r = 0; r < count; r += lanes, in += (size_t)l->columns * lanes) {
         dm_kernel_eval(kernel, in, y);
         for (uint32_t k = 0; k < l->outputs; k++)
@@ -262,5 +269,44 @@ void dm_cells_slopes(const dm_cells *c, double *slope, const double *factor, con
         if (factor[k] == 1.0) continue;
         for (uint32_t j = 0; j < l->outputs; j++)
             for (uint32_t i = 0; i < to - from; i++) out[(size_t)j * cells + i] *= factor[k];
+    }
+}
+
+/* ---- entries ---- */
+
+/* entries with `terms` each, a constant where this is called */
+__attribute__((always_inline)) static inline uint32_t alike(double *restrict out,
+                                                            const double *restrict slope,
+                                                            const uint32_t *restrict list,
+                                                            uint32_t count, const uint32_t terms) {
+    for (uint32_t i = 0; i < count; i++, list += terms) {
+        double sum = 0.0;
+        for (uint32_t k = 0; k < terms; k++) sum += dm_cells_term(slope, list[k]);
+        out[i] = sum;
+    }
+    return count;
+}
+
+/* how many entries from i on, below end, have as many terms as entry i */
+static uint32_t count_alike(const uint32_t *start, uint32_t i, uint32_t end) {
+    const uint32_t terms = start[i + 1] - start[i];
+    uint32_t count = 1;
+    while (i + count < end && start[i + count + 1] - start[i + count] == terms) count++;
+    return count;
+}
+
+/* runs of entries with two terms (edges of a surface) or six (vertices), which nearly all have */
+void dm_cells_entries(const dm_cells *c, double *out, const double *slope, uint32_t first,
+                      uint32_t count) {
+    const uint32_t *start = c->start, end = first + count;
+    for (uint32_t i = first, now; i < end; i += now, out += now) {
+        const uint32_t terms = start[i + 1] - start[i], *list = c->list + start[i];
+        now = count_alike(start, i, end);
+        if (terms == 2)
+            alike(out, slope, list, now, 2);
+        else if (terms == 6)
+            alike(out, slope, list, now, 6);
+        else
+            alike(out, slope, list, now, terms);
     }
 }

@@ -9,6 +9,8 @@
 #include "algebra/body_sum.h"
 #include "code/kernel.h"
 
+#include <string.h>
+
 enum { DM_CELL_BLOCK = 64 }; /* cells that are evaluated at once */
 
 /* kernels of some functions of the columns of a sum, one cell or `lanes` cells at a time */
@@ -56,15 +58,26 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
 void dm_cells_slopes(const dm_cells *c, double *slope, const double *factor, const double *x,
                      double *work, uint32_t part, uint32_t parts);
 
+/* One term of an entry: the sign is a bit that is flipped, since nothing foretells a branch. */
+static inline double dm_cells_term(const double *slope, uint32_t at) {
+    uint64_t bits;
+    double x;
+    memcpy(&bits, slope + (at >> 1), sizeof bits);
+    bits ^= (uint64_t)at << 63;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 /* Entry i of the gradient, once all slopes are there. */
 static inline double dm_cells_entry(const dm_cells *c, const double *slope, uint32_t i) {
     double sum = 0.0;
-    for (uint32_t k = c->start[i]; k < c->start[i + 1]; k++) {
-        const uint32_t at = c->list[k];
-        const double x = slope[at >> 1];
-        sum += at & 1 ? -x : x;
-    }
+    for (uint32_t k = c->start[i]; k < c->start[i + 1]; k++)
+        sum += dm_cells_term(slope, c->list[k]);
     return sum;
 }
+
+/* out[k - first] of the entries k in [first, first + count), the same sums. */
+void dm_cells_entries(const dm_cells *c, double *out, const double *slope, uint32_t first,
+                      uint32_t count);
 
 #endif

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-static const double LOOK = 5e-3;    /* s between looks at the clock and the stop flag */
+static const double LOOK = 2e-2;    /* s between looks at the clock and the stop flag */
 static const double PROGRESS = 0.1; /* s between calls of progress */
 static const double SLACK = 1e-9;   /* of h: a time asked for this near to a step is that step */
 enum { LONGEST = 1 << 20 };         /* steps between looks at the clock */

@@ -44,7 +44,8 @@ static dm_status advance(dm_stepper *s, double *state, double t, double h, long 
     const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
     double *before = s->work + 1;
     memcpy(before, state, bytes);
-    s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count);
+    s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count, s->goes_on);
+    s->goes_on = 0;
     *done = count;
     if (dm_state_is_finite(state, s->model->n)) return DM_OK;
     memcpy(state, before, bytes);

@@ -174,7 +174,8 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
         return;
     }
     if (l->cells) {
-        s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count);
+        s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count, s->goes_on);
+        s->goes_on = 0;
         return;
     }
     const dm_splitting *table = &l->table;

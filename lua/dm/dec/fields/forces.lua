@@ -12,7 +12,7 @@ local parts = require "dm.dec.parts"
 local M = {}
 
 local WHERE = "mesh:field"
-local Q, V, VARIED = 1, 2, 3 -- sources of columns (core.cell_sum)
+local V, VARIED = 2, 3 -- sources of columns (core.cell_sum)
 
 local function fail(...) option.fail(WHERE, ...) end
 

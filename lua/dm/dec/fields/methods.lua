@@ -9,6 +9,9 @@ local function of_rule(system, options)
   if type(rule) == "string" and rule:find "^%s*avi%s*$" then
     return require "dm.dec.fields.avi".solver(system, options)
   end
+  if type(rule) == "table" and getmetatable(rule) and getmetatable(rule).__name == "dm.prismal" then
+    return require "dm.dec.fields.prismal".solver(system, options)
+  end
   return solver(system, options)
 end
 
@@ -16,4 +19,5 @@ core.method("dm.system", "solver", blame.relay(of_rule, "solver"), solver_doc ..
 
 Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a function(cell) of the
 cells of the potential (default: half of what each allows), start = "half" for half a kick at the
-start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003).]])
+start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003); and rule =
+dm.prismal{t0, t1, ...}, without h: prisms over uneven slices of time.]])

@@ -255,6 +255,27 @@ M["dm.remesh"] = [=[
 > (x - M:form(0, function(x, y) return x end)):max()
 0]=]
 
+M["dm.prismal"] = [=[
+> K = dm.mesh { triangle = 2 }
+> u = K:field { L = function(a, v) return v:dot(v)/2 - a:d():dot(a:d())/2 end }
+> solver = u:solver { rule = dm.prismal { 0, 0.1, 0.15, 0.25 } }
+> solver:run { q = function(x, y) return x end, v = function() return 0 end }.t[3]
+0.15]=]
+
+M["dm.prismal_solver"] = [=[
+> K = dm.mesh { triangle = 2 }
+> u = K:field { L = function(a, v) return v:dot(v)/2 - a:d():dot(a:d())/2 end }
+> solver = u:solver { rule = dm.prismal { 0, 0.1, 0.15, 0.25 } }
+> solver.slices
+prismal: 3 slices from t = 0 to 0.25]=]
+
+M["prismal_solver.run"] = [=[
+> K = dm.mesh { triangle = 2 }
+> u = K:field { L = function(a, v) return v:dot(v)/2 - a:d():dot(a:d())/2 end }
+> solver = u:solver { rule = dm.prismal { 0, 0.1, 0.15, 0.25 } }
+> #solver:run { q = function(x, y) return x end, v = function() return 0 end, every = 2 }
+3]=]
+
 M["dm.multigrid"] = [=[
 > mg = dm.multigrid { dm.mesh { grid = 2 }, dm.mesh { grid = 4 }, dm.mesh { grid = 8 } }
 > mg

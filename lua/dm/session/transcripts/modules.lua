@@ -75,6 +75,14 @@ M["core.cell_list"] = [=[
 > cells[1], cells[3]
 2	7]=]
 
+M["core.prismal_run"] = [=[
+> core = require "dm.core"
+> field = dm.mesh { simplices = { { 1, 2 } }, points = { { 0 }, { 1 } } }:field {
+>>   L = function(u, v) return v:dot(v)/2 - u:d():dot(u:d())/2 end }
+> solver = field:solver { rule = "verlet", h = 1 }
+> #core.prismal_run(solver, { q = { 0, 1 }, v = { 0, 0 } }, dm.vector { 0, 0.1, 0.3 }, 1)
+3]=]
+
 M["core.cell_sum"] = [=[
 > core = require "dm.core"
 > K = dm.mesh { grid = 1 }

@@ -1,0 +1,93 @@
+-- make bench: fields on meshes. Leapfrog of waves and of Maxwell's equations on the hexagonal torus, by hand in C:
+-- tests/bench/c/by_hand/fields.c; events of avi beside cells of the synchronous step; how time and memory grow.
+-- Arguments: N of the torus, N of the largest one.
+local dm = require "dm"
+
+local STEPS, REPEATS = 40, 9
+local N, LARGEST = tonumber(arg[1]) or 60, tonumber(arg[2]) or 577
+local WHAT = { [0] = "wave", "Maxwell" }
+
+local function wave(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end
+
+local function start_of(K, degree)
+  local q = {}
+  for i = 1, K:count(degree) do q[i] = math.sin(i) end
+  return dm.vector(q)
+end
+
+-- the least time of a step, in ns an unknown
+local function least(solver, q, steps)
+  local best, run = math.huge, nil
+  for _ = 1, REPEATS do
+    run = solver:run { q = q, v = 0 * q, steps = steps, every = steps }
+    best = math.min(best, run.ns_per_step)
+  end
+  return best / #q
+end
+
+local function row(text, value, unit, more)
+  print(("%-36s %9.2f %s   %s"):format(text, value, unit, more or ""))
+end
+
+local function leapfrog(K, degree)
+  local field, q = K:field { form = degree, L = wave }, start_of(K, degree)
+  local h = 0.5 * field:stability_limit "verlet"
+  for _, sums in ipairs { "plain", "compensated" } do
+    for threads = 1, 2 do
+      local solver = field:solver { rule = "verlet", h = h, sums = sums, threads = threads }
+      row(("%s, leapfrog, %s, %d thread%s"):format(WHAT[degree], sums, threads, threads > 1 and "s" or ""),
+        least(solver, q, STEPS), "ns an unknown", ("(%d)"):format(#q))
+    end
+  end
+  row(WHAT[degree] .. ", midpoint", least(field:solver { rule = "midpoint", h = h }, q, 4), "ns an unknown", ("(%d)"):format(#q))
+end
+
+-- an event of avi, and a cell of the synchronous step
+local function asynchronous(K)
+  local field, q = K:field { form = 1, L = wave }, start_of(K, 1)
+  local h = 0.25 * field:stability_limit "verlet"
+  local cells, verlet = K:count(2), least(field:solver { rule = "verlet", h = h }, q, STEPS)
+  local solver, best = field:solver { rule = "avi", h = function(cell) return h * (1 + 0.5 * math.sin(1e6 * cell.volume)) end }, math.huge
+  for _ = 1, 3 do
+    local c = os.clock()
+    solver:run { q = q, v = 0 * q, t = 20 * h, at = { 20 * h } }
+    local long = os.clock()
+    solver:run { q = q, v = 0 * q, t = 120 * h, at = { 120 * h } }
+    local events = solver:report().events
+    best = math.min(best, (os.clock() - long - (long - c)) / (events * 100 / 120) * 1e9)
+  end
+  row("Maxwell, avi", best, "ns an event", ("(a cell of leapfrog: %.2f)"):format(verlet * #q / cells))
+end
+
+-- resident memory in bytes
+local function resident()
+  local file = io.open "/proc/self/statm"
+  if not file then return 0 end
+  local pages = file:read "a":match "%d+ (%d+)"
+  file:close()
+  return 4096 * tonumber(pages)
+end
+
+local function growth(size)
+  local K = dm.mesh { hex_torus = size }
+  local q = start_of(K, 1)
+  local v = 0 * q
+  K:star_weights(1)
+  collectgarbage() collectgarbage()
+  local before, c = resident(), os.clock()
+  local field = K:field { form = 1, L = wave }
+  local made = os.clock() - c
+  local solver = field:solver { rule = "verlet", h = 1e-3 }
+  local run = solver:run { q = q, v = v, steps = 20, every = 20 }
+  collectgarbage() collectgarbage()
+  row(("Maxwell, %d unknowns"):format(#q), run.ns_per_step / #q, "ns an unknown",
+    ("set-up %.0f ns, %.0f bytes an unknown beside the mesh; traced in %.2f ms"):format(made / #q * 1e9,
+      (resident() - before) / #q, solver:report().trace_ms))
+end
+
+print "\nfields on meshes"
+local K = dm.mesh { hex_torus = N }
+leapfrog(K, 0)
+leapfrog(K, 1)
+asynchronous(K)
+for _, size in ipairs { 60, 182, LARGEST } do growth(size) end
