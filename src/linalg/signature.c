@@ -108,17 +108,14 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
 }
 
 int dm_all_positive(double *A, uint32_t n, double far, double *least) {
-    *least = INFINITY;
-    for (uint32_t k = 0; k < n; k++) {
-        const double *from = A + (size_t)k * n, pivot = from[k];
+    rest r = {.A = A, .n = n};
+    for (*least = INFINITY; r.first < n; r.first++) {
+        const uint32_t k = find_diagonal(&r);
+        const double pivot = *at(&r, k, k);
         if (!(pivot > far)) return 0;
-        *least = pivot < *least ? pivot : *least;
-        const double inverse = 1.0 / pivot;
-        for (uint32_t i = k + 1; i < n; i++) {
-            double *row = A + (size_t)i * n;
-            const double factor = from[i] * inverse;
-            for (uint32_t j = i; j < n; j++) row[j] -= factor * from[j];
-        }
+        *least = fmin(*least, pivot);
+        exchange(&r, r.first, k);
+        eliminate_one(&r);
     }
     return *least < INFINITY;
 }

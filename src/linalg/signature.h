@@ -9,9 +9,8 @@
  * zero with a value. A is overwritten; values that are zero to round-off may count as either. */
 uint32_t dm_negative_values(double *A, uint32_t n, double *least);
 
-/* Are all values of A[n*n] positive by far? Elimination without exchanges: the least pivot, which
- * is at most the least entry of the diagonal and at least the least value. 0 where one is not
- * above `far`: dm_negative_values knows more. The upper triangle is overwritten. */
+/* Are all values of A[n*n] positive by far? With the pivots, and the least of them, that
+ * dm_negative_values finds for such a matrix. 0 where one is not above `far`. A is overwritten. */
 int dm_all_positive(double *A, uint32_t n, double far, double *least);
 
 #endif

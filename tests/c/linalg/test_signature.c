@@ -41,8 +41,9 @@ static void counts_random_matrices(void) {
             memcpy(S, A, sizeof S);
             const int positive = dm_all_positive(S, n, 0.0, &least);
             if (!CHECK(positive == (negative == 0))) return;
-            if (positive && !CHECK(least <= A[0])) return;
+            const double least_positive = least;
             if (!CHECK(dm_negative_values(A, n, &least) == negative)) return;
+            if (!CHECK(!positive || least == least_positive)) return;
             if (!CHECK(least > 0.0 && least < INFINITY)) return;
         }
 }
