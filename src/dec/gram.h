@@ -7,8 +7,9 @@
 
 #include <math.h>
 
-/* Where a cell counts as flat: (k! volume)^2 against the longest edge to the power 2 k. Lengths in
- * doubles leave an error of some 1e-16 in that ratio. */
+/* Where a cell counts as flat: up to degree 3, (k! volume)^2 against the longest edge to the power
+ * 2 k; above, where that product of squares of heights is small in any cell, the least of these
+ * against the square of the edge. Lengths in doubles leave an error of some 1e-16 in either. */
 #define DM_FLAT 1e-14
 
 typedef double dm_squares[DM_DIMENSION + 1]; /* a row of squares of lengths between vertices */
@@ -31,6 +32,13 @@ static inline double dm_gram_factor(double G[DM_DIMENSION][DM_DIMENSION], const 
             }
         }
     return det;
+}
+
+/* The least square of a height of the simplex with the factor G, each over the vertices before. */
+static inline double dm_gram_least(double G[DM_DIMENSION][DM_DIMENSION], const uint32_t k) {
+    double least = INFINITY;
+    for (uint32_t i = 0; i < k; i++) least = fmin(least, G[i][i] * G[i][i]);
+    return least;
 }
 
 /* Barycentric coordinates lambda[k + 1] of the circumcentre, by the factor of G: 2 G mu = diagonal

@@ -192,7 +192,8 @@ static double volume_of(const dm_metric *metric, const dm_complex *K, uint32_t k
         k == 2 ? dm_area4_squared(c.length2[1][2], c.length2[0][2], c.length2[0][1]) / 4.0
                : dm_gram_factor(G, c.length2, v, k);
     for (uint32_t i = 0; i < k; i++) scale *= longest;
-    if (!(det > DM_FLAT * scale)) return 0.0;
+    if (k <= DM_SMALL && !(det > DM_FLAT * scale)) return 0.0;
+    if (k > DM_SMALL && !(det > 0.0 && dm_gram_least(G, k) > DM_FLAT * longest)) return 0.0;
     scale = sqrt(det);
     for (uint32_t i = 2; i <= k; i++) scale /= i;
     return unit ? ldexp(scale, unit * (int)k) : scale;

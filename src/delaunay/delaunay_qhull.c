@@ -15,7 +15,8 @@
  * few merges, for many dimensions */
 static const char LOW[] = "qhull Qt Qc Q12 Pp", HIGH[] = "qhull Qt Qc Q12 Pp Qx";
 
-/* Below it (n! volume)^2 by the longest edge to the power 2 n is flat, as in dec/metric.c. */
+/* Below it a simplex is flat, as in dec/gram.h: (n! volume)^2 by the longest edge to the power 2 n,
+ * from dimension 4 on the least square of a height by that of the edge. */
 static const double FLAT = 1e-14;
 
 /* How far heights are moved, by squares of distances: the first that gives a triangulation is
@@ -87,7 +88,7 @@ typedef struct {
 /* is the simplex of these n + 1 points flat? By Cholesky's factor of its Gram matrix */
 static int is_flat(const reading *r, const uint32_t *v) {
     const uint32_t n = r->n;
-    double E[8][8], G[8][8], det = 1.0, longest = 0.0, scale = 1.0;
+    double E[8][8], G[8][8], det = 1.0, longest = 0.0, scale = 1.0, least = INFINITY;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++)
             E[i][j] =
@@ -100,10 +101,10 @@ static int is_flat(const reading *r, const uint32_t *v) {
             for (uint32_t m = 0; m < j; m++) sum -= G[i][m] * G[j][m];
             if (i == j && !(sum > 0.0)) return 1;
             G[i][j] = i == j ? sqrt(sum) : sum / G[j][j];
-            det *= i == j ? sum : 1.0;
+            if (i == j) det *= sum, least = fmin(least, sum);
         }
     for (uint32_t i = 0; i < n; i++) scale *= longest;
-    return !(det > FLAT * scale);
+    return n <= 3 ? !(det > FLAT * scale) : !(least > FLAT * longest);
 }
 
 /* the points of a facet of the lower hull, or 0 */
