@@ -31,6 +31,8 @@ for extension, text in pairs(texts) do
   local K = dm.mesh(file(extension, text))
   ok(K:count(0) == 4 and K:count(1) == 5 and K:count(2) == 2 and K.ambient == 2, extension .. ": cells, in the plane")
   ok(K:volume(2) == square:volume(2) and K:points()[3] == square:points()[3], extension .. ": points")
+  local windows = "\xEF\xBB\xBF" .. text:gsub("\n", "\r\n")
+  ok(dm.mesh(file(extension, windows)):volume(2) == square:volume(2), extension .. ": with a byte order mark and CRLF")
 end
 local four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n$EndEntities\n$Nodes\n2 5 1 5\n0 1 0 1\n1\n0 0 0\n3 1 0 4\n2\n3\n4\n5\n"
   .. "1 0 0\n0 1 0\n0 0 1\n9 9 9\n$EndNodes\n$Elements\n2 2 1 2\n2 1 2 1\n1 1 2 3\n3 1 4 1\n2 1 2 3 4\n$EndElements\n"

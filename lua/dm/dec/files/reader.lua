@@ -37,6 +37,7 @@ local function next_line(self)
   local text = self.handle and self.handle:read "L"
   if not text then return nil end
   self.line = self.line + 1
+  if self.line == 1 then text = text:gsub("^\xEF\xBB\xBF", "") end -- what some editors put first
   if #text > LONGEST then self:fail("the line is too long for a mesh file") end
   if text:find "[%z\1-\8\14-\31]" then self:fail("this is binary; meshes are read as text") end
   return text
