@@ -41,8 +41,9 @@ static void join_chart(dm_joining *j) {
     dm_transplant(j->g, j->trace->chart, j->trace->place, j->n + j->d, with, j->place);
 }
 
-dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
-                          uint32_t extras) {
+/* without the element */
+static dm_status begin(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
+                       uint32_t extras) {
     *j = (dm_joining){.m = m,
                       .trace = group->trace + tau,
                       .arena = m->source.arena,
@@ -50,8 +51,24 @@ dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *
                       .d = group->momenta,
                       .extras = extras};
     j->g = dm_graph_new(j->arena, j->n + 3 * j->d + 1 + extras);
-    if (!j->g || !lay_out(j)) return DM_NO_MEMORY;
+    return j->g && lay_out(j) ? DM_OK : DM_NO_MEMORY;
+}
+
+dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
+                          uint32_t extras) {
+    const dm_status status = begin(j, group, m, tau, extras);
+    if (status != DM_OK) return status;
     join_chart(j);
+    return dm_graph_status(j->g);
+}
+
+/* xi = a V with a for an extra input and V for the rate; exp(a V) has the velocity V */
+static dm_status open_line(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau) {
+    const dm_status status = begin(j, group, m, tau, 1);
+    if (status != DM_OK) return status;
+    for (uint32_t a = 0; a < j->d; a++) j->xi[a] = dm_mul(j->g, j->extra[0], j->rate[a]);
+    join_chart(j);
+    if (tau == DM_TAU_EXP) memcpy(j->place + j->n, j->rate, j->d * sizeof *j->rate);
     return dm_graph_status(j->g);
 }
 
@@ -168,6 +185,46 @@ static dm_status make_slopes(dm_joining *j, dm_group *out, dm_compile *compile) 
     return status;
 }
 
+/* L of the element into j->slope: L_e, 0, dL/dV of a line; forces added */
+static int line_slopes(dm_joining *j) {
+    const uint32_t n = j->n, d = j->d;
+    dm_graph *from = dm_group_graph(j->m);
+    dm_node L, *with = dm_joining_at_element(j, dm_graph_inputs(from));
+    if (!with) return 0;
+    dm_transplant(j->g, from, &j->m->source.lagrangian, 1, with, &L);
+    dm_gradient(j->g, L, n + 2 * d + 2, d, j->slope);
+    memset(j->slope + d, 0, d * sizeof *j->slope);
+    dm_gradient(j->g, L, n + d, d, j->slope + 2 * d);
+    if (!add_force(j)) return 0;
+    for (uint32_t a = 0; a < d; a++) {
+        const dm_node work = dm_mul(j->g, j->extra[0], j->slope[d + a]);
+        j->slope[d + a] = dm_add(j->g, j->slope[2 * d + a], work);
+    }
+    return 1;
+}
+
+/* in a graph without e */
+static dm_status make_lines(const dm_model *m, dm_group *out, dm_tau tau, dm_compile *compile) {
+    dm_joining j;
+    dm_status status = open_line(&j, out, m, tau);
+    if (status != DM_OK) return status;
+    const uint32_t n = j.n, d = j.d, inputs = n + 2 * d + 2;
+    dm_graph *g = dm_graph_new(j.arena, inputs);
+    dm_node *with = dm_joining_take(&j, inputs + (size_t)d),
+            *roots = dm_joining_take(&j, 2 * (size_t)d * (d + 1));
+    if (!g || !with || !roots || !line_slopes(&j)) return DM_NO_MEMORY;
+    dm_inputs(g, with, 0, inputs);
+    memset(with + inputs, 0, d * sizeof *with);
+    dm_transplant(g, j.g, j.slope, 2 * d, with, roots);
+    dm_jacobian(g, roots, 2 * d, n + d, d, roots + 2 * d);
+    status = dm_graph_status(j.g);
+    if (status == DM_OK) status = dm_graph_status(g);
+    if (status == DM_OK) status = compile(&out->line, g, roots, 2 * d, j.arena);
+    if (status == DM_OK) status = compile(&out->line_curve, g, roots, 2 * d * (d + 1), j.arena);
+    out->straight = status == DM_OK;
+    return status;
+}
+
 /* dtau_R(xi)^T mu: since tau(-xi) = 1/tau(xi), the velocity of the chart at -xi is the other
  * trivialization */
 dm_status dm_joining_pull(const dm_joining *j, dm_graph *last, dm_node *out) {
@@ -202,6 +259,7 @@ static dm_status make_pull(dm_joining *j, dm_group *out, dm_compile *compile) {
     dm_status status = dm_joining_pull(j, g, roots);
     dm_jacobian(g, roots, d, 0, 2 * d, roots + d);
     if (status == DM_OK) status = dm_graph_status(g);
+    if (status == DM_OK) status = compile(&out->pulled, g, roots, d, j->arena);
     return status == DM_OK ? compile(&out->pull, g, roots, d * (2 * d + 1), j->arena) : status;
 }
 
@@ -230,21 +288,30 @@ dm_status dm_joining_change(const dm_joining *j, dm_kernel *out, dm_compile *com
 }
 
 /* What was made for another tau stays in the arena of the model. */
-dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile) {
+static dm_status make_ends(dm_joining *j, dm_group *out, dm_tau tau, dm_compile *compile) {
+    out->ready = out->curved = out->straight = 0;
+    dm_status status = make_pull(j, out, compile);
+    if (status == DM_OK) status = dm_joining_finish(j, &out->finish, compile);
+    if (status == DM_OK) status = dm_joining_change(j, &out->change, compile);
+    out->arcs = j->trace->arcs;
+    out->tau = tau;
+    out->ready = status == DM_OK;
+    return status;
+}
+
+/* What is there already stays. */
+dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, int straight,
+                        dm_compile *compile) {
     dm_joining j;
-    if (out->ready && out->tau == tau) return DM_OK;
-    out->ready = 0;
+    const int ends = out->ready && out->tau == tau;
+    if (ends && (straight ? out->straight : out->curved)) return DM_OK;
     dm_status status = dm_joining_open(&j, out, m, tau, 0);
-    if (status != DM_OK) return status;
+    if (status == DM_OK && !ends) status = make_ends(&j, out, tau, compile);
+    if (status != DM_OK || straight)
+        return status == DM_OK ? make_lines(m, out, tau, compile) : status;
     if (!dm_joining_slopes(&j)) return DM_NO_MEMORY;
     status = dm_graph_status(j.g);
     if (status == DM_OK) status = make_slopes(&j, out, compile);
-    if (status == DM_OK) status = make_pull(&j, out, compile);
-    if (status == DM_OK) status = dm_joining_finish(&j, &out->finish, compile);
-    if (status == DM_OK) status = dm_joining_change(&j, &out->change, compile);
-    if (status != DM_OK) return status;
-    out->arcs = j.trace->arcs;
-    out->tau = tau;
-    out->ready = 1;
-    return DM_OK;
+    out->curved = status == DM_OK;
+    return status;
 }

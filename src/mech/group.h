@@ -63,12 +63,17 @@ typedef struct {
 typedef struct dm_group {
     uint32_t momenta; /* d, dimension of the algebra */
     dm_chart_trace trace[DM_TAUS];
-    int ready; /* kernels are made, of: */
+    int ready; /* the kernels of the end of a step are made, of: */
     dm_tau tau;
+    int curved, straight; /* and slope and curve; line and line_curve */
     /* take (q0[n], xi[d], rate[d], t): L_e, L_xi, L_rate of L(g0 near(e) tau(xi), velocity, t) at
      * e = 0, forces added: [3d]; then their derivatives in (xi, rate), row by row [3d][2d] */
     dm_kernel slope, curve;
+    /* of curves tau(a V), with the velocity V where tau is exp; take (q0[n], unused[d], V[d], t, a):
+     * L_e, dL/dV [2d]; then their derivatives by V, row by row [2d][d] */
+    dm_kernel line, line_curve;
     dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
+    dm_kernel pulled; /* b alone */
     dm_kernel finish; /* as dm_chart_trace.end */
     dm_kernel change; /* as dm_chart_trace.change; no outputs: none */
     uint32_t arcs;
@@ -89,8 +94,10 @@ static inline uint32_t dm_momenta(const dm_model *m) {
  * that stay loops. */
 dm_graph *dm_group_graph(const dm_model *m);
 
-/* Make the kernels of tau for a model that was built, in its arena. */
-dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+/* Make the kernels of tau for a model that was built, in its arena; `straight`: line and line_curve
+ * in the place of slope and curve. */
+dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, int straight,
+                        dm_compile *compile);
 
 /* The same of its joints. */
 dm_status dm_group_want_joints(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);

@@ -54,8 +54,9 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CHARTS = 31 << 21,
        DM_WANT_CURVATURE = 1 << 27, /* of a field (DM_CELLS): L_qq as a sparse matrix */
        DM_WANT_LIFT = 524288, /* of a system on a group: its collective lift (mech/group_lift.c) */
-       DM_WANT_JOINTS = 1048576, /* of a chart that is wanted: dm_group_joints, in its place */
-       DM_WANT_ON_GROUP = DM_WANT_CHARTS | DM_WANT_LIFT | DM_WANT_JOINTS,
+       DM_WANT_JOINTS = 1048576,   /* of a chart that is wanted: dm_group_joints, in its place */
+       DM_WANT_STRAIGHT = 1 << 26, /* of a chart that is wanted: for curves xi = a V alone */
+       DM_WANT_ON_GROUP = DM_WANT_CHARTS | DM_WANT_LIFT | DM_WANT_JOINTS | DM_WANT_STRAIGHT,
        DM_WANT_OF_H = DM_WANT_VALUE | DM_WANT_ENERGY | DM_WANT_FIELD |
                       DM_WANT_FIELD_CURVE, /* all of a DM_HAMILTONIAN model */
        DM_WANT_CONSTRAINTS = 7936 /* all of these; what a model does not have is not made */

@@ -1,7 +1,7 @@
 -- make bench: what a step costs when the group is reduced, against the same rule unreduced, with one
--- shape beside SO(2), SE(2), SO(3) and SE(3): point masses, one of which slides, whose kinetic energy
--- is written with their velocities in space, g hat(xi) r. And what exact formulas of curves under
--- SE(3) cost. The sides take turns, best of many.
+-- shape beside SO(2), SE(2), SO(3) and SE(3): point masses, one of which slides on springs to the
+-- others, written in space: velocities g hat(xi) r, places g r. The memory of a run, and what exact
+-- formulas of curves under SE(3) cost. The sides take turns, best of many.
 local dm = require "dm"
 
 local STEPS, TIMES = 4000, 12
@@ -22,6 +22,11 @@ local function body(G)
   assert(moving == n)
   return function(q, v)
     local x, g, xi, sum = q[1][1], G:matrix(q[2]), G:hat(v:slice(2, 1 + G.dimension)), -q[1][1] ^ 2
+    local sliding = g * place(1, x)
+    for k = 2, 4 do
+      local gap = sliding - g * place(k, x)
+      sum = sum - (dm.sqrt(gap:dot(gap)) - 1) ^ 2 / 2
+    end
     for k = 1, 4 do
       local u = dm.zeros(n):totable()
       u[1] = k == 1 and v[1] or 0
@@ -32,31 +37,50 @@ local function body(G)
   end
 end
 
-local function best(run, options)
-  local least = math.huge
+local function once(run, options)
   local before = dm.cpu()
   run(options)
-  least = math.min(least, (dm.cpu() - before) / STEPS)
-  return least
+  return (dm.cpu() - before) / STEPS
 end
 
-for _, row in ipairs { { "SO(2)", dm.SO(2) }, { "SE(2)", dm.SE(2) }, { "SO(3)", dm.SO(3) },
-  { "SE(3)", dm.SE(3) } } do
-  local G = row[2]
-  local r = G.dimension
+-- two runs with the group, and one that keeps all its rows
+local function sides(G, rule)
   local system = dm.system { Q = dm.product(R1, G), L = body(G) }
-  local reduced = system:reduce { group = G, rule = "lie(1)", h = 0.05 }:solver()
-  local full, mu, p = system:solver { rule = "lie(1)", h = 0.05 }, {}, { 0.1 }
-  for i = 1, r do mu[i], p[1 + i] = 0.9 / i, 0.9 / i end
+  local solver = system:reduce { group = G, rule = rule, h = 0.05 }:solver()
+  local full, mu, p = system:solver { rule = rule, h = 0.05 }, {}, { 0.1 }
+  for i = 1, G.dimension do mu[i], p[1 + i] = 0.9 / i, 0.9 / i end
   local q = { { 0.4 }, G:identity() }
-  local a, b = math.huge, math.huge
-  for _ = 1, TIMES do
-    a = math.min(a, best(function() reduced:run { x = 0.4, p = 0.1, mu = mu, steps = STEPS,
-      every = STEPS } end))
-    b = math.min(b, best(function() full:run { q = q, p = p, steps = STEPS, every = STEPS } end))
+  local function reduced(steps, every)
+    return solver:run { x = 0.4, p = 0.1, mu = mu, steps = steps, every = every }
   end
-  print(("lie(1), a shape and %s: %.0f ns a step reduced, %.0f unreduced (%.2f)"):format(row[1],
-    a * 1e9, b * 1e9, a / b))
+  return function() reduced(STEPS, STEPS) end, function()
+    full:run { q = q, p = p, steps = STEPS, every = STEPS }
+  end, reduced
+end
+
+local function memory()
+  for line in io.lines "/proc/self/status" do
+    local size = line:match "^VmHWM:%s+(%d+)"
+    if size then return 1024 * tonumber(size) end
+  end
+end
+
+local all
+for _, rule in ipairs { "lie(1)", "lie(2)" } do
+  for _, G in ipairs { dm.SO(2), dm.SE(2), dm.SO(3), dm.SE(3) } do
+    local reduced, full, run = sides(G, rule)
+    local a, b = math.huge, math.huge
+    for _ = 1, TIMES do a, b = math.min(a, once(reduced)), math.min(b, once(full)) end
+    print(("%s, a shape and %s: %.0f ns a step reduced, %.0f unreduced (%.2f)"):format(rule,
+      tostring(G), a * 1e9, b * 1e9, a / b))
+    all = run
+  end
+end
+local rows, before = 400000, memory()
+local path = all(rows)
+if before then
+  print(("a reduced run of %d rows: %.0f bytes a row, of %d numbers"):format(rows,
+    (memory() - before) / rows, 1 + #path.path.q[1][1] + 7 + #path.path.p[1]))
 end
 
 local least = math.huge

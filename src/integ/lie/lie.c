@@ -23,10 +23,18 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return dm_group_graph(m) ? NULL : "its L must be traced";
 }
 
+/* One velocity a step: its curves are straight in the chart. */
+static int is_straight(const dm_rule *rule, const dm_model *m) {
+    dm_galerkin g;
+    dm_stage_basis(&g, rule, m);
+    return g.s == 1;
+}
+
 /* The chart of one tau; the mass for the first guess where it is no constant. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned mass = m->structure & DM_CONSTANT_MASS ? 0 : DM_WANT_MASS;
-    return (unsigned)DM_WANT_CHART << dm_lie_tau(rule) | mass;
+    const unsigned straight = is_straight(rule, m) ? DM_WANT_STRAIGHT : 0;
+    return (unsigned)DM_WANT_CHART << dm_lie_tau(rule) | straight | mass;
 }
 
 /* ---- memory ---- */
@@ -54,7 +62,7 @@ static void lay_out(dm_lie *e, double *memory) {
     e->b = take(&memory, r);
     e->c = take(&memory, r);
     e->beta = take(&memory, s);
-    e->x = take(&memory, n + 2 * d + 1);
+    e->x = take(&memory, n + 2 * d + 2);
     e->slope = take(&memory, 3 * d);
     e->curve = take(&memory, 3 * d * (2 * d + 1));
     e->V = take(&memory, m);
@@ -64,6 +72,7 @@ static void lay_out(dm_lie *e, double *memory) {
     e->mu_V = take(&memory, d * m);
     e->in = take(&memory, n + 2 * d);
     e->pull = take(&memory, d * (2 * d + 1));
+    e->pulled = take(&memory, d);
     e->end = take(&memory, n + d + (e->group ? e->group->arcs : 0));
     e->memory = take(&memory, 2 + DM_LIE_KEPT * m);
     e->sizes = take(&memory, m);
@@ -83,9 +92,9 @@ static dm_lie sizes(const dm_galerkin *g, const dm_model *m) {
 /* what lay_out takes before `work` */
 static size_t arrays(const dm_lie *e) {
     const size_t n = e->n, d = e->d, s = e->s, r = e->r, m = e->m;
-    const size_t coefficients = 2 * r * s + 2 * r + s, point = n + 2 * d + 1 + 3 * d;
+    const size_t coefficients = 2 * r * s + 2 * r + s, point = n + 2 * d + 2 + 3 * d;
     const size_t end = n + 2 * d + n + d + (e->group ? e->group->arcs : 0);
-    return coefficients + point + 4 * d * (2 * d + 1) + m + 3 * d + d * m + end + 2 +
+    return coefficients + point + 4 * d * (2 * d + 1) + m + 4 * d + d * m + end + 2 +
            DM_LIE_KEPT * m + m;
 }
 
@@ -132,11 +141,14 @@ static dm_status open(dm_stepper *s) {
     lay_out(e, s->work + doubles(sizeof *e));
     fill(e, &g, e->work);
     memset(e->memory, 0, (2 + DM_LIE_KEPT * (size_t)e->m) * sizeof *e->memory);
-    dm_kernel_prepare(&e->group->slope, e->slope);
-    dm_kernel_prepare(&e->group->curve, e->curve);
+    e->at = e->s == 1 ? &e->group->line : &e->group->slope;
+    e->around = e->s == 1 ? &e->group->line_curve : &e->group->curve;
+    dm_kernel_prepare(e->at, e->slope);
+    dm_kernel_prepare(e->around, e->curve);
     dm_kernel_prepare(&e->group->pull, e->pull);
+    dm_kernel_prepare(&e->group->pulled, e->pulled);
     dm_kernel_prepare(end_kernel(e), e->end);
-    s->report.operations = e->group->curve.operations;
+    s->report.operations = e->around->operations;
     return DM_OK;
 }
 

@@ -17,6 +17,27 @@ static void place_point(dm_lie *e, uint32_t i, const double *V) {
     combine(xi, e, e->a + i * e->s, e->h, V);
     combine(xi + e->d, e, e->D + i * e->s, 1.0, V);
     e->x[e->n + 2 * e->d] = e->t + e->c[i] * e->h;
+    if (e->s == 1) e->x[e->n + 2 * e->d + 1] = e->h * e->a[i];
+}
+
+/* of a straight curve: R += b dL/dV, P += h b L_e */
+static void add_line(dm_lie *e, double *R, double *size, uint32_t i, const double *y) {
+    for (uint32_t k = 0; k < e->d; k++) {
+        const double term = e->b[i] * y[e->d + k];
+        e->gain[k] += e->h * e->b[i] * y[k];
+        R[k] += term;
+        size[k] += fabs(term);
+    }
+}
+
+/* derivatives of what it adds */
+static void add_line_curve(dm_lie *e, double *J, uint32_t i) {
+    const uint32_t d = e->d;
+    const double *rows = e->curve + 2 * (size_t)d, b = e->b[i];
+    for (uint32_t k = 0; k < d * d; k++) {
+        e->mu_V[k] += e->h * b * rows[k];
+        J[k] += b * rows[d * d + k];
+    }
 }
 
 /* R += b [h a_j L_xi + d_j L_rate], P += h b L_e; the size of the terms in size[m] */
@@ -57,20 +78,34 @@ static void add_curves(dm_lie *e, double *J, uint32_t i) {
     }
 }
 
-/* b = dtau_R(xi1)^T mu and its derivatives */
-static void pull(dm_lie *e, const double *V) {
+/* what a point gives the equation */
+static void add_point(dm_lie *e, double *R, double *J, double *size, uint32_t i) {
+    const double *y = J ? e->curve : e->slope;
+    if (e->s == 1) {
+        add_line(e, R, size, i, y);
+        if (J) add_line_curve(e, J, i);
+        return;
+    }
+    add_slopes(e, R, size, i, y);
+    if (J) add_curves(e, J, i);
+}
+
+/* b = dtau_R(xi1)^T mu, and where they are asked for its derivatives */
+static const double *pull(dm_lie *e, const double *V, int with_curve) {
     combine(e->xi, e, e->beta, e->h, V);
     memcpy(e->in, e->xi, e->d * sizeof *e->in);
     memcpy(e->in + e->d, e->mu, e->d * sizeof *e->in);
-    dm_kernel_eval(&e->group->pull, e->in, e->pull);
+    double *out = with_curve ? e->pull : e->pulled;
+    dm_kernel_eval(with_curve ? &e->group->pull : &e->group->pulled, e->in, out);
+    return out;
 }
 
 /* R -= beta_j b */
-static void subtract_end(dm_lie *e, double *R, double *size) {
+static void subtract_end(dm_lie *e, double *R, double *size, const double *pulled) {
     for (uint32_t j = 0; j < e->s; j++)
         for (uint32_t k = 0; k < e->d; k++) {
-            R[j * e->d + k] -= e->beta[j] * e->pull[k];
-            size[j * e->d + k] += fabs(e->beta[j] * e->pull[k]);
+            R[j * e->d + k] -= e->beta[j] * pulled[k];
+            size[j * e->d + k] += fabs(e->beta[j] * pulled[k]);
         }
 }
 
@@ -103,15 +138,12 @@ dm_status dm_lie_equation(void *lie, double *R, double *J, const double *V) {
     if (J) memset(J, 0, (size_t)m * m * sizeof *J);
     if (J) memset(e->mu_V, 0, (size_t)e->d * m * sizeof *e->mu_V);
     for (uint32_t i = 0; i < e->r; i++) {
-        const double *y = J ? e->curve : e->slope;
         place_point(e, i, V);
-        dm_kernel_eval(J ? &e->group->curve : &e->group->slope, e->x, J ? e->curve : e->slope);
-        add_slopes(e, R, size, i, y);
-        if (J) add_curves(e, J, i);
+        dm_kernel_eval(J ? e->around : e->at, e->x, J ? e->curve : e->slope);
+        add_point(e, R, J, size, i);
     }
     for (uint32_t k = 0; k < e->d; k++) e->mu[k] = e->state[e->n + k] + e->gain[k];
-    pull(e, V);
-    subtract_end(e, R, size);
+    subtract_end(e, R, size, pull(e, V, J != NULL));
     if (J) subtract_end_curves(e, J);
     e->size = largest(size, m);
     return DM_OK;

@@ -16,7 +16,8 @@ typedef struct {
     double h, t;                  /* of this step */
     double *a, *D, *b, *c, *beta; /* [r*s], [r*s], [r], [r], [s]: coefficients */
     double *state;                /* of the run: q[n], p[n] ... */
-    double *x;                    /* [n + 2d + 1] inputs of a point */
+    const dm_kernel *at, *around; /* slope and curve of the group; s = 1: line and line_curve */
+    double *x;                    /* [n + 2d + 2] inputs of a point */
     double *slope;                /* [3d] at a point */
     double *curve;                /* [3d (2d + 1)] at a point, then */
     double *V;                    /* [m] the unknowns */
@@ -26,6 +27,7 @@ typedef struct {
     double *mu_V;                 /* [d * m] its derivative */
     double *in;                   /* [n + 2d] inputs of pull and finish */
     double *pull;                 /* [d (2d + 1)] */
+    double *pulled;               /* [d] */
     double *end;                  /* [n + d + arcs] */
     double *work;                 /* of Newton's method, or of the Legendre transform */
     double *sizes;                /* [m] of the terms of each equation */

@@ -154,12 +154,16 @@ end)
 local Sp4 = dm.Sp(4)
 local large = dm.system { Q = Sp4, L = function(_, x) return x:dot(x) / 2 end }
 raises("lie(s, cayley) needs far fewer", function()
-  large:solver { rule = "lie(1)", h = 0.1 }:run { q = Sp4:identity(), v = dm.zeros(10), steps = 1 }
+  large:solver { rule = "lie(2)", h = 0.1 }:run { q = Sp4:identity(), v = dm.zeros(10), steps = 1 }
 end)
 local swirl = {}
 for i = 1, 10 do swirl[i] = 0.01 * i end
 local kept = large:solver { rule = "lie(1, cayley)", h = 0.05 }:run { q = Sp4:identity(), v = swirl,
   steps = 100 }
 ok(far(kept:momentum(Sp4)[101], kept.p[1]) < 1e-13, "spatial momentum on Sp(4)")
+local straight = large:solver { rule = "lie(1)", h = 0.05 }:run { q = Sp4:identity(), v = swirl,
+  steps = 100 }
+ok(far(straight:momentum(Sp4)[101], straight.p[1]) < 1e-13, "by exp, whose curves are straight")
+ok(far(straight.p[101], kept.p[101]) < 1e-4, "and the motion is that of the Cayley map")
 
 tap.done()
