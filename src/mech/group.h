@@ -69,7 +69,7 @@ typedef struct dm_group {
     /* take (q0[n], xi[d], rate[d], t): L_e, L_xi, L_rate of L(g0 near(e) tau(xi), velocity, t) at
      * e = 0, forces added: [3d]; then their derivatives in (xi, rate), row by row [3d][2d] */
     dm_kernel slope, curve;
-    /* of curves tau(a V), with the velocity V where tau is exp; take (q0[n], unused[d], V[d], t, a):
+    /* of curves tau(a V), velocity V where tau is exp; take (q0[n], unused[d], V[d], t, a):
      * L_e, dL/dV [2d]; then their derivatives by V, row by row [2d][d] */
     dm_kernel line, line_curve;
     dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
