@@ -3297,15 +3297,15 @@ function dm_path_class:npy(file) end
 
 ---path:phases() -> {total, dynamic, geometric}
 ---
----How far the group variable has come along a path of a reduced system. On SO(3) (dm.euler_poincare,
----dm.lagrange_poincare): dm.vectors of a number a row, about the spatial momentum J and not wrapped.
+---How far the group variable has come along a path of a reduced system. On SO(3) or SU(2), alone or
+---as one factor of Q: dm.vectors of a number a row, about the spatial momentum J and not wrapped.
 ---total is the turn of g_k S g_0^-1 about J, S the shortest rotation from the first body momentum to
 ---that of row k; dynamic sums what turn a step has beyond the shortest rotation between its body
 ---momenta; geometric is minus the area of their geodesic polygon, closed to the start; the sum is
----exact for the rows that are kept. Of an abelian group each is a dm.matrix, #path x dim
----G: dynamic, h sum_j b_j I^-1 (mu - c) over the stages, what the momentum alone would turn, and
----geometric, -h sum_j b_j A x', the holonomy of the mechanical connection along the shapes (Marsden,
----Montgomery & Ratiu 1990).
+---exact for the rows that are kept. Raises where J is not kept or rows are half a turn apart. Of an
+---abelian group each is a dm.matrix, #path x dim G: dynamic, h sum_j b_j I^-1 (mu - c) over the
+---stages, what the momentum alone would turn, and geometric, -h sum_j b_j A x', the holonomy of the
+---mechanical connection along the shapes (Marsden, Montgomery & Ratiu 1990).
 ---@return table
 function dm_path_class:phases() end
 

@@ -30,7 +30,7 @@ floors.lua = {
   "dec/flow", "dec/pictures",
   "dec/dynamics", "line", "mpi", "sweep", "reference",
   "chart", "measure", "sem", "trial", "stability",
-  "reduce/routh", "reduce/discrete", "reduce/mechanical", "reduce/equilibria", "reduce/run", "reduce/lagrange_poincare",
+  "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce/lagrange_poincare", "reduce/mechanical",
   "reduce", "scene", "demos/line", "demos", "session/transcripts", "session", "notebook",
   "cite",
 }

@@ -62,11 +62,13 @@ function M.part(x, first, n)
   return core.vector(out)
 end
 
---- a, then b, as a vector.
-function M.joined(a, b)
-  local out = {}
-  for i = 1, #a do out[i] = a[i] end
-  for i = 1, #b do out[#a + i] = b[i] end
+--- Lists or vectors one after the other, as a vector.
+function M.joined(...)
+  local out, first = {}, 0
+  for _, list in ipairs { ... } do
+    for i = 1, #list do out[first + i] = list[i] end
+    first = first + #list
+  end
   return core.vector(out)
 end
 

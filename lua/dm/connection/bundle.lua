@@ -64,23 +64,24 @@ end
 
 local NEAR = 1e-9  -- how far apart points of one fibre may be, by round-off
 
--- whole turns apart are one angle
+-- beside the size of the coordinates, and as it is; whole turns apart are one angle
 local function apart(bundle, a, b)
-  local worst = 0
+  local worst, gap = 0, 0
   for i = 1, bundle.n do
     local d = a[i] - b[i]
-    if type(d) ~= "number" then return 0 end  -- symbols are taken at their word
+    if type(d) ~= "number" then return 0, 0 end  -- symbols are taken at their word
     if bundle.angles[i] then d = math.fmod(d, 2 * pi) end
     if bundle.angles[i] and abs(d) > pi then d = 2 * pi - abs(d) end
+    gap = math.max(gap, abs(d))
     worst = math.max(worst, abs(d) / (1 + (bundle.angles[i] and 0 or abs(a[i]))))
   end
-  return worst
+  return worst, gap
 end
 
 --- Do two points of the base agree, angles up to whole turns? And how far apart they are.
 function M.agree(bundle, a, b)
-  local off = apart(bundle, a, b)
-  return off <= NEAR, off
+  local off, gap = apart(bundle, a, b)
+  return off <= NEAR, gap
 end
 
 --- Raises where two points are of different fibres.

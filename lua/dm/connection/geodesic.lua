@@ -56,14 +56,6 @@ end
 
 ---- the flow over one unit of time ----
 
-local function joined(...)
-  local out = {}
-  for _, list in ipairs { ... } do
-    for i = 1, #list do out[#out + 1] = list[i] end
-  end
-  return core.vector(out)
-end
-
 -- the right-hand side on y = (x, p, mu, theta, phi)
 local function field(B, metric, form)
   local n, d, kit = B.n, B.d, B.kit
@@ -73,7 +65,7 @@ local function field(B, metric, form)
     local theta, phi = lists.part(y, 2 * n + d, d), lists.part(y, 2 * (n + d), d)
     local w = metric(x):solve(momenta)
     local u, xi = lists.part(w, 0, n), lists.part(w, n, d)
-    return joined(u, lists.part(slope(x, w), 0, n), kit.coad(xi, lists.part(momenta, n, d)),
+    return lists.joined(u, lists.part(slope(x, w), 0, n), kit.coad(xi, lists.part(momenta, n, d)),
       kit.dexpinv(-theta, xi), kit.dexpinv(-phi, -(form(x) * u)))
   end
 end
@@ -111,7 +103,7 @@ end
 
 -- x(1), theta(1) and phi(1) of the geodesic that begins at x with the velocity w
 local function shoot(B, metric, f, x, w)
-  local y = flow(f, joined(x, metric(x) * w, lists.zeros(2 * B.d)), B.n + B.d)
+  local y = flow(f, lists.joined(x, metric(x) * w, lists.zeros(2 * B.d)), B.n + B.d)
   return lists.part(y, 0, B.n), lists.part(y, 2 * B.n + B.d, B.d),
     lists.part(y, 2 * (B.n + B.d), B.d)
 end
@@ -122,10 +114,10 @@ local FAR = "are the points near enough for one geodesic between them?"
 local function to_a_point(B, metric, f)
   local m = B.n + B.d
   local root = core.root { name = "the geodesic", unknowns = m, failure = FAR,
-    start = function(x0, x1, theta) return joined(x1 - x0, theta) end,
+    start = function(x0, x1, theta) return lists.joined(x1 - x0, theta) end,
     equations = function(w, x0, x1, theta)
       local x, turned = shoot(B, metric, f, core.vector(x0), core.vector(w))
-      return joined(x - core.vector(x1), turned - core.vector(theta))
+      return lists.joined(x - core.vector(x1), turned - core.vector(theta))
     end }
   return core.trace(function(x0, x1, theta)
     return (select(3, shoot(B, metric, f, x0, core.vector(root(x0, x1, theta)))))
@@ -138,11 +130,11 @@ local function to_a_fibre(B, metric, form, f)
   local root = core.root { name = "the horizontal geodesic", unknowns = m, failure = FAR,
     start = function(x0, x1)
       local u = core.vector(x1) - core.vector(x0)
-      return joined(u, -(form(core.vector(x0)) * u))
+      return lists.joined(u, -(form(core.vector(x0)) * u))
     end,
     equations = function(w, x0, x1)
       local x, theta, phi = shoot(B, metric, f, core.vector(x0), core.vector(w))
-      return joined(x - core.vector(x1), theta - phi)
+      return lists.joined(x - core.vector(x1), theta - phi)
     end }
   return core.trace(function(x0, x1)
     return (select(3, shoot(B, metric, f, x0, core.vector(root(x0, x1)))))

@@ -230,6 +230,27 @@ local p = body:solver { rule = "lie(2)", h = 15.22285740158978 / 400 }
 near(math.atan(sin(p.total[401] - 3.140263738475), cos(p.total[401] - 3.140263738475)), 0, 1e-6,
   "the phase of a period, by Euler-Poincare")
 near(p.total[401], p.dynamic[401] + p.geometric[401], 1e-11, "and its sum")
+-- the same motion right-trivialized, on the cover, with a shape, and without reduction
+local inertia = dm.matrix { { 1, 0, 0 }, { 0, 1.6, 0 }, { 0, 0, 2.5 } }
+local function spun(system, start)
+  start.steps = 100
+  return system:solver { rule = "lie(4)", h = 0.05 }:run(start):phases()
+end
+local function energy(w) return w:dot(inertia * w) / 2 end
+local turned = spun(dm.euler_poincare { group = G, l = energy }, { p = { 0.5, 0.4, 1.2 } })
+local others = {
+  right = spun(dm.system { Q = G, trivialization = "right",
+    L = function(g, w) return energy(g:transpose() * w) end },
+    { q = G:identity(), p = { 0.5, 0.4, 1.2 } }),
+  cover = spun(dm.euler_poincare { group = dm.SU(2), l = energy }, { p = { 0.5, 0.4, 1.2 } }),
+  product = spun(dm.system { Q = dm.product(R1, G),
+    L = function(_, v) return energy(v:slice(2, 4)) + v[1] ^ 2 / 2 end },
+    { q = { { 0 }, G:identity() }, p = { 0.3, 0.5, 0.4, 1.2 } }),
+}
+for name, other in pairs(others) do
+  near(other.total[101], turned.total[101], 1e-9, "phases, " .. name)
+  near(other.geometric[101], turned.geometric[101], 1e-9, "and their area, " .. name)
+end
 
 ---- what is refused ----
 
@@ -271,6 +292,18 @@ end)
 raises("phases are known for SO(3)", function()
   dm.system { Q = cases[2].Q, L = cases[2].L }:reduce { group = dm.SE(2), rule = "lie(1)", h = 0.1 }
     :solver():run { x = 0.1, p = 0, mu = { 1, 0, 1 }, steps = 2 }:phases()
+end)
+raises("spatial momentum is not kept", function()
+  spun(dm.system { Q = G, L = function(g, w) return energy(w) - g[3][3] end },
+    { q = G:identity(), p = { 0.5, 0.4, 1.2 } })
+end)
+raises("more than half a turn is not seen in rows", function()
+  body:solver { rule = "lie(2)", h = 0.05 }:run { p = { 0.5, 0.4, 1.2 }, steps = 200, every = 100 }
+    :phases()
+end)
+raises("not for SO(3) x SO(3)", function()
+  spun(dm.system { Q = dm.product(G, G), L = function(_, v) return v:dot(v) / 2 end },
+    { q = { G:identity(), G:identity() }, p = { 1, 0, 0, 0, 1, 0 } })
 end)
 raises("momentum is zero", function()
   top:solver():run { mu = { 0, 0, 0 }, steps = 2 }:phases()

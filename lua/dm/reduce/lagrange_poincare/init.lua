@@ -67,11 +67,7 @@ local function assemble(S, system, given, way, where)
       { places = places_of(S, P), name = "lagrange-poincare", order = 1 })
     require "dm.measure.declared_order".trust(rule, system) -- that of l is the script's
   end
-  local base
-  for i, part in ipairs(S.factors) do
-    if i ~= S.factor then base = base and core.product(base, part) or part end
-  end
-  return setmetatable({ space = S, group = given.group, base = base, h = given.h, way = way,
+  return setmetatable({ space = S, group = given.group, base = S.base, h = given.h, way = way,
     system = system, rule = rule, connection = given.connection, by = way.name, name = given.name },
     Class)
 end

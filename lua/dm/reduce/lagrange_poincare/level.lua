@@ -107,12 +107,8 @@ end
 
 local function assemble(system, given, S)
   local J = read_mu(given, S.r)
-  local base
-  for i, factor in ipairs(S.factors) do
-    if i ~= S.factor then base = base and core.product(base, factor) or factor end
-  end
   local isotropy = isotropy_of(S.kit, J)
-  local self = setmetatable({ space = S, system = system, group = S.group, base = base, mu = J,
+  local self = setmetatable({ space = S, system = system, group = S.group, base = S.base, mu = J,
     isotropy = isotropy, orbit = S.r - #isotropy, dimension = 2 * S.d + S.r - #isotropy,
     f = functions_of(S, system) }, Class)
   check_inertia(self)

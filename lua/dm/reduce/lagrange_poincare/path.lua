@@ -116,12 +116,7 @@ path:reconstruct{g=} -> dm.reduced_path
 The run on Q over a reduced one that begins at the element g (default: the identity), g_(k+1) = g_k
 f_k: the same rows, with elements .g and a dm.path .path on Q.]])
 
-method("phases", function(self)
-  local S = self.lp.space
-  local elements, momenta = {}, self.mu
-  for k = 1, #self do elements[k] = select(2, space.split(S, self.path.q[k])) end
-  return require "dm.reduce.run.phases".of_rows(S.group, elements, momenta)
-end, [[
+method("phases", function(self) return require "dm.reduce.run.phases".of_path(self.path) end, [[
 path:phases() -> {total, dynamic, geometric}
 Of a run on SO(3): how far the body has turned about its spatial momentum J, a dm.vector of a number
 a row, not wrapped: see path:phases of dm.path.]])

@@ -30,23 +30,26 @@ local function check_base(part, where)
   local kit = kits.of(part)
   if kit.manifold or not (kit.abelian or kit.euclidean) or not kit.vectors then
     option.fail(where, "the shapes are vectors, so the other factors of Q must be dm.R(n), "
-      .. "dm.T(n) or "
-      .. "dm.SO(2), not %s", tostring(part))
+      .. "dm.T(n) or dm.SO(2), not %s: take a chart of it", tostring(part))
   end
 end
 
 --- How Q splits: { Q, group, kit, factor, d (of the base), r (of the group), shape and body (lists
--- of places in velocities and momenta), factors }.
+-- of places in velocities and momenta), factors, rest (those of the base), base (nil: none) }.
 function M.of(Q, group, wanted, where)
   local k, first = find(Q, group, wanted, where), 0
   local out = { Q = Q, group = group, kit = kits.of(group), factor = k, shape = {}, body = {},
-    factors = factors_of(Q), single = Q.parts == nil }
+    factors = factors_of(Q), rest = {}, single = Q.parts == nil }
   for i, part in ipairs(out.factors) do
-    if i ~= k then check_base(part, where) end
+    if i ~= k then
+      check_base(part, where)
+      out.rest[#out.rest + 1] = part
+    end
     local places = i == k and out.body or out.shape
     for j = 1, part.dimension do places[#places + 1] = first + j end
     first = first + part.dimension
   end
+  out.base = #out.rest > 1 and core.product(table.unpack(out.rest)) or out.rest[1]
   out.d, out.r, out.D = #out.shape, #out.body, first
   return out
 end

@@ -58,14 +58,39 @@ local function directions(momenta)
   return out
 end
 
---- Of elements and body momenta, lists of rows; the group must be SO(3).
-function M.of_rows(group, elements, momenta)
-  if kits.of(group) ~= kits.of(core.SO(3)) then
-    error(("%s: of groups that are not abelian phases are known for SO(3), not for %s (abelian "
-      .. "groups: system:routh)"):format(WHERE, tostring(group)), 0)
+local KEPT = 1e-6  -- how far the direction of J may move: rules that are not symplectic keep it so
+
+-- raises where g mu has left its first direction
+local function check_kept(elements, mu, axis)
+  for k = 2, #elements do
+    local off = (elements[k] * mu[k] - axis):norm()
+    if not (off <= KEPT) then
+      error(("%s: the spatial momentum is not kept: its direction is off by %.3g in row %d; phases "
+        .. "are of motions without torque, whose L does not see g"):format(WHERE, off, k), 0)
+    end
   end
+end
+
+-- raises where rows that are several steps apart are half a turn apart, by the body velocity; a
+-- step itself turns by less
+local function check_rows(path, first)
+  local t, h = path.t, math.abs(path.h)
+  for k = 2, #path do
+    local far = math.abs(t[k] - t[k - 1]) > 1.5 * h
+    local speed = far and path.system:velocity(path.q[k], path.p[k]):slice(first + 1, first + 3)
+    local turn = far and math.abs(t[k] - t[k - 1]) * speed:norm()
+    if far and turn >= math.pi then
+      error(("%s: the body turns by about %.3g rad from row %d to the next: more than half a turn "
+        .. "is not seen in rows, keep more of them (every =)"):format(WHERE, turn, k - 1), 0)
+    end
+  end
+end
+
+-- of rotations and body momenta, lists of rows
+local function of_rows(elements, momenta)
   local mu = directions(momenta)
   local axis = elements[1] * mu[1]
+  check_kept(elements, mu, axis)
   local total, dynamic, geometric = { 0 }, { 0 }, { 0 }
   for k = 2, #elements do
     local here, before = elements[k], elements[k - 1]
@@ -80,11 +105,48 @@ function M.of_rows(group, elements, momenta)
     geometric = core.vector(geometric) }, class)
 end
 
---- Of a dm.path on a group that dm.euler_poincare made.
+-- the rotation of an element, of SO(3) or of its cover
+local function rotation_of(group)
+  local kit = kits.of(group)
+  if kit == kits.of(core.SO(3)) then return function(g) return g end end
+  if kit == kits.of(core.SU(2)) then return require "dm.group.so3".rotation end
+end
+
+-- the factor of a product that turns, where there is one: its number, where it begins in momenta,
+-- and its rotations; of a group that is none, number 0
+local function turning(Q)
+  local found, first
+  local count = 0
+  for k, part in ipairs(Q.parts or {}) do
+    if rotation_of(part) and not found then
+      found, first = k, count
+    elseif rotation_of(part) then
+      return
+    end
+    count = count + part.dimension
+  end
+  if found then return found, first, rotation_of(Q.parts[found]) end
+  return 0, 0, rotation_of(Q)
+end
+
+--- Of a dm.path on a group.
 function M.of_path(path)
-  local q, mu, elements, momenta = path.q, path.mu, {}, {}
-  for k = 1, #path do elements[k], momenta[k] = q[k], mu[k] end
-  return M.of_rows(path.system.Q, elements, momenta)
+  local Q, place = path.system.Q, path.system.place
+  local factor, first, rotation = turning(Q)
+  if not rotation then
+    error(("%s: of groups that are not abelian phases are known for SO(3) and SU(2), alone or as "
+      .. "one factor of a product, not for %s (abelian groups: system:routh)"):format(WHERE,
+      tostring(Q)), 0)
+  end
+  local q, p, elements, momenta = path.q, path.p, {}, {}
+  for k = 1, #path do
+    local g = q[k]
+    elements[k] = rotation(factor > 0 and g[factor] or g)
+    momenta[k] = p[k]:slice(first + 1, first + 3)
+    if place.right then momenta[k] = elements[k]:transpose() * momenta[k] end
+  end
+  check_rows(path, first)
+  return of_rows(elements, momenta)
 end
 
 return M
