@@ -182,6 +182,15 @@ for _, row in ipairs { { "SO(2)", dm.SO(2) }, { "SE(2)", dm.SE(2) }, { "SE(3)", 
   ok(v:norm() < 1e-12 and w:norm() < 1e-12, row[1] .. " over angles: Ver and Hor vanish", w:norm())
 end
 
+-- a semidirect product is one group, not a product
+local motions = dm.semidirect(G, dm.R(3))
+local alone = dm.system { Q = motions,
+  L = function(_, v) return v:dot(v) / 2 + 0.3 * v[1] * v[6] end }
+  :reduce { group = motions, rule = "lie(2)", h = 0.05 }
+local carried = alone:solver():run { mu = { 0.1, 0.2, 0.3, 0.4, 0.5, 0.6 }, steps = 50 }
+near((motions:coAd(carried:reconstruct {}.g[51], carried.mu[51]) - carried.mu[1]):norm(), 0, 1e-14,
+  "SO(3) |x R^3 without a shape")
+
 -- far from the origin: m + x times p keeps its digits while x grows (150 and 160 away)
 for _, K in ipairs { dm.SE(2), dm.SE(3), dm.Heisenberg(3) } do
   local r = K.dimension

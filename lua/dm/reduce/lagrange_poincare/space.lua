@@ -7,8 +7,8 @@ local option = require "dm.base.options"
 
 local M = {}
 
--- factors of Q: Q itself where it is none
-local function factors_of(Q) return Q.parts or { Q } end
+-- factors of Q: Q itself where it is no direct product
+local function factors_of(Q) return kits.of(Q).parts and Q.parts or { Q } end
 
 -- which factor is the group: of equal ones the first, or number `wanted`
 local function find(Q, group, wanted, where)
@@ -39,7 +39,7 @@ end
 function M.of(Q, group, wanted, where)
   local k, first = find(Q, group, wanted, where), 0
   local out = { Q = Q, group = group, kit = kits.of(group), factor = k, shape = {}, body = {},
-    factors = factors_of(Q), rest = {}, single = Q.parts == nil }
+    factors = factors_of(Q), rest = {}, single = kits.of(Q).parts == nil }
   for i, part in ipairs(out.factors) do
     if i ~= k then
       check_base(part, where)

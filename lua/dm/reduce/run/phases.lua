@@ -117,7 +117,7 @@ end
 local function turning(Q)
   local found, first
   local count = 0
-  for k, part in ipairs(Q.parts or {}) do
+  for k, part in ipairs(kits.of(Q).parts and Q.parts or {}) do
     if rotation_of(part) and not found then
       found, first = k, count
     elseif rotation_of(part) then
