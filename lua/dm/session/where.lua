@@ -43,6 +43,12 @@ function M.folder(name)
   fail("%s did not come with this dmlua", name)
 end
 
-function M.command(name) print(M.folder(name)) end
+--- `dmlua --where name`: prints the folder, or what is wrong and ends with 1.
+function M.command(name)
+  local fine, folder = pcall(M.folder, name)
+  if fine then return print(folder) end
+  io.stderr:write("dmlua: ", tostring(folder), "\n")
+  os.exit(1, true)
+end
 
 return M
