@@ -75,9 +75,9 @@ void dm_cells_split_close(dm_cells_split *s) {
 
 typedef double v4 __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* high + low += x of four entries (numbers/compensated.h) */
-static inline void add_four(double *high, double *low, v4 x) {
-    const v4 a = *(v4 *)(void *)high, e = *(v4 *)(void *)low + x, sum = a + e;
+/* high + low += *x of four entries (numbers/compensated.h) */
+static inline void add_four(double *high, double *low, const v4 *x) {
+    const v4 a = *(v4 *)(void *)high, e = *(v4 *)(void *)low + *x, sum = a + e;
     *(v4 *)(void *)low = e + (a - sum);
     *(v4 *)(void *)high = sum;
 }
@@ -94,13 +94,15 @@ static void move_block(const dm_cells_split *s, const dm_cells_move *v, uint32_t
     for (; k + 4 <= count; k += 4) {
         const v4 f = *(const v4 *)(const void *)(force + k);
         const v4 weight = *(const v4 *)(const void *)(w + k);
-        if (v->kicks) add_four(p + k, low_p + k, v->kick * f);
+        const v4 kick = v->kick * f, begin = v->begin * f;
+        if (v->kicks) add_four(p + k, low_p + k, &kick);
         v4 now = *(v4 *)(void *)(p + k);
         if (v->begins) {
-            now += v->begin * f;
-            *(v4 *)(void *)(low_p + k) += v->begin * f;
+            now += begin;
+            *(v4 *)(void *)(low_p + k) += begin;
         }
-        if (v->drift != 0.0) add_four(x + k, low_q + k, (v->drift * weight) * now);
+        const v4 drift = (v->drift * weight) * now;
+        if (v->drift != 0.0) add_four(x + k, low_q + k, &drift);
     }
     for (; k < count; k++) {
         if (v->kicks) dm_sum_add(p + k, low_p + k, v->kick * force[k]);
