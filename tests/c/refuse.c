@@ -74,10 +74,11 @@ static int script(lua_State *L) {
     return 0;
 }
 
+/* luaL_checkstack says "stack overflow" where the stack could not grow, too */
 static int about_memory(lua_State *L, int status) {
     if (status == LUA_OK || status == LUA_ERRMEM) return 1;
     const char *said = luaL_tolstring(L, -1, NULL);
-    return strstr(said, "memory") != NULL;
+    return strstr(said, "memory") || strstr(said, "stack overflow");
 }
 
 typedef struct {
