@@ -91,3 +91,23 @@ for _, given in ipairs { { grid = 408 }, { bcc = 27 } } do
   for k = 0, K.dimension do cells = cells + K:count(k) end
   seconds("Betti numbers, dimension " .. K.dimension, cells, "cells of any degree", make, function(x) x:betti() end)
 end
+
+print "\ngrowth: ns a cell, three sizes"
+for _, key in ipairs { "icosphere", "cube_tiling" } do
+  for k = 2, 0, -1 do
+    race(key, of_arrays(named[key](key == "icosphere" and level - k or math.tointeger((side + 2) // 2 ^ k))))
+  end
+end
+for _, size in ipairs { 100, 200, 400 } do
+  local best, cells = math.huge, 0
+  for _ = 1, 5 do
+    collectgarbage()
+    local began = os.clock()
+    local K = dm.mesh { grid = size }
+    K:betti()
+    best, cells = math.min(best, os.clock() - began), 0
+    for k = 0, K.dimension do cells = cells + K:count(k) end
+  end
+  print(("%-28s dmlua                %9.1f ns a cell   (%d cells of any degree)"):format("grid and Betti numbers", best / cells * 1e9,
+    cells))
+end
