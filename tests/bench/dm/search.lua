@@ -14,7 +14,7 @@ local RULES = { "gauss(8, 6)", "gauss(8, 8)", "gauss(8, 7)", "gauss(8, 5)", "gau
   "sofroniou-spaletta(10)", "kahan-li(8)", "suzuki-umeno(8)", "kahan-li(6)", "blanes-moan(6, 14)",
   "blanes-moan(6, 11)", "blanes-moan(4)", "suzuki(4)", "mclachlan(4)", "yoshida(6)", "yoshida(4)",
   "log-hamiltonian(sofroniou-spaletta(10))", "log-hamiltonian(kahan-li(8))", "log-hamiltonian(verlet)",
-  "stoermer(16)", "stoermer(12)", "verlet", "midpoint" }
+  "verlet", "midpoint" }
 local RULES_ON_GROUPS = { "gauss(8)", "gauss(7)", "gauss(6)", "gauss(5)", "gauss(4)", "gauss(3)", "gauss(8, 8)", "gauss(8, 6)", "lie(4)",
   "lie(3)", "lie(2)", "lie(1)", "rotations(8)", "rotations(6)", "rotations(4)", "rotations(2)", "rkmk4" }
 

@@ -1,4 +1,4 @@
--- pictures.lua FOLDER IMAGES: work-precision charts with gnuplot, one for each problem
+-- pictures.lua FOLDER IMAGES: work-precision charts with gnuplot, one for each problem, in dm's colours (dmlua runs it)
 package.path = arg[0]:match "^(.*/)" .. "?.lua;" .. package.path
 local results = require "results"
 local folder, images = arg[1], arg[2]
@@ -12,7 +12,7 @@ local TITLES = { ["P1-0.6"] = "Kepler, e = 0.6, 100 periods", ["P1-0.9"] = "Kepl
   ["P6-1e6"] = "stiff spring, k = 1e6, T = 16", ["P8-toda-1024"] = "Toda chain, N = 1024, T = 16",
   ["P8-fpu-1024"] = "FPU-beta chain, N = 1024, T = 16", ["P8-toda-32"] = "Toda chain, N = 32, T = 100",
   ["P8-fpu-32"] = "FPU-beta chain, N = 32, T = 100" }
-local COLOURS = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#999933" } -- Okabe & Ito, and two
+local COLOURS = dm.palette "lines"
 local SHARE = { bound = 3, dmlua = 6, peer = 3 }
 
 local SWEPT = 2  -- rules with a fixed number of sweeps in a picture: the others solve their steps to round-off
@@ -60,7 +60,8 @@ local function style(side, i)
   if side == "bound" then return ("lw 4 lc rgb '#%s' pt 0"):format(({ "202020", "707070", "a8a8a8" })[i] or "c8c8c8") end
   local colour = COLOURS[(i - 1) % #COLOURS + 1]
   if side == "peer" then return ("lw 1.5 dt 2 pt 4 ps 0.8 lc rgb '%s'"):format(({ "#7a0019", "#b8860b", "#4b0082" })[i]) end
-  return ("lw 2 pt 7 ps 0.8 lc rgb '%s'"):format(colour)
+  local shape = i <= #COLOURS and 7 or 9 -- the seventh line has the first one's colour, and triangles
+  return ("lw 2 pt %d ps 0.8 lc rgb '%s'"):format(shape, colour)
 end
 
 local function draw(key)

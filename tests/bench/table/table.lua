@@ -79,8 +79,8 @@ for _, name in ipairs(order) do
   end
   for _, row in ipairs(what[name]) do
     print(("%-38s %-6s %-24s %10.2f %8s %6s"):format(name, row.side, row.method, row.ns,
-      row.newton > 0 and ("%.2f"):format(row.newton) or "", ratio(row.ns, bound.ns)))
-    if row.side == "dmlua" then
+      row.newton > 0 and ("%.2f"):format(row.newton) or "", bound and ratio(row.ns, bound.ns) or ""))
+    if bound and row.side == "dmlua" then
       write_row { name, nil, row.method, row.ns, bound.ns, ("%.3f"):format(row.ns / bound.ns), peer and peer.method,
         peer and peer.ns, bound.method, nil, load }
     end
