@@ -132,7 +132,12 @@ M.load = blame.caller(function(file, given)
   local handle, why = io.open(file, "rb")
   if not handle then option.fail("dm.load", "cannot open %s", why) end
   local fine, names, columns, counts
-  local is_journal = handle:read(8) == journal.HEAD
+  local head, unreadable = handle:read(8) -- nil alone: an empty file
+  if unreadable then
+    handle:close()
+    option.fail("dm.load", "cannot read %s: %s", file, unreadable)
+  end
+  local is_journal = head == journal.HEAD
   handle:seek("set")
   if is_journal then
     fine, names, columns = pcall(require "dm.data.journal_columns".columns, file)
