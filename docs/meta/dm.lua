@@ -3693,9 +3693,9 @@ local dm_solver_class = {}
 ---@return table
 function dm_solver_class:backward_error(options) end
 
----solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, project=, energy=} -> dm.ensemble
+---solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, project=, energy=, a=} -> dm.ensemble
 ---
----Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. Raises dm.failure with the ensemble as its path on Ctrl-C.
+---Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). Raises dm.failure with the ensemble as its path on Ctrl-C.
 ---journal = "file": finished ranges of members are kept in this file; the same call goes on where it
 ---stopped, and one that is finished is only read. The file is refused where the system, the rule, h,
 ---steps or members are others, or where a member that is run again differs. ensemble.journal is
@@ -5578,9 +5578,9 @@ function dm.embeddable(D, options) end
 ---g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
 ---as gravity in a heavy top. Or that of a system on a group whose L or H does not
 ---depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
----start) and begin at the identity; path.p is the body momentum, also path.mu, which moves on a
----coadjoint orbit; path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps
----mu1(f_(k-1)) = mu0(f_k) (Leok 5.4).
+---start) and begin at the identity, as those of ensembles and exponents do; path.p is the body
+---momentum, also path.mu, which moves on a coadjoint orbit; path:reconstruct{q = g0} is the path on
+---the group that begins at g0. lie(s) steps mu1(f_(k-1)) = mu0(f_k) (Leok 5.4).
 ---@param options? table
 ---@return dm.system|any
 function dm.euler_poincare(options) end

@@ -49,13 +49,15 @@ function M.list(x, system, key)
 end
 
 --- A copy of the options with q, v, p (and tangent vectors u, dp) as lists; `of`: a system or a
--- solver of one, without it names stay.
+-- solver of one, without it names stay. A reduced system (dm.euler_poincare) begins at the identity.
 function M.lists(options, of)
   if type(options) ~= "table" then return options end
   local system = type(of) == "userdata" and (of.system or of)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   for _, key in ipairs(KEYS) do out[key] = M.list(out[key], system, key) end
+  local place = system and system.place
+  if place and place.reduced then place.reduced.start(options, out) end
   return out
 end
 

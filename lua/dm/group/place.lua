@@ -246,17 +246,31 @@ local function on_group(place, q, project)
   return place.flat(kit.project(g))
 end
 
--- a reduced system begins at the identity, with the quantity that it carries along
+-- a reduced system (dm.euler_poincare) knows its own start
 local function start_reduced(place, options, out)
-  local reduced = place.reduced
-  if options.a ~= nil and not (reduced and reduced.takes_a) then
+  if place.reduced then place.reduced.start(options, out) end
+  if out.a ~= nil then
     error("field 'a': this system carries no quantity along (dm.euler_poincare, advected =)", 0)
   end
-  if not reduced then return end
-  out.a = nil
-  local a = options.a or reduced.usual
-  reduced.a = a ~= nil and lists.vector(a, "field 'a'") or nil
-  if options.q == nil then out.q = core.vector(place.flat(place.kit.identity())) end
+end
+
+-- q, v, p in flat coordinates, in a copy of the options
+local function flat_options(place, options)
+  local out = {}
+  for key, value in pairs(options) do out[key] = value end
+  for _, key in ipairs { "q0", "q1" } do
+    if options[key] ~= nil then
+      error(("field '%s': a system on %s starts from q and v or from q and p")
+        :format(key, tostring(place.space)), 0)
+    end
+  end
+  if out.q ~= nil then out.q = core.vector(on_group(place, out.q, options.project)) end
+  for _, key in ipairs { "v", "p" } do
+    if options[key] ~= nil then
+      out[key] = M.padded(place, options[key], ("field '%s'"):format(key))
+    end
+  end
+  return out
 end
 
 --- q, v, p of a run in flat coordinates, in a copy of its options.
@@ -264,19 +278,15 @@ function M.start(place, options)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   start_reduced(place, options, out)
-  for _, key in ipairs { "q0", "q1" } do
-    if options[key] ~= nil then
-      error(("field '%s': a system on %s starts from q and v or from q and p")
-        :format(key, tostring(place.space)), 0)
-    end
-  end
-  if options.q ~= nil then out.q = core.vector(on_group(place, options.q, options.project)) end
-  for _, key in ipairs { "v", "p" } do
-    if options[key] ~= nil then
-      out[key] = M.padded(place, options[key], ("field '%s'"):format(key))
-    end
-  end
-  return out
+  return flat_options(place, out)
+end
+
+--- The same of a state that a system is asked about; a reduced one takes its usual quantity, or
+-- that of its last run.
+function M.state(place, options)
+  local reduced = place.reduced
+  if reduced then reduced.a = reduced.usual or reduced.a end
+  return flat_options(place, options)
 end
 
 -- the source of members `key`, a function of their number or a table, with `how` of each
@@ -294,8 +304,12 @@ end
 function M.starts(place, options)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
+  start_reduced(place, options, out)
   if options.q ~= nil then
     out.q = each(options.q, function(q) return on_group(place, q, options.project) end)
+  elseif out.q ~= nil then
+    local flat = place.flat(out.q)
+    out.q = function() return flat end
   end
   for _, key in ipairs { "v", "p" } do
     if options[key] ~= nil then

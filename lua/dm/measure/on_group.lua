@@ -237,10 +237,20 @@ local function units(d)
   return out
 end
 
+-- the momentum of v; a reduced system keeps the quantity that this run carries along, where a call
+-- from outside would take the usual one
+local function momentum(system, g, v, t)
+  local reduced = system.place.reduced
+  local a = reduced and reduced.a
+  local p = system:legendre(g, v, t)
+  if reduced then reduced.a = a end
+  return p
+end
+
 --- The state that options of a run begin at.
 function M.start(system, start)
   local g = system.place.kit.element(start.q)
-  local p = start.p or system:legendre(g, start.v, start.t0)
+  local p = start.p or momentum(system, g, start.v, start.t0)
   return { q = g, p = core.vector(p), t = start.t0 or 0 }
 end
 

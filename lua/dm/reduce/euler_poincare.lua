@@ -83,7 +83,7 @@ local function system_of(options)
   local f, name = function_of(options)
   local kit = kits.of(options.group)
   local carry, some = carrier(options)
-  local reduced = { a = some, takes_a = carry ~= nil }
+  local reduced = { a = some }
   local function of_element(g, x)
     if not carry then return f(x) end
     if not reduced.a then
@@ -92,6 +92,15 @@ local function system_of(options)
     return f(x, carry(kit.inverse(g), reduced.a))
   end
   reduced.usual = options.a and some
+  -- a run begins at the identity, with its own quantity or the usual one; a run that goes on from a
+  -- checkpoint gives neither v nor p, and has its element
+  function reduced.start(given, out)
+    if carry then
+      local a = given.a or reduced.usual
+      reduced.a, out.a = a ~= nil and lists.vector(a, "field 'a'") or nil, nil
+    end
+    if given.q == nil and (given.v ~= nil or given.p ~= nil) then out.q = kit.identity() end
+  end
   local system = core.system { Q = options.group, [name] = of_element, name = options.name }
   if not system.place then
     error(("%s: on %s body velocities are those of the coordinates: dm.system{Q =, L = function(q, "
@@ -118,8 +127,8 @@ of the body momentum (Lie-Poisson; h may be singular); l(xi, a) and h(mu, a) hav
 g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
 as gravity in a heavy top. Or that of a system on a group whose L or H does not
 depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
-start) and begin at the identity; path.p is the body momentum, also path.mu, which moves on a
-coadjoint orbit; path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps
-mu1(f_(k-1)) = mu0(f_k) (Leok 5.4).]]
+start) and begin at the identity, as those of ensembles and exponents do; path.p is the body
+momentum, also path.mu, which moves on a coadjoint orbit; path:reconstruct{q = g0} is the path on
+the group that begins at g0. lie(s) steps mu1(f_(k-1)) = mu0(f_k) (Leok 5.4).]]
 
 return M

@@ -248,7 +248,7 @@ static const dml_row methods[] =
 static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,
       "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, "
-      "watch=, project=, energy=} -> dm.ensemble\n"
+      "watch=, project=, energy=, a=} -> dm.ensemble\n"
       "Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: "
       "functions of the member's number (from 1) that return dim Q numbers, or a matrix or table "
       "with a row per member. vary = { name = }: numbers among the params of the system that every "
@@ -263,8 +263,9 @@ static const dml_row solver_row[] =
       "does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = "
       "k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen "
       "numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, "
-      "quadrature(r)) of all members are to have. Raises dm.failure with the ensemble as its "
-      "path on Ctrl-C."},
+      "quadrature(r)) of all members are to have. a: the quantity that all members of a reduced "
+      "system carry along (dm.euler_poincare). Raises dm.failure with the ensemble as its path on "
+      "Ctrl-C."},
      {NULL, NULL, NULL}};
 
 /* DMLUA_LANES: as on a processor with so many lanes; 0: one without native code */

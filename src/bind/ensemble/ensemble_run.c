@@ -264,12 +264,13 @@ static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
 int dml_solver_ensemble(lua_State *L) {
     static const char *const known[] = {"members", "q",       "v",      "p",       "steps", "t",
                                         "t0",      "threads", "vary",   "project", "every", "watch",
-                                        "rows",    "h",       "energy", NULL};
+                                        "rows",    "h",       "energy", "a",       NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_carried(L, 3);
     dml_place_options(L, 3, 2, "starts");
     if (lua_getiuservalue(L, 1, DML_SOLVER_START) != LUA_TNIL)
         luaL_error(L, "this solver goes on from a checkpoint, which is one run: make a solver of "

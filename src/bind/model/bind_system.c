@@ -44,7 +44,7 @@ static void flatten(lua_State *L, const char *second) {
     lua_createtable(L, 0, 2);
     lua_pushvalue(L, 2), lua_setfield(L, -2, "q");
     lua_pushvalue(L, 3), lua_setfield(L, -2, second);
-    dml_place_options(L, 1, lua_gettop(L), "start");
+    dml_place_options(L, 1, lua_gettop(L), "state");
     lua_getfield(L, -1, "q");
     lua_replace(L, 2);
     lua_getfield(L, -1, second);

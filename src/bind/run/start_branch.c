@@ -57,13 +57,17 @@ static void rename_start(lua_State *L) {
     lua_replace(L, 2);
 }
 
+void dml_carried(lua_State *L, int system) {
+    if (has(L, "a") && !dml_placed(L, system))
+        luaL_error(L, "field 'a' is for reduced systems that carry a quantity along "
+                      "(dm.euler_poincare, advected =)");
+}
+
 /* q0 and p0 are q and p; of a system on a group elements are flat coordinates. */
 void dml_stepping_names(lua_State *L) {
     rename_start(L);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    if (has(L, "a") && !dml_placed(L, -1))
-        luaL_error(L, "field 'a' is for reduced systems that carry a quantity along "
-                      "(dm.euler_poincare, advected =)");
+    dml_carried(L, lua_gettop(L));
     dml_place_options(L, -1, 2, "start");
     lua_settop(L, 2);
 }

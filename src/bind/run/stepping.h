@@ -76,6 +76,10 @@ void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
 /* Options at 2 with q0 and p0, as discrete mechanics writes a start, become q and p. */
 void dml_stepping_names(lua_State *L);
 
+/* Raise where the options at 2 have a quantity to carry along, `a`, and the system at `system` is
+ * not on a group. */
+void dml_carried(lua_State *L, int system);
+
 /* Read the start from the options at 2, check the trace there, open the stepper. Raises
  * only before
  * the stepper holds anything. */

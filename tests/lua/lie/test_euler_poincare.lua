@@ -118,4 +118,34 @@ raises("'advected' must be a dm.action", dm.euler_poincare,
 raises("system on a group is needed", dm.euler_poincare,
   dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end })
 
+
+---- checkpoints, members, exponents begin at the identity, with the quantity that is given ----
+
+do
+  local solver = reduced:solver { rule = "lie(2)", h = 0.05 }
+  local v, a = { 0.2, 0.3, 0.9 }, { 0.36, 0.48, 0.8 }
+  local run = solver:run { v = v, a = a, steps = 40 }
+  local file = os.tmpname()
+  solver:run { v = v, a = a, steps = 15 }:checkpoint(file)
+  local rest = dm.resume(file, reduced):run { a = a, steps = 25 }
+  near(far(rest.p[#rest], run.p[#run]), 0, 0, "a run in two pieces")
+  raises("not the one of the checkpoint", function()
+    dm.resume(file, reduced):run { a = { 0, 0, 1 }, steps = 25 }
+  end)
+  os.remove(file)
+  local members = solver:ensemble { members = 2, v = function() return v end, a = a, steps = 40 }
+  near(far(members.p[2], run.p[#run]), 0, 0, "and a member of an ensemble")
+  raises("carries no quantity", function()
+    body:solver { rule = "lie(1)", h = 0.1 }
+      :ensemble { members = 1, v = function() return { 1, 0, 0, 0, 0, 0 } end, a = a, steps = 1 }
+  end)
+  -- the run of the whole system from the g0 that brings the vertical to a
+  local at = G:exp { -math.asin(0.48), 0, 0 } * G:exp { 0, math.atan(0.36, 0.8), 0 }
+  local seen = at:transpose() * dm.vector { 0, 0, 1 }
+  local one = solver:lyapunov { v = v, a = seen, t = 5 }
+  local same = heavy:solver { rule = "lie(2)", h = 0.05 }:lyapunov { q = at, v = v, t = 5 }
+  near(one.exponent, same.exponent, 1e-11, "exponents of a reduced run")
+  near(solver:symplecticity { v = v, a = a, steps = 10 }, 0, 1e-12, "whose steps are symplectic")
+end
+
 tap.done()
