@@ -49,7 +49,8 @@ function M.list(x, system, key)
 end
 
 --- A copy of the options with q, v, p (and tangent vectors u, dp) as lists; `of`: a system or a
--- solver of one, without it names stay. A reduced system (dm.euler_poincare) begins at the identity.
+-- solver of one, without it names stay. A reduced system (dm.euler_poincare) begins at the
+-- identity.
 function M.lists(options, of)
   if type(options) ~= "table" then return options end
   local system = type(of) == "userdata" and (of.system or of)
