@@ -70,6 +70,8 @@ static void lay_out(dm_lie *e, double *memory) {
     e->gain = take(&memory, d);
     e->mu = take(&memory, d);
     e->mu_V = take(&memory, d * m);
+    e->row = take(&memory, m);
+    e->seeing = (uint32_t *)(void *)take(&memory, doubles(d * sizeof *e->seeing));
     e->in = take(&memory, n + 2 * d);
     e->pull = take(&memory, d * (2 * d + 1));
     e->pulled = take(&memory, d);
@@ -95,7 +97,7 @@ static size_t arrays(const dm_lie *e) {
     const size_t coefficients = 2 * r * s + 2 * r + s, point = n + 2 * d + 2 + 3 * d;
     const size_t end = n + 2 * d + n + d + (e->group ? e->group->arcs : 0);
     return coefficients + point + 4 * d * (2 * d + 1) + m + 4 * d + d * m + end + 2 +
-           DM_LIE_KEPT * m + m;
+           DM_LIE_KEPT * m + 2 * m + doubles(d * sizeof *e->seeing);
 }
 
 /* Newton's method, the Legendre transform and the table of coefficients take turns. */

@@ -109,15 +109,39 @@ static void subtract_end(dm_lie *e, double *R, double *size, const double *pulle
         }
 }
 
+/* Row k of b by all V, into out[m]: through xi1, and through the entries of mu that see V. */
+static void row_of_end(const dm_lie *e, double *out, uint32_t k, const uint32_t *seeing,
+                       uint32_t count) {
+    const uint32_t d = e->d, m = e->m;
+    const double *in_xi = e->pull + d + k * 2 * d, *in_mu = in_xi + d;
+    for (uint32_t j = 0; j < e->s; j++)
+        for (uint32_t i = 0; i < d; i++) out[j * d + i] = e->h * e->beta[j] * in_xi[i];
+    for (uint32_t l = 0; l < count; l++) {
+        const double weight = in_mu[seeing[l]], *row = e->mu_V + (size_t)seeing[l] * m;
+        for (uint32_t c = 0; c < m; c++) out[c] += weight * row[c];
+    }
+}
+
+/* Which entries of mu see V; none of the group does where L does not see g. */
+static uint32_t find_seeing(const dm_lie *e, uint32_t *seeing) {
+    uint32_t count = 0;
+    for (uint32_t l = 0; l < e->d; l++) {
+        const double *row = e->mu_V + (size_t)l * e->m;
+        uint32_t c = 0;
+        while (c < e->m && row[c] == 0.0) c++;
+        if (c < e->m) seeing[count++] = l;
+    }
+    return count;
+}
+
 /* its derivatives, through xi1 and mu */
 static void subtract_end_curves(dm_lie *e, double *J) {
-    const uint32_t d = e->d, m = e->m;
+    const uint32_t d = e->d, m = e->m, count = find_seeing(e, e->seeing);
     for (uint32_t k = 0; k < d; k++) {
-        const double *in_xi = e->pull + d + k * 2 * d, *in_mu = in_xi + d;
-        for (uint32_t c = 0; c < m; c++) {
-            double sum = e->h * e->beta[c / d] * in_xi[c % d];
-            for (uint32_t l = 0; l < d; l++) sum += in_mu[l] * e->mu_V[l * m + c];
-            for (uint32_t j = 0; j < e->s; j++) J[(j * d + k) * m + c] -= e->beta[j] * sum;
+        row_of_end(e, e->row, k, e->seeing, count);
+        for (uint32_t j = 0; j < e->s; j++) {
+            double *to = J + (size_t)(j * d + k) * m;
+            for (uint32_t c = 0; c < m; c++) to[c] -= e->beta[j] * e->row[c];
         }
     }
 }

@@ -25,6 +25,8 @@ typedef struct {
     double *gain;                 /* [d] P */
     double *mu;                   /* [d] p0 + P */
     double *mu_V;                 /* [d * m] its derivative */
+    double *row;                  /* [m] a row of the matrix of b */
+    uint32_t *seeing;             /* [d] entries of mu that see V */
     double *in;                   /* [n + 2d] inputs of pull and finish */
     double *pull;                 /* [d (2d + 1)] */
     double *pulled;               /* [d] */
