@@ -194,7 +194,9 @@ end
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
 local function solved(self, start)
   local G, k, m = self.group, self.k, self.m
-  if self.basis then return partial.root(self, moved, section, branch_values, least) end
+  if self.chart then
+    return partial.root(self, start, moved, section, branch_values, least)
+  end
   local begin = start_of(self, start)
   local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
   return core.root {
@@ -236,6 +238,7 @@ local function assembled(o)
     branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name,
     invariants_named = o.invariants }, class)
   if o.partial then partial.prepare(self, section) end
+  self.chart = partial.chart(self)
   check_section(self)
   check_branch(self)
   if not self.solution then self.root = solved(self, o.start) end

@@ -128,16 +128,28 @@ function M.prepare(frame, section)
   if #found > 0 then frame.basis, frame.r = basis, #basis end
 end
 
+--- The directions in which the root is looked for by exp: frame.basis, or all of the algebra where
+-- the flat coordinates of the group have relations that it cannot name (groups of one's own);
+-- nothing where the root is found in flat coordinates.
+function M.chart(frame)
+  if frame.basis then return frame.basis end
+  local G, out = frame.group, {}
+  local y = points.entries(G:flat(G:identity()))
+  if #y - #points.entries(G:bonds(y)) == frame.r then return nil end
+  for i = 1, frame.r do out[i] = linear.unit(frame.r, i) end
+  return out
+end
+
 -- sum y_i b_i
-local function algebra(frame, y)
-  local sum = frame.basis[1] * y[1]
-  for i = 2, #frame.basis do sum = sum + frame.basis[i] * y[i] end
+local function algebra(chart, y)
+  local sum = chart[1] * y[1]
+  for i = 2, #chart do sum = sum + chart[i] * y[i] end
   return sum
 end
 
 --- The element that a root y stands for.
 function M.element(frame, y)
-  if frame.basis then return frame.group:exp(algebra(frame, y)) end
+  if frame.chart then return frame.group:exp(algebra(frame.chart, y)) end
   return frame.group:unflat(y)
 end
 
@@ -159,11 +171,23 @@ local function beginnings(n)
   return out
 end
 
---- The root y of Z(exp(y . basis) z) = 0.
-function M.root(frame, moved, section, branch_values, least)
+-- a start that is given: flat coordinates, or a function of the points that gives an element
+local function begin_at(frame, start)
+  if start == nil then return beginnings(#frame.chart) end
+  if frame.basis then fail("option 'start' does not go with partial = true") end
+  local G = frame.group
+  if type(start) ~= "function" then return points.entries(G:log(G:unflat(start))) end
+  start = core.one(start, "start")
+  return function(z)
+    return points.entries(G:log(start(table.unpack(points.split(z, frame.k, frame.m)))))
+  end
+end
+
+--- The root y of Z(exp(y . chart) z) = 0.
+function M.root(frame, start, moved, section, branch_values, least)
   local k, m = frame.k, frame.m
   local function at(y, z) return moved(frame, M.element(frame, y), points.split(z, k, m)) end
-  return core.root { name = text.name(frame), start = beginnings(#frame.basis),
+  return core.root { name = text.name(frame), start = begin_at(frame, start),
     failure = text.advice,
     equations = function(y, z) return section(frame, at(y, z)) end,
     branch = frame.branch and function(y, z) return least(branch_values(frame, at(y, z))) end

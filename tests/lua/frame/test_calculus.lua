@@ -290,6 +290,31 @@ local values = { a = { a0, (a1 - a2) / (2 * h), 0, (a1 - 2 * a0 + a2) / h ^ 2, 0
 ok(#syzygy > 0 and syzygy:value(values):norm() < 1e-6, "Gauss and Codazzi on a torus-like surface",
   syzygy:value(values):norm())
 
+-- derivatives of invariants at a jet satisfy what all jets do, whichever way their entry is reached
+local function random_jet(count)
+  local stream, out = dm.random(21), {}
+  for i = 1, count do out[i] = stream:normal(i, 1) end
+  return out
+end
+local function on_jets(c, order_length, what)
+  local I, v = c:invariants(random_jet(order_length)), {}
+  for _, name in ipairs(c.names) do v[name] = I[name] end
+  local off = c:syzygies():value(v):norm()
+  ok(off < 1e-9, what, off)
+end
+on_jets(surface, 17, "Gauss and Codazzi at a jet")
+on_jets(calculus(dm.SE(2), 3, { 1, 2 }, { v = 3, m = 4, a = 6, b = 7, c = 8 },
+  function(z) return { z[1], z[2], z[5] } end, nil, function(g, z)
+    local p, q = dm.cos(g[3]), dm.sin(g[3])
+    return { p * z[1] - q * z[2] + g[1], q * z[1] + p * z[2] + g[2], z[3] }
+  end), 17, "functions on the plane under its motions")
+local named_twice = calculus(dm.SE(2), 2, 1, { kappa = 4, c = 6 },
+  function(z) return { z[1], z[2], z[3] } end)
+near(named_twice:invariants(jet(0.4)).kappa[3], plane:invariants(jet(0.4)).kappa[3], 1e-13,
+  "kappa_ss, though iota(u_xxxx) has a name of its own")
+local pipe = surface:invariants { 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, -3, 0, 0, 0, 0 }
+ok(pipe.a[1] == -1 and pipe.a[4] == 0 and pipe.a[6] == 0 and pipe.b[4] == 0, "a cylinder's top")
+
 ---- what is refused ----
 
 raises("unknown invariant 'torsion': known are kappa", function()

@@ -2,7 +2,7 @@
 -- with the point and the defect, sections that orbits cut twice with a word about the branch
 local tap = require "tap"
 local dm = require "dm"
-local ok, raises = tap.ok, tap.raises
+local ok, near, raises = tap.ok, tap.near, tap.raises
 local atan, cos, exp, log, sin, sqrt = dm.atan, dm.cos, dm.exp, dm.log, dm.sin, dm.sqrt
 local action, frame = dm.action, dm.moving_frame
 local R1, R2, R3 = dm.R(1), dm.R(2), dm.R(3)
@@ -237,4 +237,25 @@ raises("met a symbol while 'equations' of the moving frame is traced", frame, { 
   cross_section = by_the_sign, branch = first })
 raises("dm.moving_frame: the group element must be a vector", frame, { action = turn,
   cross_section = second, branch = first, start = function() return "here" end })
+-- groups of one's own: of matrices without relations that have a name, of vectors longer than d
+local similar = dm.group { name = "Sim", basis = { { { 0, 0, 1 }, { 0, 0, 0 }, { 0, 0, 0 } },
+  { { 0, 0, 0 }, { 0, 0, 1 }, { 0, 0, 0 } }, { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } },
+  { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 } } } }
+local own = { action = dm.action { group = similar, on = dm.R(2) }, points = 2,
+  cross_section = function(a, b) return { a[1], a[2], b[1] - 1, b[2] } end }
+local ratio = dm.moving_frame(own):invariants { { 1, 2 }, { 1, 4 }, { 0, 2 } }[3]
+near(ratio[1] + 2 * ratio[2], 1, 1e-13, "three points up to similarity: i/2")
+own.start = function() return similar:identity() end
+near(dm.moving_frame(own):invariants({ { 0, 0 }, { 2, 0 }, { 3, 0 } })[3][1], 1.5, 1e-13,
+  "a start that is an element")
+local circle = dm.group { dimension = 1, identity = { 1, 0 },
+  mul = function(a, b) return { a[1] * b[1] - a[2] * b[2], a[1] * b[2] + a[2] * b[1] } end,
+  inv = function(a) return { a[1], -a[2] } end,
+  exp = function(x) return { dm.cos(x[1]), dm.sin(x[1]) } end,
+  log = function(a) return { dm.atan(a[2], a[1]) } end }
+near(dm.moving_frame { action = dm.action { group = circle, on = dm.R(2),
+  map = function(a, z) return { a[1] * z[1] - a[2] * z[2], a[2] * z[1] + a[1] * z[2] } end },
+  cross_section = function(z) return { z[2] } end, branch = function(z) return z[1] end }
+  :invariants({ { 3, -4 } })[1][1], 5, 1e-13, "unit complex numbers")
+
 tap.done()

@@ -59,6 +59,21 @@ for a = 1, 3 do
   near(spread(line:noether(list[a])), 0, 1e-13, "conformal group of a free particle, " .. a)
 end
 
+-- B is an integral along a line, however fast it changes and wherever it begins
+local shift = dm.action { group = dm.R(1), on = dm.R(1),
+  map = function(a, q) return { q[1] + a[1] } end }
+local function divergence_of(L)
+  return select(3, shift:invariant(dm.system { Q = dm.R(1), L = L })).divergence
+end
+local fast = divergence_of(function(q, v) return v[1] ^ 2 / 2 + dm.sin(30 * q[1]) * v[1] end)
+near(fast({ 7 }, 0) - fast({ 0 }, 0), math.sin(210), 1e-12, "B = sin 30 q")
+local forced = divergence_of(function(q, v, t) return v[1] ^ 2 / 2 + q[1] * dm.cos(25 * t) end)
+near(forced({ 0.2 }, 20), math.sin(500) / 25, 1e-12, "B = sin(25 t)/25")
+local late = divergence_of(function(q, v, t) return v[1] ^ 2 / 2 + q[1] / t end)
+near(late({ 0.2 }, 3) - late({ 0.2 }, 2), math.log(1.5), 1e-13, "B = log t, which 0 has not")
+local pole = divergence_of(function(q, v) return v[1] ^ 2 / 2 - v[1] / q[1] ^ 2 end)
+raises("no finite integral from q = [1], t = 0 to q = [-2]", function() pole({ -2 }, 0) end)
+
 -- none at all, and bad input
 local none = { dm.action { group = dm.R(1), on = dm.R(2),
   map = function(e, q) return { q[1] + e[1], q[2] } end }:invariant(kepler) }

@@ -9,6 +9,7 @@ local groups = require "dm.group"
 local F = require "dm.frame.calculus.field"
 local linear = require "dm.base.linear"
 local layout = require "dm.frame.calculus.layout"
+local multi_index = require "dm.action.multi_index"
 local normal = require "dm.frame.calculus.normal"
 local variation = require "dm.frame.calculus.variation"
 
@@ -111,22 +112,42 @@ function M.normalized(C, jet, rho)
   return C.lifts[order](rho, jet)
 end
 
+-- E of iota(u_J) = D^K kappa_j + E, and the entry u_J, the derivative K of that of the invariant:
+-- D_i iota(u_J) = iota(u_(J,i)) + sum_a R_i^a iota(phi_J^a), along the word of K
+local function rest_of(C, j, place)
+  if place == 1 then return F.number(C.field, 0), C.named[j].entry end
+  local key = j * 100000 + place
+  local known = C.rests[key]
+  if known then return known[1], known[2] end
+  local less, i = { table.unpack(C.words.list[place]) }, 1
+  while less[i] == 0 do i = i + 1 end
+  less[i] = less[i] - 1
+  local before, k = rest_of(C, j, C.words.place[multi_index.key(less)])
+  local sum = normal.D(C, i, before)
+  for a = 1, C.r do
+    local phi = normal.phi(C, a, k)
+    if not phi:is_zero() then sum = sum - normal.rate(C, i, a) * phi end
+  end
+  known = { F.reduced(sum), layout.derivative(C, k, i) }
+  C.rests[key] = known
+  return known[1], known[2]
+end
+
 --- The variable of invariant j, place, as it is at a normalized jet I: iota of the entry that is
 -- the derivative of the invariant's, less what else is in its formula.
 function M.invariant(C, I, known, j, place)
-  local key = j * 1000 + place
+  local key = j * 100000 + place
   if known[key] then return known[key] end
-  local k, K = C.named[j].entry, C.words.list[place]
-  for i = 1, C.p do
-    for _ = 1, K[i] do k = layout.derivative(C, k, i) end
+  local order = layout.order(C, C.named[j].entry) + C.words.order[place]
+  if layout.length(C, order) > #I then
+    error(("the jet is too short: it needs derivatives of order %d"):format(order), 0)
   end
-  if k > #I then error(("the jet is too short: it needs entry %d, %s"):format(k, layout.name(C,
-    k)), 0) end
-  local rest = normal.entry(C, k) - normal.invariant(C, j, place)
-  known[key] = I[k]
-  local value = F.map(rest, function(_, info) return M.invariant(C, I, known, info.invariant,
-    info.place) end)
-  known[key] = I[k] - value
+  if known[key] == false then error("an invariant is needed for its own value", 0) end
+  known[key] = false
+  local rest, k = rest_of(C, j, place)
+  known[key] = I[k] - F.map(rest, function(_, info)
+    return M.invariant(C, I, known, info.invariant, info.place)
+  end)
   return known[key]
 end
 

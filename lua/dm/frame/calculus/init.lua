@@ -177,7 +177,7 @@ M.differential_invariants = blame.caller(function(o)
   C.action, C.r, C.field, C.given = o.action, o.action.group.dimension, F.new(), o
   C.parametrized, C.given_independent = independent == nil, o.independent
   C.entries, C.commutators, C.thetas, C.turned, C.varied, C.clocks = {}, {}, {}, {}, {}, {}
-  C.lifts, C.rates, C.derivatives = {}, {}, {}
+  C.lifts, C.rates, C.derivatives, C.rests = {}, {}, {}, {}
   for i = 1, C.p do C.rates[i], C.derivatives[i] = {}, {} end
   C.named, C.named_at = named_of(C, o.invariants)
   add_names(C)
