@@ -156,7 +156,8 @@ function dm_avi_cells_class:sums() end
 ---dm.box_run: the recorded levels of boxes; #run rows
 ---fields: by the name of each component a matrix, run.u[i] (a vector of all nodes), t[i], z[i] (all
 ---components, node after node, without what they gain), gain (by name: what a component gains round
----the ring), steps, h, boxes, solver
+---the ring), moved (by name: how far what was given was from its row without z_t, on which it starts),
+---steps, h, boxes, solver
 ---@class dm.box_run
 local dm_box_run_class = {}
 
@@ -179,6 +180,13 @@ function dm_box_run_class:animate(file, options) end
 ---@param energy? any
 ---@return number
 function dm_box_run_class:balance(energy) end
+
+---run:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; boxes:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_box_run_class:checkpoint(file) end
 
 ---run:npy(file) -> file name
 ---
@@ -212,11 +220,16 @@ function dm_box_run_class:vtk(file) end
 ---@class dm.box_solver
 local dm_box_solver_class = {}
 
----solver:run{z = {name = f, ...}, steps= | t=, every=, t0=} -> dm.box_run
+---solver:run{z = {name = f, ...}, steps= | t=, every=, t0=, file=, checkpoint=} -> dm.box_run
 ---
 ---z: functions of x, or lists of a number for every node, for the components that have a z_t; others
----follow, where they are left out, from rows without z_t, and where none tells them they start at
----their mean over the first step (only their means over steps occur in the equations).
+---follow, where they are left out, from rows without z_t, and where none tells them they start where
+---their means over the first two steps point to (only their means over steps occur in the equations).
+---What is given beside is moved onto its row without z_t (run.moved, and the text of a run, tell by
+---how much), or refused where it is off by a quarter of its size: at every level it would be off by
+---the same, with alternating signs. file: a NumPy file that the rows go to as they come (t and the
+---components; dm.load reads it); the run keeps the first and the last one. checkpoint: a file for
+---where it ended, also where it was stopped (run:checkpoint).
 ---@param options? table
 ---@return dm.box_run
 function dm_box_solver_class:run(options) end
@@ -225,6 +238,15 @@ function dm_box_solver_class:run(options) end
 ---fields: M, K, S, names, from, to, cells, dx
 ---@class dm.boxes
 local dm_boxes_class = {}
+
+---boxes:resume(file | run) -> dm.box_solver
+---
+---A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+---solver:run{steps=}, without z, gives the bits of a run that never stopped. Raises when the file is
+---not a whole checkpoint or the boxes are other ones.
+---@param file? string
+---@return dm.box_solver
+function dm_boxes_class:resume(file) end
 
 ---boxes:solver{h=} -> dm.box_solver
 ---
@@ -6100,6 +6122,8 @@ function dm.remesh(K, M, options) end
 ---dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> dm.solver
 ---
 ---A solver that goes on where a run ended, from path:checkpoint(file) or from the path itself: solver:run{steps=} gives the bits of a run that never stopped. Rule, h and Newton's tolerance are those of the checkpoint; rule: for a rule that is an object, which a file does not hold. Raises when the file is not a whole checkpoint or the system is another one.
+---So do runs of fields on lines, of boxes and of waves: dm.resume(run), or dm.resume(file, field) with
+---the dm.field, dm.multisymplectic or dm.schroedinger that they are of.
 ---@param file? string
 ---@param system? any
 ---@param options? table

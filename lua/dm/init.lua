@@ -46,6 +46,7 @@ local rows = {
   multigrid = "dm.dec.dynamics.multigrid",
   recurrence = "dm.measure.recurrence",
   remesh = "dm.dec.dynamics.remesh",
+  resume = "dm.data.resume",
   scaling = "dm.measure.scaling",
   scene = "dm.scene",
   schroedinger = "dm.wave",

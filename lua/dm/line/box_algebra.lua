@@ -40,6 +40,12 @@ local function copied(matrix)
   return rows
 end
 
+--- Is every entry 0?
+function M.is_zero(row)
+  for j = 1, #row do if row[j] ~= 0 then return false end end
+  return true
+end
+
 --- det K = 0?
 function M.is_singular(K)
   local _, rank = reduce(copied(K), #K)
@@ -106,6 +112,9 @@ local function moved(boxes, w)
   end
   return out
 end
+
+--- Vectors y with y M = 0: y (K z_x - grad S(z)) = 0 has no z_t, and binds z at every time.
+function M.bonds(boxes) return null_space(copied(boxes.M), boxes.d) end
 
 --- Gauge modes: constants w with (M/h - S''(z)/2) w = 0 for all z, so that no step determines them.
 -- By the symmetry of the matrices as many rows y depend on each other. { held = the component whose

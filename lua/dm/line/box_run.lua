@@ -1,10 +1,12 @@
---- Runs of boxes, and their local laws.
+--- Runs of boxes.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local lists = require "dm.base.lists"
+local endings = require "dm.line.ending"
 local option = require "dm.base.options"
 local picture = require "dm.line.picture"
 local start = require "dm.line.box_start"
+local stream = require "dm.line.stream"
+local strips = require "dm.line.box_strip"
 
 local M = {}
 
@@ -12,63 +14,21 @@ local Run = core.class({ __name = "dm.box_run" }, [[
 dm.box_run: the recorded levels of boxes; #run rows
 fields: by the name of each component a matrix, run.u[i] (a vector of all nodes), t[i], z[i] (all
 components, node after node, without what they gain), gain (by name: what a component gains round
-the ring), steps, h, boxes, solver]])
+the ring), moved (by name: how far what was given was from its row without z_t, on which it starts),
+steps, h, boxes, solver]])
 
-M.reserved = { t = true, z = true, gain = true, steps = true, h = true, boxes = true, solver = true,
-  every = true, t0 = true, level = true, balance = true, drift = true, column = true, plot = true,
-  nodes = true, vtk = true, npy = true, animate = true, strip = true, rule = true }
-
----- the equations of a box ----
-
--- sum of matrix[i][j] v[j], without zeros
-local function row_times(matrix, i, v)
-  local sum = 0
-  for j = 1, #v do
-    local x = matrix[i][j]
-    if x ~= 0 then sum = sum + x * v[j] end
-  end
-  return sum
-end
-
--- M D_t m_x z + K D_x m_t z - grad S(m z), as a function for core.strip
-local function equations(boxes, slope)
-  local d, dx = boxes.d, boxes.dx
-  return function(lower, upper, _, clock)
-    local a, b = lists.part(lower, 0, d), lists.part(lower, d, d)
-    local c, e = lists.part(upper, 0, d), lists.part(upper, d, d)
-    local zt = (c + e - a - b) / (2 * clock[2])
-    local zx = (b + e - a - c) / (2 * dx)
-    local out, gradient = {}, boxes.gradient((a + b + c + e) / 4)
-    for i = 1, d do
-      local lifted = row_times(boxes.M, i, zt) + row_times(boxes.K, i, zx) - gradient[i]
-      for k, s in pairs(slope) do lifted = lifted + boxes.K[i][k] * s end
-      out[i] = lifted
-    end
-    return out
-  end
-end
-
--- the strip of a run, whose gained components have these slopes
-local function strip_of(solver, slope)
-  local boxes = solver.boxes
-  local held = core.zeros(boxes.cells * boxes.d)
-  for _, gauge in ipairs(solver.gauges) do held[gauge.held] = 1 end
-  return core.strip(equations(boxes, slope), { values = boxes.d, cells = boxes.cells, ring = true,
-    boxes = true, held = held, absorbs = { 0, 0 },
-    place = core.zeros(boxes.cells) })
-end
+M.reserved = {} -- names that components cannot have
+for _, name in ipairs { "t", "z", "gain", "moved", "steps", "h", "boxes", "solver", "every", "t0",
+  "level", "balance", "drift", "column", "plot", "nodes", "vtk", "npy", "animate", "strip", "rule",
+  "file", "ending", "checkpoint" } do M.reserved[name] = true end
 
 ---- runs ----
 
--- loose components begin at their mean over the first slab
-local function settle(solver, level, strip, t0)
-  if #level.loose == 0 then return end
-  local out = strip:run { u = level.z, t0 = t0, h = solver.h, steps = 1 }
-  if out.code ~= "ok" then return end
-  local d = solver.boxes.d
-  for _, c in ipairs(level.loose) do
-    for i = 0, solver.boxes.cells - 1 do level.z[i * d + c] = out.u[2][i * d + c] / 2 end
-  end
+-- the first row alone of a run of no steps
+local function cut(outcome)
+  local row = core.zeros(1, #outcome.u[1])
+  for k = 1, #outcome.u[1] do row[1][k] = outcome.u[1][k] end
+  outcome.u, outcome.t, outcome.done = row, core.vector { outcome.t[1] }, 0
 end
 
 local function component(boxes, z, c, slope)
@@ -82,12 +42,20 @@ local function component(boxes, z, c, slope)
   return out
 end
 
+-- where the run stands, for what goes on from it
+local function ending_of(solver, level, plan, outcome)
+  if outcome.done == 0 then return solver.ending end
+  return { u = core.vector(outcome.u[#outcome.u]), from = outcome.ending, t0 = plan.t0,
+    slope = level.slope }
+end
+
 local function new_run(solver, level, plan, outcome)
   local boxes = solver.boxes
+  if plan.steps == 0 then cut(outcome) end
   local run = { solver = solver, boxes = boxes, h = solver.h, steps = outcome.done, t = outcome.t,
     z = outcome.u, level = level, strip = level.strip, every = plan.every, t0 = plan.t0,
-    gain = core.result {},
-    rule = "box" }
+    gain = core.result {}, moved = core.result(level.moved), rule = "box", file = plan.file,
+    ending = ending_of(solver, level, plan, outcome) }
   for c, name in ipairs(boxes.names) do
     run[name] = component(boxes, outcome.u, c, level.slope[c])
     if level.slope[c] then run.gain[name] = level.slope[c] * (boxes.to - boxes.from) end
@@ -112,19 +80,49 @@ end
 local SINGULAR = "a step is singular: h and dx are at a resonance of the boxes, or the equations "
   .. "do not determine a component; take another h or number of cells"
 
+-- rows of a file: t and the components, as run:npy writes them
+local function writer(boxes, level)
+  local fields = { { "t", 0 } }
+  for c, name in ipairs(boxes.names) do fields[c + 1] = { name, boxes.cells } end
+  return { fields = fields, write = function(o, first, write)
+    local columns = {}
+    for c = 1, boxes.d do columns[c] = component(boxes, o.u, c, level.slope[c]) end
+    for i = first, #o.t do
+      local row = { t = o.t[i] }
+      for c, name in ipairs(boxes.names) do row[name] = columns[c][i] end
+      write(row)
+    end
+  end }
+end
+
+-- the level that a run begins with, and its strip
+local function level_of(solver, options, plan)
+  local ending = solver.ending
+  if ending then
+    endings.check_options(options, { "z", "t0" })
+    return { z = ending.u, u = ending.u, from = ending.from, slope = ending.slope, moved = {},
+      strip = strips.new(solver, ending.slope) }
+  end
+  option.need(options, "z", "solver:run", "{ name = function of x, ... }")
+  local level = start.level(solver.boxes, options.z, solver)
+  level.strip = strips.new(solver, level.slope)
+  strips.settle(solver, level, level.strip, plan.t0)
+  level.u = level.z
+  return level
+end
+
 --- solver:run{...}
 function M.run(solver, options)
-  option.check(options, { "z", "steps", "t", "t0", "every" }, "solver:run")
-  option.need(options, "z", "solver:run", "{ name = function of x, ... }")
-  local plan = { t0 = option.number(options, "t0", "solver:run", nil, 0),
-    steps = steps_of(solver, options),
-    every = option.whole(options, "every", "solver:run", 1, 1 << 53, 1) }
-  local level = start.level(solver.boxes, options.z, solver)
-  level.strip = strip_of(solver, level.slope)
-  settle(solver, level, level.strip, plan.t0)
-  local outcome = level.strip:run { u = level.z, t0 = plan.t0, h = solver.h, steps = plan.steps,
-    every = plan.every }
+  local where, ending = "solver:run", solver.ending
+  option.check(options, { "z", "steps", "t", "t0", "every", "file", "checkpoint" }, where)
+  local plan = { t0 = ending and ending.t0 or option.number(options, "t0", where, nil, 0),
+    steps = steps_of(solver, options), every = option.whole(options, "every", where, 1, 1 << 53, 1),
+    file = option.text(options, "file", where) }
+  local checkpoint = option.text(options, "checkpoint", where)
+  local level = level_of(solver, options, plan)
+  local outcome = stream.go(solver, level, plan, writer(solver.boxes, level))
   local run = new_run(solver, level, plan, outcome)
+  if checkpoint then run:checkpoint(checkpoint) end
   if outcome.code ~= "ok" then
     outcome.time = run.t[#run.t]
     core.strip_fail(outcome, "box", run, outcome.code == "singular" and SINGULAR or nil)
@@ -134,128 +132,32 @@ end
 
 function Run.__len(run) return #run.t end
 
+local function moved_text(run)
+  local out = {}
+  for _, name in ipairs(run.boxes.names) do
+    local off = run.moved[name]
+    if off then
+      out[#out + 1] = ("; the start of %s was moved onto its row without z_t, by %.3g at most")
+        :format(name, off)
+    end
+  end
+  return table.concat(out)
+end
+
 function Run.__tostring(run)
   local held = #run.solver.held > 0 and ("; the constant of %s is held at the first node")
     :format(table.concat(run.solver.held, ", ")) or ""
-  return ("run of %d boxes a node to t = %.6g, h = %.4g: %d rows of %s at %d nodes%s"):format(
-    run.steps, run.t[#run.t], run.h, #run, table.concat(run.boxes.names, ", "), run.boxes.cells,
-    held)
+  return ("run of %d boxes a node to t = %.6g, h = %.4g: %d row%s of %s at %d nodes"):format(
+    run.steps, run.t[#run.t], run.h, #run, #run == 1 and "" or "s",
+    table.concat(run.boxes.names, ", "), run.boxes.cells) .. held .. moved_text(run)
+    .. (run.file and "; all rows are in " .. run.file or "")
 end
 
----- local laws ----
-
-local function all_levels(run, where)
-  if run.steps < 1 then option.fail(where, "a run of at least one step is needed") end
-  if run.every == 1 then return run.z, run.t end
-  local again = run.strip:run { u = run.level.z, t0 = run.t0, h = run.h, steps = run.steps }
-  return again.u, again.t
-end
-
--- value of a form <a, A b>
-local function pairing(A, a, b)
-  local sum = 0
-  for i = 1, #a do sum = sum + a[i] * row_times(A, i, b) end
-  return sum
-end
-
--- z of a node, with what it has gained; node cells + 1 is the first one, a ring later
-local function node(z, i, d, slope, dx)
-  local out = lists.part(z, (i - 1) * d % #z, d)
-  for c, s in pairs(slope or {}) do out[c] = out[c] + s * (i - 1) * dx end
-  return out
-end
-
--- mean and difference quotient of two nodes
-local function both(a, b, step) return (a + b) / 2, (b - a) / step end
-
--- the largest (density' - density)/h + (flux right - flux left)/dx of two levels
-local function residual_of(run, z0, z1, density, flux)
-  local boxes, slope = run.boxes, run.level.slope
-  local n, d, dx, largest = boxes.cells, boxes.d, boxes.dx, 0
-  local lower, upper, fluxes = {}, {}, {}
-  for i = 1, n + 1 do
-    lower[i], upper[i] = node(z0, i, d, slope, dx), node(z1, i, d, slope, dx)
-    fluxes[i] = flux(both(lower[i], upper[i], run.h))
-  end
-  for i = 1, n do
-    local before = density(both(lower[i], lower[i + 1], dx))
-    local after = density(both(upper[i], upper[i + 1], dx))
-    largest = math.max(largest,
-      math.abs((after - before) / run.h + (fluxes[i + 1] - fluxes[i]) / dx))
-  end
-  return largest
-end
-
-local function of_law(run, density, flux)
-  local z, largest = all_levels(run, "run:balance"), 0
-  for k = 1, #z - 1 do
-    largest = math.max(largest, residual_of(run, z[k], z[k + 1], density, flux))
-  end
-  return largest
-end
-
-local laws = {}
-
-function laws.energy(run)
-  local b = run.boxes
-  return of_law(run, function(m, D) return b.S(m) - pairing(b.K, m, D) / 2 end,
-    function(m, D) return pairing(b.K, m, D) / 2 end)
-end
-
-function laws.momentum(run)
-  local b = run.boxes
-  return of_law(run, function(m, D) return pairing(b.M, m, D) / 2 end,
-    function(m, D) return b.S(m) - pairing(b.M, m, D) / 2 end)
-end
-
--- a random variation of the start that has levels above it
-local function variation(run, row)
-  local random, n = core.random(1), #run.level.z
-  local v, d = core.zeros(n), run.boxes.d
-  for k = 1, n do v[k] = 2 * random:uniform(row, k) - 1 end
-  for _, gauge in ipairs(run.solver.gauges) do
-    local mean, pull = core.zeros(d), gauge.pull
-    for i = 1, run.boxes.cells do mean = mean + node(v, i, d) / run.boxes.cells end
-    local part = mean:dot(pull) / pull:dot(pull)
-    for k = 1, n do v[k] = v[k] - part * pull[(k - 1) % d + 1] end
-  end
-  return v
-end
-
--- <v, M w> and <v, K w> of two variations, as density and flux
-function laws.multisymplectic(run)
-  local z, t = all_levels(run, "run:balance")
-  local b, largest = run.boxes, 0
-  local v = run.strip:vary { u = z, t = t, v = variation(run, 1) }
-  local w = run.strip:vary { u = z, t = t, v = variation(run, 2) }
-  local function mean(u, k, i, j) return (node(u[k], i, b.d) + node(u[k], j, b.d)) / 2 end
-  local function over(u, k, i) return (node(u[k], i, b.d) + node(u[k + 1], i, b.d)) / 2 end
-  for k = 1, #z - 1 do
-    for i = 1, b.cells do
-      local j = i == b.cells and 1 or i + 1
-      local time = pairing(b.M, mean(v, k + 1, i, j), mean(w, k + 1, i, j))
-        - pairing(b.M, mean(v, k, i, j), mean(w, k, i, j))
-      local space = pairing(b.K, over(v, k, j), over(w, k, j))
-        - pairing(b.K, over(v, k, i), over(w, k, i))
-      largest = math.max(largest, math.abs(time / run.h + space / b.dx))
-    end
-  end
-  return largest
-end
-
-core.method("dm.box_run", "balance", blame.caller(function(run, name)
-  if not laws[name] then
-    option.fail("run:balance", "takes \"energy\", \"momentum\" or \"multisymplectic\" (got %s)",
-      option.got(name))
-  end
-  return laws[name](run)
+core.method("dm.box_run", "checkpoint", blame.caller(function(run, file)
+  return require "dm.line.box_checkpoint".write(run, file)
 end), [[
-run:balance("energy" | "momentum" | "multisymplectic") -> number
-The largest residual, over all boxes, of a local law D_t(density) + D_x(flux) = 0. With m the mean
-over a box and D the differences: energy has the density S(m z) - <m z, K D_x z>/2 and the flux
-<m z, K D_t z>/2; momentum exchanges M and K, density and flux; multisymplectic: <v, M w> and
-<v, K w> of two first variations, random at the start (Bridges, Reich 2001). Round-off for quadratic
-S, multisymplectic for every S; the others have order 2.]])
+run:checkpoint(file) -> file name
+Write where the run ended, a text with all bits; boxes:resume(file) goes on from it.]])
 
 picture.give "dm.box_run"
 

@@ -1,20 +1,35 @@
 --- The first level of boxes: components that are given, and those that follow from rows without
--- z_t, between means and differences of neighbouring nodes.
+-- z_t. What is given and does not satisfy these rows is moved there, or refused: they would be off
+-- by the same at every level, with alternating signs.
 local algebra = require "dm.line.box_algebra"
 local core = require "dm.core"
+local follow = require "dm.line.box_follow"
 local grids = require "dm.line.grid"
 local option = require "dm.base.options"
 
 local M = {}
 
 local WHERE = "solver:run"
+local FAR = 0.25  -- of its size: what a component may be moved by
+local SAME = 1e-9 -- of its size: what is not worth telling
+local BOUND = 1e-8 -- of its terms: by how much a row without z_t may be off
 
-local function is_zero(row)
-  for j = 1, #row do if row[j] ~= 0 then return false end end
-  return true
+-- adds slope (x - from) at all nodes
+local function lift(boxes, values, slope)
+  for i = 1, slope ~= 0 and boxes.cells or 0 do
+    values[i] = values[i] + slope * (i - 1) * boxes.dx
+  end
 end
 
--- given components as vectors, by number
+-- of a component that gains a constant: of a function; of a list, the last box as those beside it
+local function slope_of(boxes, f, values)
+  local n = boxes.cells
+  if type(f) == "function" then return (f(boxes.to) - f(boxes.from)) / (boxes.to - boxes.from) end
+  local last = (values[2] - values[1] + values[n] - values[n - 1]) / 2
+  return (values[n] - values[1] + last) / (n * boxes.dx)
+end
+
+-- given components as vectors, by number, less what they gain
 local function given_of(boxes, z)
   if type(z) ~= "table" then
     option.fail(WHERE, "option 'z' must be a table { %s = f, ... } (got %s)", boxes.names[1],
@@ -28,106 +43,11 @@ local function given_of(boxes, z)
         table.concat(boxes.names, ", "))
     end
     out[c] = grids.values(boxes.grid, f, 1, name, WHERE)
-    if boxes.gain[c] and type(f) == "function" then -- without its slope
-      local slope = (f(boxes.to) - f(boxes.from)) / (boxes.to - boxes.from)
-      for i = 1, boxes.cells do out[c][i] = out[c][i] - slope * (i - 1) * boxes.dx end
-      boxes.slope_given[c] = slope
-    end
+    if boxes.gain[c] then boxes.slope_given[c] = slope_of(boxes, f, out[c]) end
+    boxes.slope[c] = boxes.slope_given[c]
+    lift(boxes, out[c], -(boxes.slope[c] or 0))
   end
   return out
-end
-
--- of a row: unknown components by K and by S
-local function unknowns_of(boxes, r, known)
-  local by_K, by_S = {}, {}
-  for c = 1, boxes.d do
-    if not known[c] and boxes.K[r][c] ~= 0 then by_K[#by_K + 1] = c end
-    if not known[c] and algebra.depends(boxes, c, r) then by_S[#by_S + 1] = c end
-  end
-  return by_K, by_S
-end
-
-local function right(boxes, i) return i == boxes.cells and 1 or i + 1 end
-
--- means of the known components over box i; others are 0
-local function mean(boxes, known, i)
-  local z = core.zeros(boxes.d)
-  for c, values in pairs(known) do z[c] = (values[i] + values[right(boxes, i)]) / 2 end
-  return z
-end
-
--- sum of K[r][c] D_x z_c over known components in box i
-local function differences(boxes, r, known, i)
-  local sum = 0
-  for c, values in pairs(known) do
-    local slope = (values[right(boxes, i)] - values[i]) / boxes.dx + (boxes.slope[c] or 0)
-    sum = sum + boxes.K[r][c] * slope
-  end
-  return sum
-end
-
--- K[r][c] D_x z_c = S_r - ...: a sum along the ring; what it gains is its slope
-local function integrate(boxes, r, c, known)
-  local out, slopes, total = core.zeros(boxes.cells), {}, 0
-  for i = 1, boxes.cells do
-    slopes[i] = (boxes.gradient(mean(boxes, known, i))[r] - differences(boxes, r, known, i))
-      / boxes.K[r][c]
-    total = total + slopes[i]
-  end
-  local slope = total / boxes.cells
-  if not boxes.gain[c] and math.abs(slope) * (boxes.to - boxes.from) > 1e-9 then
-    option.fail(WHERE, "'%s' gains %.6g round the ring: name it in gain = { \"%s\" }",
-      boxes.names[c], total * boxes.dx, boxes.names[c])
-  end
-  for i = 2, boxes.cells do out[i] = out[i - 1] + (slopes[i - 1] - slope) * boxes.dx end
-  if boxes.gain[c] then boxes.slope[c] = slope end
-  return out
-end
-
--- S_r(z) = differences, for the mean of z_c in box i: Newton's method from 0
-local function solve_mean(boxes, r, c, known, i)
-  local z, wanted = mean(boxes, known, i), differences(boxes, r, known, i)
-  for _ = 1, 50 do
-    local step = (boxes.gradient(z)[r] - wanted) / boxes.hessian(z)[r][c]
-    z[c] = z[c] - step
-    if math.abs(step) <= 1e-15 * (1 + math.abs(z[c])) then return z[c] end
-  end
-  option.fail(WHERE, "'%s' does not follow from row %d without z_t at node %d: give it in z",
-    boxes.names[c], r, i)
-end
-
--- nodes from means, on a ring of an odd number of nodes
-local function nodes_of(boxes, means)
-  local out, sign = core.zeros(boxes.cells), 1
-  for i = 1, boxes.cells do
-    out[1] = out[1] + sign * means[i]
-    sign = -sign
-  end
-  for i = 2, boxes.cells do out[i] = 2 * means[i - 1] - out[i - 1] end
-  return out
-end
-
-local function average(boxes, r, c, known)
-  local means = {}
-  for i = 1, boxes.cells do means[i] = solve_mean(boxes, r, c, known, i) end
-  return nodes_of(boxes, means)
-end
-
--- a component more that follows from a row without z_t; false: none does
-local function follow(boxes, known)
-  for r = 1, boxes.d do
-    if is_zero(boxes.M[r]) then
-      local by_K, by_S = unknowns_of(boxes, r, known)
-      if #by_K == 1 and #by_S == 0 then
-        known[by_K[1]] = integrate(boxes, r, by_K[1], known)
-        return true
-      elseif #by_K == 0 and #by_S == 1 and boxes.cells % 2 == 1 then
-        known[by_S[1]] = average(boxes, r, by_S[1], known)
-        return true
-      end
-    end
-  end
-  return false
 end
 
 -- the slope of a gained component that the gauge mode asks for: y K slope - (2/h) pull . mean z =
@@ -150,28 +70,157 @@ local function fit_slope(boxes, gauge, known, h)
   end
 end
 
---- { z = vector of all nodes, node after node; slope = of gained components; loose = components
--- that nothing tells }.
-function M.level(boxes, z, solver)
-  local state = setmetatable({ slope = {}, slope_given = {} }, { __index = boxes })
-  local known, loose = given_of(state, z), {}
-  for c, slope in pairs(state.slope_given) do state.slope[c] = slope end
-  while follow(state, known) do end
-  for c = 1, boxes.d do
-    if not known[c] then
-      if not is_zero(boxes.M[c]) then
-        option.fail(WHERE, "component '%s' is needed: z_t of it occurs, and no row without z_t "
-          .. "tells it", boxes.names[c])
-      end
-      known[c], loose[#loose + 1] = core.zeros(boxes.cells), c
+---- what is given twice ----
+
+local function mean_of(values) return values:sum() / #values end
+
+-- how far two vectors are apart, and how large they are, `shift` taken off the second
+local function apart(a, b, shift)
+  local off, size, middle = 0, 0, shift ~= 0 and mean_of(a) or 0
+  for i = 1, #a do
+    off = math.max(off, math.abs(b[i] - shift - a[i]))
+    size = math.max(size, math.abs(a[i] - middle), math.abs(b[i] - shift - middle))
+  end
+  return off, size
+end
+
+-- component c as it follows, in the place of what is given; where S does not depend on it its
+-- constant is the given one
+local function move(state, given, found, c)
+  local name, shown = state.names[c], 1 * found
+  lift(state, shown, (state.slope[c] or 0) - (state.slope_given[c] or 0))
+  local shift = algebra.depends(state, c) and 0 or mean_of(shown) - mean_of(given)
+  local off, size = apart(given, shown, shift)
+  if off > FAR * size then
+    option.fail(WHERE, "'%s' of the start does not satisfy the rows without z_t (K z_x = grad S): "
+      .. "it is off by %.3g from what follows from the others, which is %.3g at most; leave '%s' "
+      .. "out, it follows", name, off, size, name)
+  end
+  for i = 1, #found do found[i] = found[i] - shift end
+  if off > SAME * size then state.moved[name] = off end
+  return found
+end
+
+-- y (K D z - grad S(m z)) in all boxes: the largest, that of its terms, and where
+local function off_bond(state, known, y)
+  local largest, terms, at = 0, 0, 1
+  for i = 1, state.cells do
+    local sum, gradient = 0, state.gradient(follow.mean(state, known, i))
+    for r = 1, y[1] and state.d or 0 do
+      local D = y[r] ~= 0 and follow.differences(state, r, known, i) or 0
+      sum, terms = sum + y[r] * (D - gradient[r]), math.max(terms, math.abs(y[r] * D),
+        math.abs(y[r] * gradient[r]))
+    end
+    if math.abs(sum) > largest then largest, at = math.abs(sum), i end
+  end
+  return largest, terms, at
+end
+
+-- does a row of y have a component of this list?
+local function has(state, y, list)
+  for r = 1, state.d do
+    for _, c in ipairs(y[r] ~= 0 and list or {}) do
+      if state.K[r][c] ~= 0 or algebra.depends(state, c, r) then return true end
     end
   end
+  return false
+end
+
+-- the first bond that the start does not satisfy: { y, off, at }; nil: there is none
+local function broken(state, known, loose)
+  for _, y in ipairs(algebra.bonds(state)) do
+    if not has(state, y, loose) then
+      local off, terms, at = off_bond(state, known, y)
+      if off > BOUND * terms then return { y = y, off = off, at = at } end
+    end
+  end
+end
+
+local function row_of(y)
+  local rows = {}
+  for r = 1, #y do if y[r] ~= 0 then rows[#rows + 1] = r end end
+  return (#rows == 1 and "row " or "a combination of the rows ") .. table.concat(rows, ", ")
+end
+
+-- components with a z_t that are given, those first that gain a constant
+local function candidates(state, given)
+  local out = {}
+  for pass = 1, 2 do
+    for c = 1, state.d do
+      local now = (state.gain[c] and 1 or 2) == pass
+      if now and given[c] and state.turns[c] then out[#out + 1] = c end
+    end
+  end
+  return out
+end
+
+-- Where components with a z_t are given that a row binds to each other, one is moved.
+local function bind(state, known, given, loose)
+  local bond = broken(state, known, loose)
+  if not bond then return end
+  for _, c in ipairs(candidates(state, given)) do
+    local others, slope = {}, state.slope[c]
+    for k, values in pairs(known) do others[k] = k ~= c and values or nil end
+    local fine = pcall(follow.all, state, others, {})
+    if fine and others[c] and not broken(state, others, loose) then
+      known[c] = move(state, given[c], others[c], c)
+      return
+    end
+    state.slope[c] = slope
+  end
+  option.fail(WHERE, "the start does not satisfy %s, which has no z_t: K z_x = grad S is off by "
+    .. "%.3g in the box at node %d, and would be at every level; give fewer components, others "
+    .. "follow", row_of(bond.y), bond.off, bond.at)
+end
+
+-- known components from those that are given: with a z_t first, then what follows, then others
+local function compose(state, given)
+  local known, found = {}, {}
+  for c = 1, state.d do if state.turns[c] then known[c] = given[c] end end
+  follow.all(state, known, given)
+  for c = 1, state.d do
+    found[c] = known[c] ~= nil and known[c] ~= given[c]
+    if known[c] == nil and given[c] then
+      known[c] = given[c]
+      follow.all(state, known, given)
+    end
+  end
+  for c = 1, state.d do
+    if found[c] and given[c] then known[c] = move(state, given[c], known[c], c) end
+  end
+  return known
+end
+
+-- components without a z_t that no row tells, and zeros for those that are not given
+local function loose_of(state, known, given)
+  local loose = {}
+  for c = 1, state.d do
+    if not known[c] and state.turns[c] then
+      option.fail(WHERE, "component '%s' is needed: z_t of it occurs, and no row without z_t "
+        .. "tells it (one that has its differences leaves a constant open)", state.names[c])
+    end
+    if not state.turns[c] and (not known[c] or known[c] == given[c]) then loose[#loose + 1] = c end
+    known[c] = known[c] or core.zeros(state.cells)
+  end
+  return loose
+end
+
+--- { z = vector of all nodes, node after node; slope = of gained components; loose = components
+-- that nothing tells; given, moved = by name, how far what was given is from where it starts }.
+function M.level(boxes, z, solver)
+  local state = setmetatable({ slope = {}, slope_given = {}, turns = {}, moved = {} },
+    { __index = boxes })
+  for c = 1, boxes.d do state.turns[c] = not algebra.is_zero(boxes.M[c]) end
+  local given = given_of(state, z)
+  local known = compose(state, given)
+  local loose = loose_of(state, known, given)
+  bind(state, known, given, loose)
   for _, gauge in ipairs(solver.gauges) do fit_slope(state, gauge, known, solver.h) end
   local all = core.zeros(boxes.cells * boxes.d)
   for i = 1, boxes.cells do
     for c = 1, boxes.d do all[(i - 1) * boxes.d + c] = known[c][i] end
   end
-  return { z = all, slope = state.slope, loose = loose }
+  return { z = all, slope = state.slope, loose = loose, given = given, moved = state.moved }
 end
 
 return M

@@ -3,6 +3,7 @@
 local algebra = require "dm.line.box_algebra"
 local blame = require "dm.base.blame"
 local box_run = require "dm.line.box_run"
+require "dm.line.box_laws"
 local core = require "dm.core"
 local grids = require "dm.line.grid"
 local lists = require "dm.base.lists"
@@ -144,6 +145,14 @@ h: the height of a box. Refused where the step is singular since the ring has an
 cells and det K = 0. A component whose constant nothing determines (a gauge mode, as of KdV's
 potential) is held at the first node: solver.held names it.]])
 
+core.method("dm.boxes", "resume", blame.caller(function(boxes, from)
+  return require "dm.line.box_checkpoint".resume(boxes, from)
+end), [[
+boxes:resume(file | run) -> dm.box_solver
+A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+solver:run{steps=}, without z, gives the bits of a run that never stopped. Raises when the file is
+not a whole checkpoint or the boxes are other ones.]])
+
 function Solver.__tostring(s)
   local held = #s.held > 0 and (": the constant of %s is a gauge mode, held at the first node")
     :format(table.concat(s.held, ", ")) or ""
@@ -151,9 +160,14 @@ function Solver.__tostring(s)
 end
 
 core.method("dm.box_solver", "run", blame.caller(box_run.run), [[
-solver:run{z = {name = f, ...}, steps= | t=, every=, t0=} -> dm.box_run
+solver:run{z = {name = f, ...}, steps= | t=, every=, t0=, file=, checkpoint=} -> dm.box_run
 z: functions of x, or lists of a number for every node, for the components that have a z_t; others
-follow, where they are left out, from rows without z_t, and where none tells them they start at
-their mean over the first step (only their means over steps occur in the equations).]])
+follow, where they are left out, from rows without z_t, and where none tells them they start where
+their means over the first two steps point to (only their means over steps occur in the equations).
+What is given beside is moved onto its row without z_t (run.moved, and the text of a run, tell by
+how much), or refused where it is off by a quarter of its size: at every level it would be off by
+the same, with alternating signs. file: a NumPy file that the rows go to as they come (t and the
+components; dm.load reads it); the run keeps the first and the last one. checkpoint: a file for
+where it ended, also where it was stopped (run:checkpoint).]])
 
 return M

@@ -1,20 +1,18 @@
 --- Where a run on a line ended, and solvers that go on from there with the bits of a run that never
 -- stopped.
 local core = require "dm.core"
-local lists = require "dm.base.lists"
+local endings = require "dm.line.ending"
 local option = require "dm.base.options"
+local sample = require "dm.line.sample"
 local state_file = require "dm.data.state_file"
 
 local M = {}
 
-local HEAD = "dmlua line 1"
+local KIND = { head = "dmlua line 1", what = "a run on a line" }
 local WHERE = "field:resume"
 local fail = option.failing(WHERE)
 
 local written = state_file.written
-
--- numbers of an ending (strip:run)
-local ENDING = { "t", "before", "h", "energy", "target", "scale", "most" }
 
 ---- what must be the same ----
 
@@ -22,12 +20,7 @@ local ENDING = { "t", "before", "h", "energy", "target", "scale", "most" }
 local function fingerprint(field)
   local random, n, out = core.random(17), field.values, {}
   for row = 1, 4 do
-    local function sample(which)
-      local w = core.zeros(n)
-      for k = 1, n do w[k] = 0.1 + 0.8 * random:uniform(row, 3 * k + which) end
-      return n == 1 and w[1] or w
-    end
-    local u, ut, ux = sample(1), sample(2), sample(3)
+    local u, ut, ux = sample.of(random, row, n)
     local x = field.from + (field.to - field.from) * random:uniform(row, 0)
     local fine, value = pcall(field.L, u, ut, ux, x, 0.3 * row)
     out[row] = fine and type(value) == "number" and value or 0 / 0
@@ -52,19 +45,9 @@ end
 function M.write(run, file)
   local where, ending = "run:checkpoint", run.ending
   if not ending then option.fail(where, "a run of at least one slab is needed") end
-  local fields, from = identity(run.field), ending.from
-  local function add(key, value) fields[#fields + 1] = { key, value } end
-  add("rule", run.rule)
-  add("step", run.solver.h * 1.0)
-  add("free", run.solver.free or "none")
-  add("t0", run.t0 * 1.0)
-  add("done", from.done)
-  for _, key in ipairs(ENDING) do add("ending" .. key, from[key]) end
-  local state = {}
-  for _, part in ipairs { ending.u, ending.p, from.old[1], from.old[2], ending.frozen or {} } do
-    for i = 1, #part do state[#state + 1] = part[i] end
-  end
-  return state_file.write(file, HEAD, fields, state, where)
+  local own = { { "rule", run.rule }, { "step", run.solver.h * 1.0 },
+    { "free", run.solver.free or "none" } }
+  return endings.write(file, KIND, identity(run.field), own, ending, ending.frozen, where)
 end
 
 ---- reading ----
@@ -84,25 +67,13 @@ local function solver_of(field, given, ending)
 end
 
 local function read(field, file)
-  local fields = state_file.read(file, HEAD, "a run on a line", WHERE)
-  for _, entry in ipairs(identity(field)) do
-    if fields[entry[1]] ~= written(entry[2]) then
-      fail("the field is not the one of the checkpoint: its %s was %s and is %s", entry[1],
-        tostring(fields[entry[1]]), written(entry[2]))
-    end
-  end
+  local fields = endings.read(file, KIND, identity(field), "the field is not the one", WHERE)
   local moves = fields.free:find "x" ~= nil
   local n = field.nodes * (field.values + (moves and 1 or 0))
-  if #fields.state ~= 4 * n + (moves and field.nodes or 0) then
-    fail("%s: numbers of the state are missing", file)
-  end
-  local function part(k) return lists.part(fields.state, k * n, n) end
-  local from = { done = math.tointeger(tonumber(fields.done)), old = core.matrix { part(2),
-    part(3) } }
-  for _, key in ipairs(ENDING) do from[key] = tonumber(fields["ending" .. key]) end
+  local ending, frozen = endings.of(file, fields, n, true, moves and field.nodes or 0, WHERE)
+  ending.frozen = frozen
   return solver_of(field, { rule = fields.rule, h = tonumber(fields.step), free = fields.free },
-    { u = part(0), p = part(1), from = from, t0 = tonumber(fields.t0),
-      frozen = moves and lists.part(fields.state, 4 * n, field.nodes) or nil })
+    ending)
 end
 
 --- field:resume(file | run)

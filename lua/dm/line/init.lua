@@ -5,6 +5,7 @@ local core = require "dm.core"
 local grids = require "dm.line.grid"
 local option = require "dm.base.options"
 local rules = require "dm.line.rule"
+local sample = require "dm.line.sample"
 local solver = require "dm.line.solver"
 require "dm.line.laws"
 
@@ -59,18 +60,6 @@ local function at_ends(grid, n, f)
   return out
 end
 
--- u, ut, ux of n values from a stream of random numbers
-local function sample(random, row, n, changed)
-  local out = {}
-  for which = 1, 3 do
-    local w = core.zeros(n)
-    for k = 1, n do w[k] = 0.1 + 0.8 * random:uniform(row, 3 * k + which) end
-    if which == 2 and changed then w[changed] = w[changed] + 0.05 end
-    out[which] = n == 1 and w[1] or w
-  end
-  return out
-end
-
 -- Raises where L does not know the speed of a value: its equation then moves nothing. What L
 -- refuses at numbers is left to the trace.
 local function check_speeds(L, n, grid)
@@ -78,9 +67,9 @@ local function check_speeds(L, n, grid)
   for k = 1, n do
     local seen, moves = false, false
     for row = 1, 5 do
-      local function at(w) return L(w[1], w[2], w[3], grid.from + 0.3 * grid.dx, 0.1 * row) end
+      local function at(u, ut, ux) return L(u, ut, ux, grid.from + 0.3 * grid.dx, 0.1 * row) end
       local fine, a, b = pcall(function()
-        return at(sample(random, row, n)), at(sample(random, row, n, k))
+        return at(sample.of(random, row, n)), at(sample.of(random, row, n, k))
       end)
       if not fine and tostring(a):find "must return" then error(a, 0) end
       if not fine then return end

@@ -1,6 +1,7 @@
 --- Solvers of fields on a line: the strip of a rule, starts, runs; the limit of stability.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local endings = require "dm.line.ending"
 local grids = require "dm.line.grid"
 local lists = require "dm.base.lists"
 local moving = require "dm.line.moving"
@@ -182,12 +183,7 @@ end
 -- of a solver that goes on from a run: its ending as a level
 local function last_level(solver, options)
   local ending = solver.ending
-  for _, key in ipairs { "u", "ut", "p", "t0" } do
-    if options[key] ~= nil then
-      option.fail("solver:run", "option '%s': this solver goes on from a run, which has its own "
-        .. "levels and time", key)
-    end
-  end
+  endings.check_options(options, { "u", "ut", "p", "t0" })
   local strip, action = solver.strip, solver.action
   if solver.moves then strip, action = M.strip(solver, ending.frozen) end
   return { strip = strip, action = action, u = ending.u, p = ending.p, from = ending.from,
@@ -215,7 +211,7 @@ local function run(solver, options)
     or first_level(solver, options, plan.t0)
   if not solver.ending then check_trace(solver, level, plan.t0) end
   local started = os.clock()
-  local outcome = stream.go(solver, level, plan)
+  local outcome = stream.go(solver, level, plan, stream.of_field(solver))
   local made = runs.new(solver, level, plan, outcome, os.clock() - started)
   if checkpoint then made:checkpoint(checkpoint) end
   if outcome.code ~= "ok" then runs.fail(made, outcome) end
@@ -267,7 +263,9 @@ function M.limit(field, rule, options)
   local least = 1e-6 * field.dx
   local limit = strip:limit(u, least, 1e12 * field.dx)
   if limit ~= limit then
-    option.fail(where, "d2L/dut2 is degenerate at this u: there is no kinetic energy to tell by")
+    option.fail(where, "d2L/dut2 is degenerate at this u: there is no kinetic energy to tell by%s",
+      #points.points == 1 and "; one point a cell does not see that of u = (-1)^i on open lines "
+        .. "and on rings of an even number of cells: take cell(gauss(2)), or an odd ring" or "")
   end
   return limit
 end

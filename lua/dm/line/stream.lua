@@ -1,4 +1,6 @@
---- The levels of a run, recorded in memory or, as they come, in a file of rows.
+--- The levels of a run, recorded in memory or, as they come, in a file of rows. Fields and boxes
+-- have a writer of their own: fields = names and widths of the rows, write(outcome, first, write) =
+-- the rows of an outcome from row `first` on.
 local core = require "dm.core"
 local grids = require "dm.line.grid"
 local moving = require "dm.line.moving"
@@ -21,7 +23,6 @@ local function both(first, last)
   return out
 end
 
--- fields of the rows of a file
 local function fields_of(solver)
   local field = solver.field
   local n = field.nodes * field.values
@@ -30,7 +31,6 @@ local function fields_of(solver)
   return out
 end
 
--- rows of an outcome from row `first` on
 local function write_rows(solver, o, first, write)
   local field, u, p, y = solver.field, o.u, o.p, nil
   if solver.moves then
@@ -47,35 +47,44 @@ local function write_rows(solver, o, first, write)
   end
 end
 
+--- The writer of a field on a line.
+function M.of_field(solver)
+  return { fields = fields_of(solver), write = function(o, first, write)
+    write_rows(solver, o, first, write)
+  end }
+end
+
 -- pieces of the run one after the other, each from where the last one ended
-local function pieces(solver, level, plan, write)
+local function pieces(solver, level, plan, writer, write)
   local most = math.max(1, AT_ONCE // #level.u) * plan.every
   local at, done, first, o = level, 0, nil, nil
   repeat
     local steps = math.min(most, plan.steps - done)
     o = go(solver, level, plan, at, steps)
-    write_rows(solver, plan.steps == 0 and { t = { o.t[1] }, u = o.u, p = o.p, energy = o.energy }
+    writer.write(plan.steps == 0 and { t = { o.t[1] }, u = o.u, p = o.p, energy = o.energy }
       or o, first and 2 or 1, write)
     first = first or o
     done = done + o.done
-    at = { u = o.u[#o.u], p = o.p[#o.p], from = o.ending }
+    at = { u = o.u[#o.u], p = o.p and o.p[#o.p], from = o.ending }
   until o.code ~= "ok" or done >= plan.steps
   return first, o, done
 end
 
 --- What core.strip's run tells of all slabs; with plan.file the rows are there, and the first and
 -- the last one here.
-function M.go(solver, level, plan)
+function M.go(solver, level, plan, writer)
   if not plan.file then return go(solver, level, plan, level, plan.steps) end
   local rows = 1 + (plan.steps + plan.every - 1) // plan.every
   local out
-  npy.stream(plan.file, fields_of(solver), rows, "solver:run", function(write)
-    local first, last, done = pieces(solver, level, plan, write)
+  npy.stream(plan.file, writer.fields, rows, "solver:run", function(write)
+    local first, last, done = pieces(solver, level, plan, writer, write)
     out = last
     out.done = done
-    for _, key in ipairs { "u", "p" } do out[key] = both(first[key][1], last[key][#last.t]) end
+    for _, key in ipairs { "u", "p" } do
+      out[key] = first[key] and both(first[key][1], last[key][#last.t])
+    end
+    out.energy = first.energy and core.vector { first.energy[1], last.energy[#last.energy] }
     out.t = core.vector { first.t[1], last.t[#last.t] }
-    out.energy = core.vector { first.energy[1], last.energy[#last.energy] }
   end)
   return out
 end

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local fields = require "dm.line"
 local grids = require "dm.line.grid"
+local sample = require "dm.line.sample"
 
 local M = {}
 
@@ -109,14 +110,9 @@ end
 
 -- does L depend on t? Looked at with numbers
 local function is_autonomous(field)
-  local random, n = core.random(5), field.values
+  local random = core.random(5)
   for row = 1, 5 do
-    local function sample(which)
-      local w = core.zeros(n)
-      for k = 1, n do w[k] = 0.1 + 0.8 * random:uniform(row, 3 * k + which) end
-      return n == 1 and w[1] or w
-    end
-    local u, ut, ux = sample(1), sample(2), sample(3)
+    local u, ut, ux = sample.of(random, row, field.values)
     local x = field.from + field.dx * random:uniform(row, 0)
     local fine, a, b = pcall(function()
       return field.L(u, ut, ux, x, 0.1 * row), field.L(u, ut, ux, x, 0.7 + 0.1 * row)

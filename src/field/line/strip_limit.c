@@ -4,17 +4,20 @@
  * another one is the limit. */
 #include "field/line/strip_run.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum { HALVINGS = 60 };
 
-/* the form in the band of A, upper and lower part; held unknowns and their rows are those of 1 */
+/* the form in the band of A, upper and lower part; held unknowns and their rows are those of 1. In
+ * r the sum of the sizes of what was added up in each row, from which its round-off comes. */
 static void assemble(dm_strip_room *room, double h) {
     const dm_strip *s = room->strip;
     const uint32_t n = s->layout.values;
     dm_strip_set(room, DM_STRIP_HEIGHT, h);
     memset(room->A, 0, dm_band_size(&room->band) * sizeof *room->A);
+    memset(room->r, 0, room->band.n * sizeof *room->r);
     for (uint32_t c = 0; c < s->cells; c += DM_CELL_BLOCK) {
         const uint32_t count = s->cells - c < DM_CELL_BLOCK ? s->cells - c : DM_CELL_BLOCK;
         dm_cell_map_run(&s->hessian, room->memory, room->scalars, room->buffer, c, count);
@@ -29,6 +32,7 @@ static void assemble(dm_strip_room *room, double h) {
                     if (s->held[u] || s->held[v]) continue;
                     room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, column)] +=
                         a / (2 * n) == b / (2 * n) ? x : -x;
+                    room->r[row] += fabs(x);
                 }
     }
     for (uint32_t u = 0; u < room->band.n; u++) {
@@ -38,15 +42,17 @@ static void assemble(dm_strip_room *room, double h) {
     }
 }
 
-/* negative pivots of the symmetric band, by Sylvester's law; -1: one that is zero */
+/* negative pivots of the symmetric band, by Sylvester's law; -1: one that is zero, or no more than
+ * the round-off of n rows makes of its terms */
 static long negatives(dm_strip_room *room) {
     const uint32_t n = room->band.n, w = room->band.width;
+    const double round_off = DBL_EPSILON * (8.0 + n);
     long count = 0;
     for (uint32_t k = 0; k < n; k++) {
         double *column = room->A + dm_band_row(&room->band, 0) + dm_band_column(&room->band, k);
         const double pivot = column[k];
         const uint32_t last = k + w < n ? k + w : n - 1;
-        if (!(fabs(pivot) > 0.0)) return -1;
+        if (!(fabs(pivot) > round_off * room->r[k])) return -1;
         count += pivot < 0.0;
         for (uint32_t j = k + 1; j <= last; j++) {
             double *target = room->A + dm_band_row(&room->band, 0) + dm_band_column(&room->band, j);
@@ -80,7 +86,9 @@ static int is_kinetic(dm_strip_room *room, double h) {
     return 1;
 }
 
-/* Up by half as much again until the signature changes, then bisection to round-off. */
+/* Up by half as much again until the signature changes, then bisection to round-off. Where all that
+ * is left of the form is round-off, as of rules that do not see potentials in (-1)^k, it never does:
+ * no height is too large. */
 double dm_strip_limit(dm_strip_room *room, const double *u, double least, double most) {
     dm_strip_put(room, 0, u);
     dm_strip_put(room, dm_cell_upper(&room->strip->layout, 0), u);
@@ -88,9 +96,10 @@ double dm_strip_limit(dm_strip_room *room, const double *u, double least, double
     if (!is_kinetic(room, least)) return NAN;
     const long kinetic = signature(room, least);
     double low = least, high = least;
+    long now = kinetic;
     if (kinetic < 0 || signature(room, 0.5 * least) != kinetic) return NAN;
-    while (high < most && signature(room, high) == kinetic) low = high, high *= 1.5;
-    if (high >= most) return INFINITY;
+    while (high < most && now == kinetic) low = high, high *= 1.5, now = signature(room, high);
+    if (high >= most || now < 0) return INFINITY;
     for (int k = 0; k < HALVINGS && high - low > 1e-15 * high; k++) {
         const double middle = 0.5 * (low + high);
         if (signature(room, middle) == kinetic)

@@ -104,6 +104,34 @@ for n = 1, 2 do -- at rest: n = -|E|^2, E = sqrt(2) sech(x) exp(i t)
 end
 near(math.log(errors[1] / errors[2]) / math.log(2), 2, 0.1, "Zakharov's soliton at order 2")
 
+---- starts that are given twice: moved onto their rows without z_t, or refused, never left to go to and fro ----
+
+local function start(boxes, h, z) return boxes:solver { h = h }:run { z = z, steps = 6 } end
+local plain, exact = start(klein_gordon(33), 0.1, { u = sin, p = cos }), start(klein_gordon(33), 0.1, { u = sin, p = cos, q = cos })
+ok(exact.z == plain.z and tostring(exact):find "start of q was moved onto its row", "q = u_x of a formula is moved onto that of the boxes", tostring(exact))
+near(exact.moved.q, (pi / 33) ^ 2 / 3, 1e-4, "by (k dx)^2 / 12")
+ok(plain.moved.q == nil and start(klein_gordon(33), 0.1, { u = sin, p = cos, q = plain.q[1] }).moved.q == nil, "what satisfies its row stays")
+raises("off by 1 from what follows", function() start(klein_gordon(33), 0.1, { u = sin, p = cos, q = 0 }) end)
+raises("leave 'q' out", function() start(klein_gordon(33), 0.1, { u = sin, p = cos, q = function(x) return -cos(x) end }) end)
+raises("leaves a constant open", function() start(klein_gordon(33), 0.1, { q = cos, p = cos }) end)
+local function tanh2(x) return 2 * dm.tanh(x) end
+for _, cells in ipairs { 64, 65 } do
+  local free, phi = start(kdv(cells), 0.02, { u = soliton }), start(kdv(cells), 0.02, { u = soliton, phi = tanh2 })
+  local nodes = {}
+  for i = 1, cells do nodes[i] = tanh2(free.nodes[i]) end
+  local list = start(kdv(cells), 0.02, { u = soliton, phi = nodes })
+  below((phi.u[7] - free.u[7]):norm(), 1e-10, "phi and u given: phi is moved, u is not")
+  below((list.phi[7] - phi.phi[7]):norm(), 1e-9, "a list of what gains is its values at the nodes")
+  near(phi.phi[1]:sum(), dm.vector(nodes):sum() , 1e-9, "and keeps its mean")
+  raises("leave 'phi' out", function() start(kdv(cells), 0.02, { u = soliton, phi = 0 }) end)
+  raises("'v' of the start", function() start(kdv(cells), 0.02, { u = soliton, v = 0 }) end)
+  raises("would go to and fro", function() start(kdv(cells), 0.02, { u = soliton, w = 0 }) end)
+  -- w, which only two steps tell: u_t/2 + w_x = 0, so w = c u / 2 on a soliton of the speed c = 4
+  local w = start(kdv(8 * cells), 0.002, { u = soliton })
+  near(worst({ { 1 }, w = { w.w[1] }, nodes = w.nodes }, "w", function(x) return 2 * soliton(x) end), 0, 0.02, "what two steps tell is its value at the start")
+  below((start(kdv(8 * cells), 0.002, { u = soliton, w = function(x) return 2 * soliton(x) end }).u[7] - w.u[7]):norm(), 1e-10, "and no other component depends on it")
+end
+
 ---- refusals ----
 
 raises("even", function() klein_gordon(32):solver { h = 0.1 } end)

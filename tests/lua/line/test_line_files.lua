@@ -32,8 +32,8 @@ for _, case in ipairs(cases) do
   local solver = field:solver(case[3])
   local whole = solver:run(with(case[4], { steps = 37 }))
   local part = solver:run(with(case[4], { steps = 15, every = 4, checkpoint = name }))
-  for how, from in pairs { file = name, run = part } do
-    local rest = (how == "file" and dm.field(case[2]) or field):resume(from):run { steps = 22, every = 5 }
+  for how, from in pairs { file = dm.field(case[2]):resume(name), run = field:resume(part), ["dm.resume"] = dm.resume(part), ["dm.resume of a file"] = dm.resume(name, field) } do
+    local rest = from:run { steps = 22, every = 5 }
     ok(rest.u[#rest] == whole.u[38] and rest.p[#rest] == whole.p[38] and rest.t[#rest] == whole.t[38] and rest.energy[#rest] == whole.energy[38],
       case[1] .. ": the bits of a run that never stopped, from a " .. how)
     ok(rest.u[1] == whole.u[16] and rest.energy[1] == whole.energy[16] and rest.t[1] == whole.t[16] and #rest == 6, case[1] .. ": and its first row")
@@ -63,6 +63,45 @@ local long = field:solver { h = 0.0025 }:run { u = hump, steps = 600, file = nam
 local rows = dm.load(name .. ".npy")
 ok(#rows.t == 601 and rows.u[601][2000] == field:solver { h = 0.0025 }:run { u = hump, steps = 600, every = 600 }.u[2][2000] and long.steps == 600, "in pieces")
 os.remove(name .. ".npy")
+
+---- boxes: the same ----
+
+local function soliton(x) return 2 / dm.cosh(x) ^ 2 end
+local function kdv(cells, c)
+  return dm.multisymplectic { names = { "phi", "u", "v", "w" }, gain = { "phi" }, x = { -20, 20, cells, periodic = true },
+    M = { { 0, 0.5, 0, 0 }, { -0.5, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } }, K = { { 0, 0, 0, 1 }, { 0, 0, -1, 0 }, { 0, 1, 0, 0 }, { -1, 0, 0, 0 } },
+    S = function(z) return (c or 1) * z[2] ^ 3 - z[2] * z[4] + z[3] ^ 2 / 2 end }
+end
+local boxes = kdv(65)
+local solver = boxes:solver { h = 0.02 }
+local whole = solver:run { z = { u = soliton }, steps = 37 }
+local part = solver:run { z = { u = soliton }, steps = 15, every = 4, checkpoint = name }
+for how, from in pairs { file = kdv(65):resume(name), run = boxes:resume(part), ["dm.resume of a file"] = dm.resume(name, boxes), ["dm.resume"] = dm.resume(part) } do
+  local rest = from:run { steps = 22, every = 5 }
+  ok(rest.z[#rest] == whole.z[38] and rest.phi[#rest] == whole.phi[38] and rest.t[#rest] == whole.t[38] and rest.u[1] == whole.u[16] and #rest == 6,
+    "boxes: the bits of a run that never stopped, from a " .. how)
+  ok(rest:balance "multisymplectic" < 1e-10 and dm.resume(rest):run { steps = 0 }.z[1] == whole.z[38], "and its laws")
+end
+local short = solver:run { z = { u = soliton }, steps = 37, every = 3, file = name .. ".npy" }
+local rows = dm.load(name .. ".npy")
+local same = #rows.t == 14 and #short == 2 and short.z[2] == whole.z[38]
+for i = 1, 14 do
+  local k = math.min(3 * i - 2, 38)
+  for _, key in ipairs { "phi", "u", "v", "w" } do
+    for j = 1, 65 do same = same and rows[key][i][j] == whole[key][k][j] end
+  end
+  same = same and rows.t[i] == whole.t[k]
+end
+ok(same and short:balance "energy" == whole:balance "energy", "boxes: rows in a file are those of a run")
+os.remove(name .. ".npy")
+raises("its cells was 65 and is 67", function() dm.resume(name, kdv(67)) end)
+raises("its S was", function() dm.resume(name, kdv(65, 2)) end)
+raises("no checkpoint of a run on a line", function() dm.resume(name, dm.field { x = { 0, 20, 40 }, L = sine_gordon }) end)
+raises("its own levels", function() dm.resume(part):run { z = { u = soliton }, steps = 1 } end)
+raises("one of other boxes", function() dm.resume(part, kdv(65)) end)
+raises("at least one step", function() solver:run { z = { u = soliton }, steps = 0 }:checkpoint(name) end)
+raises("there are no options", function() dm.resume(part, boxes, {}) end)
+raises("what the run is of", function() dm.resume(part, 3) end)
 
 ---- what is refused ----
 

@@ -1,7 +1,7 @@
 -- fields on a line: discrete dispersion, kinks, natural, fixed and absorbing ends, energy, starts
 local tap = require "tap"
 local dm = require "dm"
-local ok, near = tap.ok, tap.near
+local ok, near, raises = tap.ok, tap.near, tap.raises
 local sin, cos, exp, pi = math.sin, math.cos, math.exp, math.pi
 
 local function linear(u, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end
@@ -47,6 +47,13 @@ near(two:stability_limit(), 1 / 24, 1e-12, "two values on a folded ring")
 ok(dm.field { x = { 0, 1, 5 }, L = function(_, ut) return ut ^ 2 / 2 end }:stability_limit() == math.huge, "no force: no limit")
 local open = dm.field { x = { 0, 1, 30 }, L = linear, fixed = "ends" }
 local c29 = cos(29 * pi / 30) -- 4 m/h = h k/3 with m = (4 + 2 c)/6, k = 2 - 2 c of the shortest wave between fixed ends
+for _, x in ipairs { { 0, 1, 25, periodic = true }, { 0, 1, 24 } } do -- tan^2(w h/2)/h^2 = tan^2(k dx/2)/dx^2: every h
+  for _, m in ipairs { 0, 4 } do
+    local line = dm.field { x = x, fixed = not x.periodic and "ends" or nil, L = function(u, ut, ux) return (ut ^ 2 - ux ^ 2 - m * u ^ 2) / 2 end }
+    ok(line:stability_limit "cell(gauss(1))" == math.huge, "one point a cell: no step is too long")
+  end
+end
+raises("one point a cell does not see", function() dm.field { x = { 0, 1, 24, periodic = true }, L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end }:stability_limit "cell(gauss(1))" end)
 near(open:stability_limit(), math.sqrt(2 * (4 + 2 * c29) / (2 - 2 * c29)) / 30, 1e-12, "fixed ends lack the shortest wave")
 
 ---- kinks ----

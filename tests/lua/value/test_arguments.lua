@@ -160,7 +160,7 @@ local calls = {
     energies = { { u = cable_run.u, t = cable_run.t } }, vary = { { u = cable_run.u, t = cable_run.t, v = five, dp = five } },
     residual = { { u = cable_run.u, t = cable_run.t, v = cable_run.u, w = cable_run.p, leave = nought, area = 1 } },
     run = { { u = five, p = five, h = 0.1, steps = 1 } } } },
-  ["dm.boxes"] = { { boxes, solver = { { h = 0.1 } } } },
+  ["dm.boxes"] = { { boxes, solver = { { h = 0.1 } }, resume = { box_run } } },
   ["dm.box_solver"] = { { box_solver, run = { { z = { u = math.sin, p = math.cos }, steps = 1 } } } },
   ["dm.box_run"] = { { box_run, balance = { "energy" } } },
   ["dm.branch"] = { { branch, series = { "mu", "energy" } } },

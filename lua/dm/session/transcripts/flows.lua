@@ -225,6 +225,17 @@ M["boxes.solver"] = [=[
 > solver.h, #solver.held
 0.1	0]=]
 
+M["boxes.resume"] = [=[
+> boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
+>>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+>>   S = function(z) return z[2]^2/2 - z[3]^2/2 + 2*z[1]^2 end }
+> solver = boxes:solver { h = 0.1 }
+> start = { u = math.sin, p = math.cos }
+> half = solver:run { z = start, steps = 5 }
+> whole = solver:run { z = start, steps = 10 }
+> boxes:resume(half):run({ steps = 5 }).u[6] == whole.u[11]
+true]=]
+
 M["dm.box_solver"] = [=[
 > boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
 >>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
@@ -249,6 +260,14 @@ M["dm.box_run"] = [=[
 run of 10 boxes a node to t = 1, h = 0.1: 11 rows of u, p, q at 33 nodes
 > run.u[1][1], #run.u[1]
 0.0	33]=]
+
+M["box_run.checkpoint"] = [=[
+> boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
+>>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+>>   S = function(z) return z[2]^2/2 - z[3]^2/2 + 2*z[1]^2 end }
+> run = boxes:solver({ h = 0.1 }):run { z = { u = math.sin, p = math.cos }, steps = 10 }
+> run:checkpoint "boxes.state"
+boxes.state]=]
 
 M["box_run.animate"] = [=[
 > boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },

@@ -1,0 +1,36 @@
+--- dm.resume of whatever has an end to go on from: paths of systems by the core, runs of fields on
+-- lines, of boxes and of waves by the method `resume` of what they are runs of.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local option = require "dm.base.options"
+
+local M = {}
+
+local WHERE = "dm.resume"
+
+-- what runs are of, by the class of the run; and the classes of those models
+local OF_RUN = { ["dm.line_run"] = "field", ["dm.box_run"] = "boxes", ["dm.wave_path"] = "wave" }
+local MODELS = { ["dm.line_field"] = true, ["dm.boxes"] = true, ["dm.schroedinger"] = true }
+
+--- dm.resume(file | run [, model])
+M.resume = blame.caller(function(from, model, options)
+  local key = OF_RUN[option.got(from)]
+  if not key and not MODELS[option.got(model)] then return core.resume(from, model, options) end
+  if options ~= nil then
+    option.fail(WHERE, "the rule of a run on a line or of a wave is that of its checkpoint: there "
+      .. "are no options")
+  end
+  model = model or from[key]
+  if not MODELS[option.got(model)] then
+    option.fail(WHERE, "what the run is of is needed beside it, or nothing (got %s)",
+      option.got(model))
+  end
+  return model:resume(from)
+end)
+
+core.docs[M.resume] = core.docs[core.resume] .. [[
+
+So do runs of fields on lines, of boxes and of waves: dm.resume(run), or dm.resume(file, field) with
+the dm.field, dm.multisymplectic or dm.schroedinger that they are of.]]
+
+return M
