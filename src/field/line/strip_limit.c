@@ -86,9 +86,9 @@ static int is_kinetic(dm_strip_room *room, double h) {
     return 1;
 }
 
-/* Up by half as much again until the signature changes, then bisection to round-off. Where all that
- * is left of the form is round-off, as of rules that do not see potentials in (-1)^k, it never does:
- * no height is too large. */
+/* Up by half as much again until the signature changes, then bisection to round-off. Where the form
+ * is left with round-off alone, as of rules that do not see potentials in (-1)^k, it never does: no
+ * height is too large. */
 double dm_strip_limit(dm_strip_room *room, const double *u, double least, double most) {
     dm_strip_put(room, 0, u);
     dm_strip_put(room, dm_cell_upper(&room->strip->layout, 0), u);
