@@ -105,7 +105,7 @@ local decisions, by_name = {}, house.exceptions(exceptions.decisions)
 for file in pairs(text) do
   local words = not file:find "^lua/dm/demos/" and code(file) or ""
   for name, kind in pairs(names) do
-    local own = text[file]:find('%.name = "' .. plain(name) .. '"')
+    local own = not words:find(name, 1, true) or text[file]:find('%.name = "' .. plain(name) .. '"')
     if not own and decides(words, name) and not by_name.owed(file, name) then
       decisions[#decisions + 1] = ("%s decides by the name of the %s %s"):format(file, kind, name)
     end
