@@ -59,6 +59,22 @@ typedef struct {
     int turns; /* does E see v? */
 } dm_group_joints;
 
+/* Coordinates whose multiples stand for an element too, or that have no relation: the system as one
+ * on R^n (group_homogeneous.c). */
+typedef struct {
+    /* inputs q[n], v[n]: coordinates on the group [n], velocity there [d], rates of the logarithms
+     * of what q was divided by [scales]; NULL: they are not homogeneous */
+    dm_graph *rates;
+    const dm_node *rate;
+    uint32_t scales;
+    dm_graph *momenta;       /* inputs q[n], p[n]: */
+    const dm_node *momentum; /* [2n + d] coordinates on the group, mu there, divisors of q */
+    dm_model *lifted;        /* NULL: nobody asked yet */
+    struct dm_constraints *constraints; /* of it, or NULL */
+    dm_kernel up;            /* takes (q[n] on the group, mu[n], t), gives p[n] */
+    dm_kernel down;          /* takes (q[n], p[n], t), gives what `momentum` is */
+} dm_homogeneous;
+
 /* L in the chart about g0. Kernels are there for one tau at a time. */
 typedef struct dm_group {
     uint32_t momenta; /* d, dimension of the algebra */
@@ -83,6 +99,7 @@ typedef struct dm_group {
     int liftable; /* the group is a level set of quadratic invariants of the lift */
     const dm_model *lifted;
     dm_kernel momentum, directions;
+    dm_homogeneous homogeneous; /* for all rules that the former does not serve */
 } dm_group;
 
 /* Entries of p that are momenta, those that rows hold. */
@@ -119,5 +136,11 @@ dm_status dm_group_directions(dm_node *X, dm_graph *g, const dm_chart_trace *exp
 
 /* Make the lift of a model that was built, in its arena; L quadratic in xi with a regular mass. */
 dm_status dm_group_lift(dm_group *out, const dm_model *m, dm_compile *compile);
+
+/* The homogeneous one, where coordinates are, with the kernels `want` of it and of its constraints
+ * that are missing; with none, its structure alone. DM_SINGULAR: its mass is constant and singular.
+ */
+dm_status dm_group_homogeneous(dm_group *out, const dm_model *m, unsigned want,
+                               dm_compile *compile);
 
 #endif

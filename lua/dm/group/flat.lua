@@ -1,5 +1,9 @@
 --- Flat coordinates of elements as a run keeps them: their products and maps from the algebra
 -- without a branch, so that they go on smoothly where `kit.flat` of an element would choose a sign.
+-- Where multiples of them stand for an element too, as those of a quaternion do, or where they have
+-- no relation, they are homogeneous (src/mech/group_homogeneous.c):
+--   scale(list)            what to divide each of them by, 1 on the group; with `scales` of them
+--   velocity(list, rates)  g^-1 g' of coordinates on the group, then the rates of log(scale)
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
@@ -26,6 +30,36 @@ end
 local function append(out, list)
   for i = 1, #list do out[#out + 1] = list[i] end
   return out
+end
+
+-- d(coordinates of q near(e))/de at e = 0, N x d, as a function of q; right: of near(e) q
+local function directions(place, N, d, right)
+  local moved = core.derivative(function(q, e)
+    if right then return core.vector(place.carry(place.near(e), q)) end
+    return core.vector(place.carry(q, place.near(e)))
+  end, N, d)
+  return function(q)
+    local J = moved(core.vector(q), core.zeros(d))
+    return linear.fill(N, d, function(i, a) return J[i][N + a] end)
+  end
+end
+
+local function ones(list)
+  local out = {}
+  for i = 1, #list do out[i] = 1 end
+  return out
+end
+
+-- of coordinates without a relation: those of v in the directions of the algebra
+local function without_relation(place, N)
+  local X
+  local function velocity(q, v)
+    X = X or directions(place, N, N)
+    local at = X(q)
+    local across = at:transpose()
+    return kits.list_of((across * at):solve(across * core.vector(v)))
+  end
+  return ones, velocity, 0
 end
 
 -- turns about the axes of the algebra one after the other: of their factor alone
@@ -55,6 +89,34 @@ local function turns_of(parts, kit, dimensions)
   return turn, turned
 end
 
+-- velocities factor by factor, behind them the rates of all scales
+local function homogeneous_product(parts, counts, dimensions)
+  local scales = 0
+  for _, part in ipairs(parts) do
+    if not part.velocity then return end
+    scales = scales + part.scales
+  end
+  local function scale(list)
+    local out, first = {}, 0
+    for k, part in ipairs(parts) do
+      append(out, part.scale(cut(list, first, counts[k])))
+      first = first + counts[k]
+    end
+    return out
+  end
+  local function velocity(list, rates)
+    local out, behind, first = {}, {}, 0
+    for k, part in ipairs(parts) do
+      local own = part.velocity(cut(list, first, counts[k]), cut(rates, first, counts[k]))
+      append(out, cut(own, 0, dimensions[k]))
+      append(behind, cut(own, dimensions[k], part.scales))
+      first = first + counts[k]
+    end
+    return append(out, behind)
+  end
+  return scale, velocity, scales
+end
+
 -- factor by factor
 local function product(kit, matrix)
   local parts, counts, dimensions, cayley = {}, {}, {}, true
@@ -80,7 +142,8 @@ local function product(kit, matrix)
     dimensions[k], cayley = part.dimension, cayley and parts[k].cayley
   end
   local turn, turned = turns_of(parts, kit, dimensions)
-  return { parts = parts, counts = counts, turn = turn, turned = turned,
+  local scale, velocity, scales = homogeneous_product(parts, counts, dimensions)
+  return { parts = parts, scale = scale, velocity = velocity, scales = scales, counts = counts, turn = turn, turned = turned,
     carry = by_factor("carry", counts),
     exp = by_factor("exp", dimensions),
     near = by_factor("near", dimensions), cayley = cayley and by_factor("cayley", dimensions),
@@ -131,6 +194,10 @@ function M.of(kit, matrix)
     for name, f in pairs(kit.smooth or {}) do out[name] = f end
   end
   out.kit = kit
+  local N = #out.flat(kit.identity())
+  if not out.velocity and not kit.parts and N == kit.dimension then
+    out.scale, out.velocity, out.scales = without_relation(out, N)
+  end
   out.follow = out.follow or function(list) return list end
   out.tidy = out.tidy or function(list) return list end
   out.mend = out.mend or nothing
@@ -138,6 +205,6 @@ function M.of(kit, matrix)
   return out
 end
 
-M.list_of = kits.list_of
+M.list_of, M.directions = kits.list_of, directions
 
 return M

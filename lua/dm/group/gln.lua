@@ -18,6 +18,19 @@ local function log2(g)
   return core.vector { half + xi[1], xi[2], xi[3], half - xi[1] }
 end
 
+-- entries have no relation (group/flat.lua)
+local function free_entries(kit)
+  return { scales = 0,
+    scale = function(list)
+      local out = {}
+      for i = 1, #list do out[i] = 1 end
+      return out
+    end,
+    velocity = function(list, rates)
+      return matrices.entries(kit.inverse(kit.rebuild(list)) * kit.rebuild(rates))
+    end }
+end
+
 -- GL(1) multiplies vectors of any length
 local function stretch() return function(g, z) return core.vector(z) * g[1][1] end end
 
@@ -38,6 +51,7 @@ function M.kit(n)
   end
   if n == 2 then kit.log = log2 end
   kit.sample = matrices.from_exponentials(kit)
+  kit.smooth = free_entries(kit)
   return matrices.complete(kit, n)
 end
 

@@ -220,6 +220,43 @@ function M.change(place, tau)
   return changes.of(place, map, slope, element, tau == "exp" and place.kit.arcs or nil)
 end
 
+-- x[i] * f(y[i])
+local function times(x, y, f)
+  local out = {}
+  for i = 1, #x do out[i] = f(x[i], y[i]) end
+  return out
+end
+
+local function quotient(a, b) return a / b end
+local function product(a, b) return a * b end
+
+--- The homogeneous lift (src/mech/group_homogeneous.c), functions that are traced: rates(q, v) gives
+-- coordinates on the group, the velocity there, the rates of the logarithms of all scales;
+-- momenta(q, p) the same coordinates, the momentum, and what each coordinate was divided by.
+-- Nothing where coordinates are not homogeneous.
+function M.homogeneous(place)
+  if not place.velocity then return end
+  local N, d = place.size, place.dimension
+  local X = flats.directions(place, N, d, place.right)
+  local function rates(q, v)
+    local s = place.scale(q)
+    local unit = times(kits.list_of(q), s, quotient)
+    local rate = place.velocity(unit, times(kits.list_of(v), s, quotient))
+    local xi = lists.part(rate, 0, d)
+    if place.right then xi = place.kit.Ad(place.element(unit), xi) end
+    append(unit, kits.list_of(xi))
+    for k = 1, place.scales do unit[#unit + 1] = rate[d + k] end
+    return unit
+  end
+  local function momenta(q, p)
+    local s = place.scale(q)
+    local unit = times(kits.list_of(q), s, quotient)
+    local mu = X(unit):transpose() * core.vector(times(kits.list_of(p), s, product))
+    return append(append(unit, kits.list_of(mu)), s)
+  end
+  return rates, momenta
+end
+
 ---- starts ----
 
 local LOOSE = 1e-9  -- how far a start may be off its group

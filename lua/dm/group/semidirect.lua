@@ -136,13 +136,29 @@ local function coordinates(kit, part, n)
     local moved = kit.compose({ first.element(g), v }, { part.identity(), w })[2]
     return kits.list_of(joined(first.carry(g, h), moved))
   end
+  -- v' = g w for the velocity (x, w)
+  local function velocity(list, rates)
+    local a = split_list(list)
+    local b, rate = split_list(rates)
+    local x, back = first.velocity(a, b), part.inverse(first.element(a))
+    local w = kit.compose({ back, core.zeros(n) }, { part.identity(), rate })[2]
+    local turning, behind = split(x, part.dimension)
+    return kits.list_of(joined(joined(turning, w), behind))
+  end
+  local function scale(list)
+    local out = kits.list_of(first.scale((split_list(list))))
+    for _ = 1, n do out[#out + 1] = 1 end
+    return out
+  end
+  local homogeneous = first.velocity ~= nil
   local function of(name)
     return function(xi)
       local x = split(xi, part.dimension)
       return kits.list_of(joined(first[name](x), kit[name](xi)[2]))
     end
   end
-  return { carry = carry, exp = of "exp", near = of "near",
+  return { carry = carry, exp = of "exp", near = of "near", scales = first.scales,
+    scale = homogeneous and scale or nil, velocity = homogeneous and velocity or nil,
     apart = function(list)
       local a, v = split_list(list)
       return kits.list_of(joined(first.apart(a), v))

@@ -142,7 +142,13 @@ local function coordinates(kit)
     if a > 3 then return sequence(around(f), around(m)) end
     return sequence(f, m - (linear.unit(3, a) * x):cross(f))
   end
-  return { carry = carry, turn = turn, turned = turned,
+  local function velocity(q, v)
+    local turning = turns.velocity(q, v)
+    local moving = so3.rotation(q):transpose() * core.vector { v[5], v[6], v[7] }
+    return sequence(moving, turning)
+  end
+  return { carry = carry, turn = turn, turned = turned, velocity = velocity, scales = 1,
+    scale = function(list) return sequence(turns.scale(list), { 1, 1, 1 }) end,
     exp = exp, dexp = dexp_within, near = of "near", cayley = of "cayley",
     follow = function(list, last)
       return sequence(turns.follow(list, last), { list[5], list[6], list[7] })

@@ -1,6 +1,7 @@
 --- SL(n): flat coordinates are the entries of the matrix.
 local acts = require "dm.group.acts"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local matrices = require "dm.group.matrices"
 local smooth = require "dm.group.smooth"
@@ -70,6 +71,26 @@ local function unit_determinant(g, n)
   return g * det ^ (-1 / n)
 end
 
+--- Coordinates of n x n matrices of determinant 1 (group/flat.lua): g^-1 g' less its trace over n,
+-- and that.
+function M.homogeneous(kit, n)
+  local function scale(list)
+    local det, out = kit.rebuild(list):det(), {}
+    local s = n == 2 and core.sqrt(det) or det ^ (1 / n)
+    for i = 1, n * n do out[i] = s end
+    return out
+  end
+  local function velocity(list, rates)
+    local W = kit.inverse(kit.rebuild(list)) * kit.rebuild(rates)
+    local trace = 0
+    for i = 1, n do trace = trace + W[i][i] * (1 / n) end
+    local out = kits.list_of(kit.vee(W - core.identity(n) * trace))
+    out[#out + 1] = trace
+    return out
+  end
+  return { scale = scale, velocity = velocity, scales = 1 }
+end
+
 function M.kit(n)
   local kit = { dimension = n * n - 1, no_cayley = n > 2, liftable = n == 2 }
   kit.acts = { linear = acts.linear(kit, n), projective = acts.projective(kit, n) }
@@ -94,6 +115,7 @@ function M.kit(n)
   end
   if n == 2 then kit.exp, kit.log, kit.inverse = exp2, M.log2, adjugate end
   kit.sample = matrices.from_exponentials(kit)
+  kit.smooth = M.homogeneous(kit, n)
   return matrices.complete(kit, n)
 end
 

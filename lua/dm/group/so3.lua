@@ -118,11 +118,22 @@ local function times(a, b)
     a[1] * b[4] + a[2] * b[3] - a[3] * b[2] + a[4] * b[1] }
 end
 
+-- 2 Im(conj(q) v), and q . v: velocity of a unit quaternion and rate of its length
+local function velocity(q, v)
+  local w = times({ q[1], -q[2], -q[3], -q[4] }, v)
+  return { 2 * w[2], 2 * w[3], 2 * w[4], w[1] }
+end
+
+local function length(q)
+  local s = core.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4])
+  return { s, s, s, s }
+end
+
 -- (w, s v)
 local function joined(w, v, s) return { w, s * v[1], s * v[2], s * v[3] } end
 
 --- Coordinates of a run (group/flat.lua); `tidy` is a step of Newton's method to |q| = 1.
-M.smooth = { carry = times,
+M.smooth = { carry = times, scale = length, velocity = velocity, scales = 1,
   exp = function(xi)
     local t = 0.25 * xi:dot(xi)
     return joined(within(0, t, 12), xi, 0.5 * within(1, t, 12))

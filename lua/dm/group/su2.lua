@@ -83,7 +83,7 @@ end
 local function coordinates(kit)
   local of = so3.smooth
   return { carry = times, exp = of.exp, dexp = of.dexp, near = of.near, tidy = of.tidy,
-    apart = of.apart, mend = of.mend,
+    apart = of.apart, mend = of.mend, scale = of.scale, velocity = of.velocity, scales = 1,
     turn = of.turn, turned = of.turned,
     cayley = function(xi) return kits.list_of(kit.cayley(xi)) end }
 end

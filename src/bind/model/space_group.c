@@ -3,6 +3,8 @@
 #include "bind/model/space_group.h"
 #include "bind/core/state.h"
 #include "bind/model/bind_space.h"
+#include "bind/trace/backend.h"
+#include "integ/method/lift.h"
 #include "integ/registry.h"
 
 #include <string.h>
@@ -135,6 +137,76 @@ int dml_place_momentum(lua_State *L, int arg) {
     return 1;
 }
 
+/* ---- the homogeneous lift ---- */
+
+/* functions rates and momenta at fn and fn + 1 */
+static void trace_homogeneous(lua_State *L, const dml_system *s, int fn, dm_arena *arena,
+                              dm_homogeneous *out) {
+    const int N = (int)s->n;
+    const dml_signature signature = {.what = "coordinates of a group",
+                                     .arguments = 2,
+                                     .length = {N, N}};
+    dml_traced traced;
+    dml_trace(L, fn, &signature, arena, &traced);
+    out->rates = traced.graph;
+    out->rate = traced.out;
+    out->scales = traced.outputs - s->n - s->momenta;
+    dml_trace(L, fn + 1, &signature, arena, &traced);
+    out->momenta = traced.graph;
+    out->momentum = traced.out;
+}
+
+/* The traces of the place, made when a rule first asks for them; nothing where its coordinates are
+ * not homogeneous. */
+static void place_homogeneous(lua_State *L, int arg, dm_homogeneous *out) {
+    const int top = lua_gettop(L);
+    dml_systemfield(L, arg, "place");
+    if (lua_getfield(L, -1, "homogeneous") == LUA_TNIL) {
+        dm_homogeneous *made = lua_newuserdatauv(L, sizeof *made, 1);
+        memset(made, 0, sizeof *made);
+        dm_arena *arena = dml_pusharena(L);
+        lua_setiuservalue(L, -2, 1);
+        push_module(L, "homogeneous");
+        lua_pushvalue(L, top + 1);
+        lua_call(L, 1, 2);
+        if (!lua_isnil(L, -2))
+            trace_homogeneous(L, dml_checksystem(L, arg), lua_gettop(L) - 1, arena, made);
+        lua_settop(L, top + 3);
+        lua_setfield(L, top + 1, "homogeneous");
+        lua_getfield(L, top + 1, "homogeneous");
+    }
+    *out = *(const dm_homogeneous *)lua_touserdata(L, -1);
+    lua_settop(L, top);
+}
+
+/* The model, or kernels of it that are missing. */
+static void want_homogeneous(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    dm_compile *compile = dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend)->compile;
+    if (m->compile) m->model.source.cache = &m->cache;
+    const dm_status status = dm_group_homogeneous(&m->group, &m->model, want, compile);
+    if (status == DM_TOO_LARGE)
+        luaL_error(L,
+                   "the system in coordinates of the group has more than %d operations: too many "
+                   "to trace; lie(s) needs far fewer",
+                   DM_GRAPH_LIMIT);
+    if (status != DM_OK)
+        luaL_error(L, "the system in coordinates of the group: %s", dm_status_text(status));
+}
+
+/* The homogeneous lift with the kernels that the rule asks for, where it is the one to step. */
+static void lift_homogeneous(lua_State *L, int arg, dml_model *m, const dm_rule *rule,
+                             const char *backend) {
+    const dm_model *now = dm_lifted_model(rule, &m->model);
+    if (now && now == m->group.lifted) return;
+    if (!m->group.homogeneous.rates) place_homogeneous(L, arg, &m->group.homogeneous);
+    if (!m->group.homogeneous.rates) return;
+    want_homogeneous(L, m, 0, backend);
+    now = m->group.homogeneous.lifted;
+    if (dm_rule_fits(rule, now)) return;
+    const unsigned want = dm_rule_engine(rule, now)->wants(rule, now);
+    want_homogeneous(L, m, want | (now->structure & DM_HAMILTONIAN ? DM_WANT_FIELD : DM_WANT_MASS), backend);
+}
+
 /* L is quadratic in xi, with a mass that can be inverted */
 static int has_lift(const dml_model *m) {
     const unsigned structure = m->model.structure;
@@ -147,11 +219,10 @@ void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *ru
                       const char *backend) {
     luaL_Buffer b;
     const char *separator = "";
-    if (rule->method->traits & DM_ON_GROUPS) return;
-    if (model->group.liftable) {
-        if (has_lift(model)) dml_want(L, model, DM_WANT_LIFT, backend);
-        return;
-    }
+    if (rule->method->traits & (DM_ON_GROUPS | DM_OF_FUNCTIONS | DM_OWN_TIME)) return;
+    if (model->group.liftable && has_lift(model)) dml_want(L, model, DM_WANT_LIFT, backend);
+    lift_homogeneous(L, arg, model, rule, backend);
+    if (model->group.liftable || model->group.homogeneous.rates) return;
     luaL_buffinit(L, &b);
     for (const dm_method *const *m = dm_methods; *m; m++) {
         if (!((*m)->traits & DM_ON_GROUPS)) continue;

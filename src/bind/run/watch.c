@@ -3,6 +3,7 @@
 #include "bind/rule/bind_step.h"
 #include "bind/run/observables.h"
 #include "integ/constrained/constrained.h"
+#include "integ/method/lift.h"
 #include "mech/constraints.h"
 
 #include <stdio.h>
@@ -281,7 +282,10 @@ static void read_impulses(lua_State *L, const dml_stepping *r, dm_impulses *out)
     if (!constraints || constraints->holonomic + constraints->rolling == 0)
         luaL_error(L, "field 'record': this system has no constraint, so steps have no impulses of "
                       "constraints");
-    if (!dm_rule_engine(r->solver->nodes, &r->model->model)->impulses)
+    const dm_model *m = &r->model->model;
+    if (dm_rule_engine(r->solver->nodes, m) == &dm_engine_lift)
+        m = dm_lifted_model(r->solver->nodes, m);
+    if (!dm_rule_engine(r->solver->nodes, m)->impulses)
         luaL_error(L,
                    "field 'record': rule '%s' is made of several steps, whose impulses belong to "
                    "no node; record \"lambda\", the multipliers at the state",
