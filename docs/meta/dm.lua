@@ -3699,7 +3699,7 @@ function dm_simplicial_map_class:pull(a) end
 function dm_simplicial_map_class:push(c) end
 
 ---dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}
----fields: system, rule, h, order, tolerance, max_iterations
+---fields: system, rule, h, order, tolerance, max_iterations; lift: of a system on a group, "collective" or "homogeneous" where the rule steps it in coordinates
 ---@class dm.solver
 local dm_solver_class = {}
 

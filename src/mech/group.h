@@ -71,8 +71,9 @@ typedef struct {
     const dm_node *momentum; /* [2n + d] coordinates on the group, mu there, divisors of q */
     dm_model *lifted;        /* NULL: nobody asked yet */
     struct dm_constraints *constraints; /* of it, or NULL */
-    dm_kernel up;            /* takes (q[n] on the group, mu[n], t), gives p[n] */
-    dm_kernel down;          /* takes (q[n], p[n], t), gives what `momentum` is */
+    dm_cache_entry *cache;              /* kernels of methods: not those of the other lift */
+    dm_kernel up;                       /* takes (q[n] on the group, mu[n], t), gives p[n] */
+    dm_kernel down;                     /* takes (q[n], p[n], t), gives what `momentum` is */
 } dm_homogeneous;
 
 /* L in the chart about g0. Kernels are there for one tau at a time. */

@@ -191,8 +191,8 @@ static dm_status begin(dm_homogeneous *out, pulling *l, dm_compile *compile) {
 }
 
 /* what dm_model_build does not know */
-static void attach(dm_model *lifted, const dm_model *m, const dm_homogeneous *h) {
-    lifted->source.cache = m->source.cache;
+static void attach(dm_model *lifted, const dm_model *m, dm_homogeneous *h) {
+    lifted->source.cache = m->source.cache ? &h->cache : NULL;
     lifted->constraints = h->constraints;
     if (h->constraints && h->constraints->structure & DM_CONSTRAINTS_TIMED)
         lifted->structure &= ~(unsigned)DM_AUTONOMOUS;

@@ -143,7 +143,8 @@ local function product(kit, matrix)
   end
   local turn, turned = turns_of(parts, kit, dimensions)
   local scale, velocity, scales = homogeneous_product(parts, counts, dimensions)
-  return { parts = parts, scale = scale, velocity = velocity, scales = scales, counts = counts, turn = turn, turned = turned,
+  return { parts = parts, scale = scale, velocity = velocity, scales = scales,
+    counts = counts, turn = turn, turned = turned,
     carry = by_factor("carry", counts),
     exp = by_factor("exp", dimensions),
     near = by_factor("near", dimensions), cayley = cayley and by_factor("cayley", dimensions),

@@ -230,8 +230,8 @@ end
 local function quotient(a, b) return a / b end
 local function product(a, b) return a * b end
 
---- The homogeneous lift (src/mech/group_homogeneous.c), functions that are traced: rates(q, v) gives
--- coordinates on the group, the velocity there, the rates of the logarithms of all scales;
+--- The homogeneous lift (src/mech/group_homogeneous.c), functions that are traced: rates(q, v)
+-- gives coordinates on the group, the velocity there, the rates of the logarithms of all scales;
 -- momenta(q, p) the same coordinates, the momentum, and what each coordinate was divided by.
 -- Nothing where coordinates are not homogeneous.
 function M.homogeneous(place)

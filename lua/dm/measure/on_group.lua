@@ -3,6 +3,7 @@
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
+local flats = require "dm.group.flat"
 local place = require "dm.group.place"
 local steps = require "dm.group.step"
 
@@ -144,70 +145,101 @@ local function by_prolonging(solver, what)
   end
 end
 
----- by the lift, whose tangent map is that of coordinates ----
+---- by a lift, whose tangent map is that of coordinates ----
 
--- X(q), the directions d(q near(e))/de, and what is made of them: momenta J = X^T p
-local function directions(own)
+-- a change of (q, p) from one (u, dp) of the group, at a state above it, and back
+local function between(own, to, J)
   local N, d = own.size, own.dimension
-  local moved = core.derivative(function(q, e)
-    return core.vector(own.carry(q, own.near(e)))
-  end, N, d)
-  return function(q)
-    local J, X = moved(q, core.zeros(d)), {}
-    for i = 1, N do
-      X[i] = {}
-      for a = 1, d do X[i][a] = J[i][N + a] end
-    end
-    return core.matrix(X)
+  local X = flats.directions(own, N, d)
+  local rise, descend = core.derivative(to, N, d), core.derivative(J, N, N)
+  local function velocity(q, z)
+    local Y = X(q)
+    return (Y:transpose() * Y):solve(Y:transpose() * z)
   end
+  local function up(q, mu, w)
+    local dq = X(q) * lists.part(w, 0, d)
+    return lists.joined(dq, rise(q, mu) * lists.joined(dq, lists.part(w, d, d)))
+  end
+  local function down(q, p, z)
+    local below, moved = J(q, p), descend(q, p) * z
+    local u = velocity(lists.part(below, 0, N), lists.part(moved, 0, N))
+    return lists.joined(u, lists.part(moved, N, d))
+  end
+  return up, down
 end
 
--- the system of H(q, J(q, p), t) on R^N (mech/group_lift.c), and J
-local function lifted_system(system, what)
-  local own, given = system.place, system.given
-  if own.right then error(what .. ": on groups with the left trivialization only", 0) end
-  if given.constraint or given.rolling or given.force then
-    error(what .. ": on groups without constraints and forces only", 0)
-  end
-  local m = steps.functions_of(system)
-  local X = directions(own)
+-- H(q, J(q, p), t) on T*R^N (mech/group_lift.c); p of least length, and (q, J) of a state
+local function collective(system)
+  local own, m = system.place, steps.functions_of(system)
+  local X = flats.directions(own, own.size, own.dimension)
   local function J(q, p) return X(q):transpose() * p end
   local function H(q, p, t) return m.H(own.element(q), J(q, p), t) end
-  return core.system { Q = core.R(own.size), H = H }, X, J
+  return core.system { Q = core.R(own.size), H = H },
+    function(q, mu)
+      local at = X(q)
+      return at * (at:transpose() * at):solve(core.vector(mu))
+    end,
+    function(q, p) return lists.joined(q, J(q, p)) end
 end
 
--- the least z with X^T z = mu
-local function least(X, mu)
-  return X * (X:transpose() * X):solve(core.vector(mu))
+-- the system that does not see multiples of q (mech/group_homogeneous.c)
+local function homogeneous(system)
+  local own, given = system.place, system.given
+  local N, d = own.size, own.dimension
+  local rates, momenta = place.homogeneous(own)
+  local slope = core.derivative(function(q, v)
+    return lists.part(rates(q, v), N, d)
+  end, N, N)
+  local function pulled(q, f)
+    local S, out = slope(q, core.zeros(N)), {}
+    for i = 1, N do
+      out[i] = 0
+      for a = 1, d do out[i] = out[i] + S[a][N + i] * f[a] end
+    end
+    return core.vector(out)
+  end
+  local options, f = { Q = core.R(N) }, given.force and bound(given.force, given.params)
+  local L, H = bound(given.L, given.params), bound(given.H, given.params)
+  function options.L(q, v, t)
+    local r = rates(q, v)
+    local sum = L(own.element(lists.part(r, 0, N)), lists.part(r, N, d), t)
+    for k = 1, own.scales do sum = sum + 0.5 * r[N + d + k] * r[N + d + k] end
+    return sum
+  end
+  function options.force(q, v, t)
+    local r = rates(q, v)
+    return pulled(q, f(own.element(lists.part(r, 0, N)), lists.part(r, N, d), t))
+  end
+  function options.H(q, p, t)
+    local r = momenta(q, p)
+    return H(own.element(lists.part(r, 0, N)), lists.part(r, N, d), t)
+  end
+  options.force = f and options.force or nil
+  options[given.L and "H" or "L"] = nil
+  return core.system(options), pulled,
+    function(q, p) return lists.part(momenta(q, p), 0, N + d) end
 end
 
--- d(J)/d(q, p) as a function of (q, p)
-local function momentum_slopes(J, N) return core.derivative(J, N, N) end
+local LIFTS = { collective = collective, homogeneous = homogeneous }
 
 local function by_lift(solver, what)
   local system, own = solver.system, solver.system.place
   local N, d = own.size, own.dimension
-  local lifted, X, J = lifted_system(system, what)
-  local slopes = momentum_slopes(J, N)
+  if system.given.constraint or system.given.rolling then
+    error(what .. ": on groups without constraints only", 0)
+  end
+  local lifted, to, J = LIFTS[solver.lift](system)
+  local up, down = between(own, to, J)
   local runs = lifted:solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
-  -- a change of (q, p) from one of the group, with the least change of p
-  local function up(q, p, w)
-    local dq = X(q) * core.vector(lists.part(w, 0, d))
-    local moved = slopes(q, p) * core.vector(lists.joined(dq, core.zeros(N)))
-    return lists.joined(dq, least(X(q), core.vector(lists.part(w, d, d)) - moved))
-  end
-  local function down(q, p, z)
-    local Y = X(q)
-    local u = (Y:transpose() * Y):solve(Y:transpose() * core.vector(lists.part(z, 0, N)))
-    return lists.joined(u, slopes(q, p) * z)
-  end
   return function(s, count, vectors)
     local q = core.vector(own.flat(s.q))
-    local p = least(X(q), s.p)
+    local p = core.vector(to(q, s.p))
     local D, q1, p1 = runs:tangent { q = q, p = p, t0 = s.t, steps = count }
     local out = {}
-    for k, w in ipairs(vectors) do out[k] = down(q1, p1, D * up(q, p, w)) end
-    s.q, s.p, s.t = own.element(q1), J(q1, p1), s.t + count * solver.h
+    for k, w in ipairs(vectors) do out[k] = down(q1, p1, D * up(q, s.p, w)) end
+    local z = J(q1, p1)
+    s.q, s.p = own.element(lists.part(z, 0, N)), lists.part(z, N, d)
+    s.t = s.t + count * solver.h
     return out
   end
 end
@@ -223,6 +255,9 @@ end
 
 --- The tangent map of a solver on a group, along(s, steps, vectors).
 function M.map(solver, what)
+  if solver.system.place.right then
+    error(what .. ": on groups with the left trivialization only", 0)
+  end
   if steps_groups(solver.rule) then return by_prolonging(solver, what) end
   return by_lift(solver, what)
 end

@@ -204,7 +204,8 @@ static void lift_homogeneous(lua_State *L, int arg, dml_model *m, const dm_rule 
     now = m->group.homogeneous.lifted;
     if (dm_rule_fits(rule, now)) return;
     const unsigned want = dm_rule_engine(rule, now)->wants(rule, now);
-    want_homogeneous(L, m, want | (now->structure & DM_HAMILTONIAN ? DM_WANT_FIELD : DM_WANT_MASS), backend);
+    want_homogeneous(L, m, want | (now->structure & DM_HAMILTONIAN ? DM_WANT_FIELD : DM_WANT_MASS),
+                     backend);
 }
 
 /* L is quadratic in xi, with a mass that can be inverted */

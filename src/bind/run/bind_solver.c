@@ -4,6 +4,7 @@
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
 #include "bind/run/stepping.h"
+#include "integ/method/lift.h"
 
 #include <string.h>
 
@@ -187,6 +188,20 @@ static int solver_tostring(lua_State *L) {
     return 1;
 }
 
+/* Push which lift a rule of coordinates steps on a group; nil: none. Raises where it cannot. */
+static void push_lift(lua_State *L) {
+    dml_stepping r = {.solver = check(L)};
+    lua_settop(L, 1);
+    dml_stepping_prepare(L, &r, 0.0);
+    const dm_model *m = &r.model->model;
+    if (dm_rule_engine(r.solver->nodes, m) != &dm_engine_lift)
+        lua_pushnil(L);
+    else if (dm_lifted_model(r.solver->nodes, m) == m->group->lifted)
+        lua_pushliteral(L, "collective");
+    else
+        lua_pushliteral(L, "homogeneous");
+}
+
 static int solver_field(lua_State *L) {
     const solver *s = check(L);
     const char *key = luaL_checkstring(L, 2);
@@ -203,6 +218,8 @@ static int solver_field(lua_State *L) {
         lua_pushnumber(L, s->tolerance);
     else if (strcmp(key, "max_iterations") == 0)
         lua_pushinteger(L, s->max_iterations);
+    else if (strcmp(key, "lift") == 0)
+        push_lift(L);
     else
         return 0;
     return 1;
@@ -295,7 +312,8 @@ static const dml_extension more[] = {
 const dml_class dml_class_solver = {
     .name = DML_SOLVER,
     .doc = "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
-           "fields: system, rule, h, order, tolerance, max_iterations",
+           "fields: system, rule, h, order, tolerance, max_iterations; lift: of a system on a "
+           "group, \"collective\" or \"homogeneous\" where the rule steps it in coordinates",
     .meta = meta,
     .methods = methods,
     .field = solver_field,

@@ -250,7 +250,8 @@ static dm_status rescale(lift *l) {
         const double s = l->below[n + l->d + i];
         if (s > 0.25 && s < 4.0) continue;
         if (!(isfinite(s) && s > 0.0)) return DM_NOT_FINITE;
-        const int power = ilogb(s);
+        int power;
+        frexp(s, &power);
         for (size_t k = i; k < 4 * n; k += n)
             l->lifted[k] = ldexp(l->lifted[k], k / n % 2 ? power : -power);
     }
@@ -285,12 +286,11 @@ static void leave(lift *l, double *state) {
     keep_base(l);
 }
 
-/* Nothing is known of the state of the first step. */
+/* Nothing is known of the state of the first step, which a step on the side has not got yet. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     lift *l = lift_of(s);
+    const dm_status status = dm_stepper_start(&l->base, state, t, h);
     l->memory[MARK] = 0.0;
-    dm_status status = rise(l, state);
-    if (status == DM_OK) status = dm_stepper_start(&l->base, l->above ? l->lifted : state, t, h);
     keep_base(l);
     return status;
 }

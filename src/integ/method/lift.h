@@ -1,6 +1,6 @@
 /* lift.h - rules of coordinates on groups by the collective lift (mech/group_lift.c) or the
- * homogeneous one (mech/group_homogeneous.c): a step of (q, p) on T*R^N, which leads to the momentum
- * J(q, p) on the group. The lifted state, which has more
+ * homogeneous one (mech/group_homogeneous.c): a step of (q, p) on T*R^N, which leads to the
+ * momentum J(q, p) on the group. The lifted state, which has more
  * than J tells, stays with the stepper from step to step, and its memory is part of a restart. */
 #ifndef DM_LIFT_H
 #define DM_LIFT_H

@@ -239,7 +239,9 @@ raises("matrix of 3 x 3", finish, free, "lie(1)", 0.1, 1, { q = { 1, 0 }, v = { 
 raises("3 entries", finish, free, "lie(1)", 0.1, 1, { q = one, v = { 0, 0, 1, 0 } })
 raises("degenerate", finish, dm.system { Q = SO3, L = function(_, w) return w[1] ^ 2 end },
   "lie(1)", 0.1, 1, { q = one, v = { 1, 0, 0 } })
-raises("compositions of midpoint and lie(s) do", finish, free, "verlet", 0.1, 1, spin)
+raises("compositions of midpoint and lie(s) do", finish, dm.system { Q = dm.SO(4), L = function(_, w)
+  return w:dot(w) / 2
+end }, "verlet", 0.1, 1, { q = dm.SO(4):identity(), v = { 1, 0, 0, 0, 0, 0 } })
 raises("no Cayley map", finish, dm.system { Q = dm.SL(3),
   L = function(_, x) return x:dot(x) / 2 end }, "lie(1, cayley)", 0.1, 1,
   { q = dm.SL(3):identity(), p = { 0, 0, 0, 0, 0, 0, 0, 1 } })

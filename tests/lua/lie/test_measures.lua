@@ -94,8 +94,9 @@ raises("and how it moves elements", path.momentum, path, dm.action { group = G, 
 raises("has no standard action on SO(3)", path.momentum, path, dm.R(2))
 
 local map = top:stability { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, t = 20, h = { 0.1, 3 },
-  rules = { "lie(1)" }, refine = false }
-ok(tostring(map):find "bounded", "a map of stability")
+  rules = { "lie(1)", "lie(3)" }, refine = false }
+ok(tostring(map):find "bounded" and tostring(map):find "1 wrong",
+  "a map of stability, whose flow is found by two other rules")
 -- what is only for coordinates says so
 raises("reduced by dm.euler_poincare", top.routh, top, { cyclic = { "q1" }, mu = 1 })
 raises("there is no 'q1'; on SO(3)", function()
