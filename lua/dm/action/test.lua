@@ -72,6 +72,7 @@ local function values_of(f, z)
     return nil, ("the function must return a number or a list of numbers (got %s)")
       :format(kits.class_of(value))
   end
+  if #list == 0 then return nil, "the function returns an empty list" end
   for i = 1, #list do
     if type(list[i]) ~= "number" then
       return nil, ("the function must return a number or a list of numbers (got %s)")

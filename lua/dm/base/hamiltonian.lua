@@ -5,6 +5,7 @@
 -- stepped as they stand (integ/phase).
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local options = require "dm.base.options"
 
 local M = {}
 
@@ -132,8 +133,10 @@ local function legendre(H, n)
   end
 end
 
---- L of H for n coordinates, or nothing where no formula gives one.
-function M.lagrangian(H, n, params)
+--- L of H for n coordinates, or nothing where no formula gives one. where: of the system, in
+-- messages.
+function M.lagrangian(H, n, params, where)
+  H = options.numeric(H, where .. "H")
   local slope = core.derivative(bound(H, params), n, n, "number")
   if has_lagrangian(slope, n) then return legendre(H, n) end
 end

@@ -140,6 +140,20 @@ function M.single(f, what)
   return function(...) return one(what, f(...)) end
 end
 
+--- A function of a script that must return one number, symbol or hyper-dual number; `what` begins
+-- what is raised.
+function M.numeric(f, what)
+  local single, registry = M.single(f, what), debug.getregistry()
+  return function(...)
+    registry.dm_forget()
+    local value = single(...)
+    local got = M.got(value)
+    if type(value) == "number" or got == "dm.symbol" or got == "dm.hyperdual" then return value end
+    local why = value == nil and ": " .. (registry.dm_noted() or "is a return missing?") or ""
+    error(("%s must return a number, got %s%s"):format(what, got, why), 0)
+  end
+end
+
 --- A text.
 function M.text(t, key, where, default)
   local function is_text(x) return type(x) == "string" end

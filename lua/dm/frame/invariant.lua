@@ -150,7 +150,7 @@ local function functions_of_windows(p, o)
     for i, name in ipairs(p.names) do out[i] = I[name] end
     return out
   end
-  local L = core.one(o.L, "L")
+  local L = options.numeric(o.L, "L")
   p.bare_slope = core.derivative(function(x) return L(with_names(windowed(x))) end, p.N * p.d)
   function p.lagrangian(list) return L(p.invariants_of(list)) end
   p.slope = when_wanted(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)

@@ -231,8 +231,8 @@ end
 
 M.adapt = blame.caller(function(options)
   local grid, ends = read(options)
-  local W = option.single(options.W, "dm.adapt: W")
-  local f = options.f and option.single(options.f, "dm.adapt: f")
+  local W = option.numeric(options.W, "dm.adapt: W")
+  local f = options.f and option.numeric(options.f, "dm.adapt: f")
   local p, iterations = { elements = grid.cells }, 0
   local z, exact = first_guess(grid, ends), false
   for level = 1, options.f and #POINTS - 1 or 1 do

@@ -97,16 +97,7 @@ function M.start(L, rule, n, dx)
   end
 end
 
---- L as the rules call it: a table or nothing is told by its name.
-function M.guarded(L, where)
-  L = option.single(L, where .. ": L")
-  return function(...)
-    local value = L(...)
-    if value == nil or type(value) == "table" then
-      option.fail(where, "L must return a number (got %s)", option.got(value))
-    end
-    return value
-  end
-end
+--- L as the rules call it: what is no number is told by the name of who asked.
+function M.guarded(L, where) return option.numeric(L, where .. ": L") end
 
 return M

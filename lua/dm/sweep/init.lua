@@ -23,18 +23,37 @@ local fail = option.failing(WHERE)
 local RESERVED = { columns = true, status = true, failed = true, failures = true, journal = true,
   csv = true, npy = true, plot = true, member = true }
 
--- names in the alphabet's order, or x1, x2, ...
+-- x1, x2, ... of the n entries of a list
+local function numbered(value, n)
+  local names, numbers = {}, {}
+  for k = 1, n do names[k], numbers[k] = "x" .. k, value[k] end
+  return names, numbers
+end
+
+-- names and numbers of a table: those of a list, or names in the alphabet's order; none of one that
+-- is both or neither
+local function of_table(value)
+  local names, numbers, integers = {}, {}, 0
+  for key in pairs(value) do
+    if math.type(key) == "integer" then integers = integers + 1
+    elseif type(key) == "string" then names[#names + 1] = key
+    else return {}, {} end
+  end
+  if integers > 0 then
+    if integers ~= #value or #names > 0 then return {}, {} end
+    return numbered(value, integers)
+  end
+  table.sort(names)
+  for k, name in ipairs(names) do numbers[k] = value[name] end
+  return names, numbers
+end
+
+-- names and numbers of what run gave; raises where it is something else
 local function columns_of(value, i)
   if type(value) == "number" then return { "value" }, { value } end
-  local numbers, names = {}, {}
-  local is_list = type(value) == "userdata" or type(value) == "table" and #value > 0
-  if is_list then
-    for k = 1, #value do names[k], numbers[k] = "x" .. k, value[k] end
-  elseif type(value) == "table" then
-    for name in pairs(value) do names[#names + 1] = tostring(name) end
-    table.sort(names)
-    for k, name in ipairs(names) do numbers[k] = value[name] end
-  end
+  local names, numbers = {}, {}
+  if type(value) == "table" then names, numbers = of_table(value) end
+  if option.got(value) == "dm.vector" then names, numbers = numbered(value, #value) end
   for k, x in ipairs(numbers) do
     if RESERVED[names[k]] then
       fail("member %d: '%s' cannot be a column: a sweep has that name itself", i, names[k])

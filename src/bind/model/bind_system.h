@@ -98,10 +98,6 @@ dml_model *dml_pushlast(lua_State *L, int arg, const char *backend);
  * (NULL: the default). */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
 
-/* Raise where the trace of `what` has an entry that is no finite number whatever its arguments
- * are. */
-void dml_refusenans(lua_State *L, const dml_traced *traced, const char *what);
-
 /* From now on *m is made of L as it is given, however singular its mass is. */
 void dml_asgiven(lua_State *L, dml_model *m);
 

@@ -4,6 +4,7 @@
 #include "bind/model/model_constraints.h"
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
+#include "bind/value/array.h"
 
 #include "algebra/derive.h"
 #include "base/random.h"
@@ -98,25 +99,35 @@ void dml_check_functions(lua_State *L, int hyperdual, int pair) {
 
 /* ---- traces ---- */
 
+/* entries of row i, on top of the stack: 1 of a number; raises where the first row has others */
+static lua_Integer row_length(lua_State *L, lua_Integer i, lua_Integer first) {
+    dml_scalar x;
+    const int single = dml_toscalar(L, -1, &x) || dml_length(L, -1) < 0;
+    const lua_Integer columns = single ? 1 : luaL_len(L, -1);
+    if (i > 1 && columns != first)
+        luaL_error(L, "rows of different lengths were returned: row 1 has %d entr%s, row %d has %d",
+                   (int)first, first == 1 ? "y" : "ies", (int)i, (int)columns);
+    return single ? 0 : columns;
+}
+
 /* f(...) with a matrix or a table of rows as one table of numbers */
 static int flat_call(lua_State *L) {
-    lua_Integer count = 0;
+    lua_Integer count = 0, first = 0;
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_insert(L, 1);
     lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
     if (lua_gettop(L) != 1) return lua_gettop(L);
-    if (lua_type(L, 1) != LUA_TTABLE && lua_type(L, 1) != LUA_TUSERDATA) return 1;
+    if (!lua_istable(L, 1) && !dml_toarray(L, 1, 0)) return 1; /* no list: told by who asked */
     lua_newtable(L);
     const lua_Integer rows = luaL_len(L, 1);
     for (lua_Integer i = 1; i <= rows; i++, lua_pop(L, 1)) {
-        dml_scalar x;
         lua_geti(L, 1, i);
-        if (dml_toscalar(L, -1, &x) || dml_length(L, -1) < 0) {
+        const lua_Integer columns = row_length(L, i, first);
+        if (i == 1) first = columns ? columns : 1;
+        if (!columns) {
             lua_pushvalue(L, -1);
             lua_rawseti(L, 2, ++count);
-            continue;
         }
-        const lua_Integer columns = luaL_len(L, -1);
         for (lua_Integer j = 1; j <= columns; j++) {
             lua_geti(L, -1, j);
             lua_rawseti(L, 2, ++count);

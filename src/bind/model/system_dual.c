@@ -37,7 +37,8 @@ int dml_add_lagrangian(lua_State *L, uint32_t n) {
     lua_pushvalue(L, -3);
     lua_pushinteger(L, n);
     lua_getfield(L, 1, "params");
-    lua_call(L, 3, 1);
+    luaL_where(L, 1);
+    lua_call(L, 4, 1);
     const int none = lua_isnil(L, -1);
     if (none) {
         check_alone(L);

@@ -131,6 +131,10 @@ int dml_function_derivative(lua_State *L) {
     dml_signature s;
     read_function(L, &s);
     dml_function *f = push_function(L, &s);
+    const dml_traced traced = {.graph = f->graph,
+                               .out = f->parts[DML_VALUE].nodes,
+                               .outputs = f->rows};
+    dml_refusenans(L, &traced, s.what); /* its derivative would be 0 */
     dml_trace_check(L, 1, &s, &want(L, f, DML_VALUE)->kernel, NULL);
     const int one_number = f->s.arguments == 1 && f->s.length[0] == DML_SCALAR_ARGUMENT;
     const dm_node *nodes = derive(L, f, DML_JACOBIAN);

@@ -60,6 +60,10 @@ void dml_trace_check_beside(lua_State *L, int fn, const dml_signature *s, const 
 void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in, double *out,
                       uint32_t outputs);
 
+/* Raise where the trace of `what` has an entry that is no finite number whatever its arguments
+ * are. */
+void dml_refusenans(lua_State *L, const dml_traced *traced, const char *what);
+
 /* What cannot be traced: callback kernels on hyper-dual numbers, for a function that gives
  * one number. Outputs by order: 0: the value; 1: the gradient [inputs]; 2: gradient and
  * Hessian [inputs + inputs * inputs]. A Lua error inside is kept: the kernel writes NaN, and

@@ -127,4 +127,43 @@ local map = dm.stability { system = kepler, rule = "verlet", q = { 1, 0 }, v = {
 told("option 'most' must be a whole number >= 1", map.table, map, {})
 ok(#map:table(1) > 0, "one row of a table")
 ok(dm.pretty({ { { 1, 2 }, { 3 } } }, { width = 1 }):find "1", "a page one character wide")
+
+---- functions that return something else ----
+
+local function own(force) return dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, force = force,
+  Ld = function(a, b, h) return (b - a):dot(b - a) / (2 * h) end } end
+local function forced(F1, F2) return function() return dm.solver { own(function() return { F1, F2 } end) }:run { q = { 0, 0 },
+  p = { 0, 0 }, steps = 1 } end end
+ok(forced({ 1, 2 }, { 3, 4 })().p[2][2] == 6, "F1 and F2 of two numbers each")
+told("row 1 has 3 entries, row 2 has 1", forced({ 1, 2, 3 }, { 4 }))
+told("force must return a number, or a vector or table of numbers, got dm.space", function()
+  dm.solver { own(function() return dm.SO(3) end) }:run { q = { 0, 0 }, p = { 0, 0 }, steps = 1 }
+end)
+for result, text in pairs { [{ 1 }] = "got table", [dm.vector { 1 }] = "got dm.vector", [false] = "got false" } do
+  told("H must return a number, " .. text, dm.system, { Q = dm.R(1), H = function() return result end })
+end
+told("H must return a number, got nil: is a return missing?", dm.system, { Q = dm.R(1), H = function() end })
+told("H must return one value, not 2", dm.system, { Q = dm.R(1), H = function(_, p) return p[1] ^ 2 / 2, 1 end })
+told("the function is NaN whatever its arguments are", dm.derivative, function() return 0 / 0 end, 1)
+told("entry 2 of the function is infinite", dm.derivative, function(x) return { x[1], 1 / 0 } end, 1)
+for _, result in ipairs { { 1, x = 2 }, { 1, nil, 3 }, { [2] = 1 }, { [true] = 1 }, dm.SO(2) } do
+  told("run must return a number, a list of numbers or named numbers", dm.sweep, { members = 1, run = function() return result end })
+end
+ok(dm.sweep { members = 1, run = function() return { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 } end }.x10[1] == 10, "a list of ten numbers")
+local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
+told("the function returns an empty list", turn.invariant, turn, function() return {} end)
+local shift = dm.action { group = dm.R(1), on = dm.R(1) }
+local slide = dm.moving_frame { action = shift, cross_section = function(a) return a end }
+told("L must return a number, got dm.vector", function()
+  dm.invariant_problem { frame = slide, points = 2, L = function(I) return dm.vector { I[2][1] ^ 2, 5 } end }
+end)
+local moves = dm.differential_invariants { action = dm.action { group = dm.SE(2), on = dm.R(2) }, independent = 1,
+  cross_section = function(z) return { z[1], z[2], z[3] } end, invariants = { kappa = 4 } }
+told("L must return a number, got dm.vector", moves.euler_lagrange, moves, function(I) return dm.vector { I.kappa[1], 1 } end)
+told("NaN or infinite", moves.euler_lagrange, moves, function(I) return I.kappa[1] * (0 / 0) end)
+told("dm.adapt: f must return a number, got nil: is a return missing?", dm.adapt, { W = function(s) return s ^ 2 / 2 end,
+  f = function() end, x = { 0, 1, 4 }, ends = { 0, 0 } })
+told("L must return a number, got function", function()
+  dm.field { x = { 0, 1, 4 }, L = function() return print end }:solver { h = 0.1 }
+end)
 tap.done()

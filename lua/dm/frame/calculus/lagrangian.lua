@@ -19,7 +19,7 @@ function M.of(C, L)
     error(("L must be a function of the invariants, L(I) with I.%s[1], ... (got %s)"):format(
       C.named[1] and C.named[1].name or "kappa", type(L)), 0)
   end
-  L = core.one(L, "L")
+  L = option.numeric(L, "L")
   local most = math.min(#C.words.list, 30)
   local inputs, places = {}, {}
   for j in ipairs(C.named) do
@@ -40,11 +40,7 @@ function M.of(C, L)
   local function f(x)
     local I = setmetatable({}, { __index = function(_, name) return row(x, C.find(name,
       "L(I)")) end })
-    local value = L(I)
-    if type(value) == "table" then
-      error("L must return a number: I.kappa[1] is the invariant, I.kappa[2] its derivative", 0)
-    end
-    return value
+    return L(I)
   end
   if #inputs == 0 then error("dm.differential_invariants: no invariants are named, so L has "
     .. "nothing to depend on", 0) end

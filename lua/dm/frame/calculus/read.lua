@@ -14,6 +14,12 @@ end
 
 local REFUSED = { "abs", "sign", "min", "max", "where", "atan2" }
 
+-- numbers that the text of a graph writes as nan and inf
+local NOT_FINITE = { __index = function(_, name)
+  if name ~= "nan" and name ~= "inf" then return nil end
+  error("a number in the formula is NaN or infinite: is there a 0/0 in it, or one that overflows?", 0)
+end }
+
 -- the functions of a chunk, in an algebra where apply(name, x) is f(x)
 local function environment(apply)
   local env = { fma = function(a, b, c) return a * b + c end }
@@ -22,7 +28,7 @@ local function environment(apply)
   function env.sqrt(x) return x ^ 0.5 end
   function env.rsqrt(x) return x ^ -0.5 end
   function env.rsqrt3(x) return x ^ -1.5 end
-  return env
+  return setmetatable(env, NOT_FINITE)
 end
 
 --- reader(inputs, apply) -> list of the `count` outputs of the dm.function f.

@@ -1,5 +1,6 @@
-/* model_values.c - functions of a system that have no value at all. */
-#include "bind/model/bind_system.h"
+/* trace_values.c - traced functions that have no value at all. */
+#include "bind/trace/trace.h"
+#include "graph/analyse.h"
 
 #include <math.h>
 
