@@ -184,6 +184,23 @@ static void transplant(dm_implicit *f, const dm_implicit_draft *d, const dm_node
     dm_transplant(f->graph, d->graph, from, m, all, to);
 }
 
+/* What vanishes where f does, without functions around it that vanish at 0 alone and flatten far
+ * from it: Newton's method sees no slope where tanh(50 y) is 1 to its last digit. */
+static dm_node without_flattening(const dm_graph *g, dm_node f) {
+    const dm_expr *x = dm_graph_at(g, f);
+    double value;
+    if (x->op == DM_OP_TANH || x->op == DM_OP_ATAN || x->op == DM_OP_SINH)
+        return without_flattening(g, x->as.arg[0]);
+    for (int k = 0; x->op == DM_OP_MUL && k < 2; k++) { /* a number times it, or its opposite */
+        const dm_node other = x->as.arg[1 - k], inner = without_flattening(g, other);
+        const int is_number = dm_is_constant(g, x->as.arg[k], &value);
+        if (is_number && value != 0.0 && inner != other) return inner;
+    }
+    if (x->op != DM_OP_NEG) return f;
+    const dm_node inner = without_flattening(g, x->as.arg[0]);
+    return inner != x->as.arg[0] ? inner : f;
+}
+
 /* all nodes of f: the draft brought over, then derivatives */
 static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
     const uint32_t r = d->unknowns, n = d->inputs;
@@ -196,6 +213,7 @@ static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
         dm_gradient(f->graph, *value, r, n, value + 1);
     } else {
         transplant(f, d, d->equation, r, equation);
+        for (uint32_t i = 0; i < r; i++) equation[i] = without_flattening(f->graph, equation[i]);
     }
     if (d->branch) transplant(f, d, d->branch, 1, equation + r + (size_t)r * r);
     transplant(f, d, d->start, d->starts * r, value + 1 + n);

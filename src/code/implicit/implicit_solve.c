@@ -6,6 +6,7 @@
 #include "code/implicit/implicit_solve.h"
 
 #include "base/largest.h"
+#include "code/implicit/implicit_bracket.h"
 #include "linalg/inverse.h"
 
 #include <math.h>
@@ -388,6 +389,16 @@ static int try_all(dm_root_solver *s, double *y, double *inverse, int inside,
     return 0;
 }
 
+/* of one unknown: beside each change of sign of F */
+static int try_signs(dm_root_solver *s, double *y, double *inverse, dm_root_trouble *found) {
+    for (int next = 0; s->r == 1 && dm_root_bracket(s, &next, y);) {
+        const dm_root_trouble now = attempt(s, y, inverse, 0);
+        if (now.outcome == DM_ROOT_FOUND) return 1;
+        note(s, found, &now, y);
+    }
+    return 0;
+}
+
 /* NaN everywhere: who computes with it sees that there is no root */
 static void give_nothing(const dm_root_solver *s, double *y, double *inverse) {
     for (uint32_t i = 0; i < s->r; i++) y[i] = NAN;
@@ -422,7 +433,7 @@ void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse
         }
 }
 
-/* first on paths that stay on the branch, then on any */
+/* first on paths that stay on the branch, then on any, then by signs */
 dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y, double *inverse) {
     dm_root_trouble found = {.outcome = DM_ROOT_NONE, .residual = INFINITY};
     if (!isfinite(norm(x, s->n))) { /* the trouble is elsewhere */
@@ -432,7 +443,8 @@ dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y, dou
     memcpy(s->in + s->r, x, s->n * sizeof *x);
     if (s->start.eval) dm_kernel_eval(&s->start, s->in, s->from);
     memcpy(s->best, s->from, s->r * sizeof *s->best);
-    if ((s->has_branch && try_all(s, y, inverse, 1, &found)) || try_all(s, y, inverse, 0, &found)) {
+    if ((s->has_branch && try_all(s, y, inverse, 1, &found)) || try_all(s, y, inverse, 0, &found) ||
+        try_signs(s, y, inverse, &found)) {
         forget(s->trouble);
         return DM_ROOT_FOUND;
     }

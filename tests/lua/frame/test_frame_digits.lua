@@ -69,9 +69,11 @@ ok(off < 1e-14 and turns > 0 and turns < 2 * pi, "the angle of a rigid motion", 
 
 ---- dm.root{angles=} ----
 
+-- tanh and the like are looked through, this is not
+local function flat_far_away(x, width) return x / dm.sqrt(width ^ 2 + x ^ 2) end
 local function around(angles)
   return dm.root { start = 1.4, angles = angles,
-    equations = function(y, x) return dm.tanh(5 * dm.sin(y - x)) end,
+    equations = function(y, x) return flat_far_away(dm.sin(y - x), 0.1) end,
     branch = function(y, x) return dm.cos(y - x) end }
 end
 local wound, unwound = 0, 0
@@ -86,7 +88,7 @@ ok(wound > 100 and unwound <= 2 * pi, "whole turns are taken off it", unwound)
 -- equations that are not periodic after all keep their root
 local straight = dm.root { start = 0, angles = { 1 }, equations = function(y, x) return y - x end }
 local steep = dm.root { start = 9.9, angles = { 1 },
-  equations = function(y, x) return dm.tanh(30 * (y - x)) end }
+  equations = function(y, x) return flat_far_away(y - x, 0.03) end }
 ok(straight(10) == 10 and abs(steep(10) - 10) < 1e-14, "a root that is no angle", steep(10))
 raises("field 'angles' must be a list", dm.root, { start = 1, angles = 1,
   equations = function(u) return u end })
@@ -128,4 +130,40 @@ for _, mass in ipairs { 1, 0.1, 10, 100 } do
   ok(refused == 0, ("mass %g: steps from 40 starts"):format(mass), refused .. " refused")
   ok(drift < 1e-13, "with the momentum of the invariant Ld", drift)
 end
+
+---- sections that are flat but for a narrow place: F is +-1 to its last digit, without a slope ----
+
+-- points without a frame, and how far the others are from the section y = 0
+local function judge(frame)
+  local refused, off = 0, 0
+  for i = 1, 50 do
+    local fine, points = pcall(frame.invariants, frame, { { cos(i) * i / 7, sin(i) * i / 7 } })
+    if fine then off = max(off, abs(points[1][2]) * 7 / i) else refused = refused + 1 end
+  end
+  return refused, off
+end
+local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
+for name, section in pairs {
+  ["tanh(50 y)"] = function(z) return dm.tanh(50 * z[2]) end, ["-2 atan(1e5 y)"] = function(z) return -2 * dm.atan(1e5 * z[2]) end,
+  ["sinh(40 y)"] = function(z) return dm.sinh(40 * z[2]) end,
+  ["exp(20 y) - 1"] = function(z) return dm.exp(20 * z[2]) - 1 end,
+  ["tanh(50 y) + tanh(50 y)^3"] = function(z) return dm.tanh(50 * z[2]) + dm.tanh(50 * z[2]) ^ 3 end,
+  ["a step of width 1e-4"] = function(z) return flat_far_away(z[2], 1e-4) end } do
+  local refused, off = judge(dm.moving_frame { action = turn, cross_section = section, branch = function(z) return z[1] end })
+  ok(refused == 0 and off < 1e-15, name .. ": from 50 starts to round-off", refused .. " refused, " .. off)
+end
+local placed = dm.moving_frame { action = dm.action { group = dm.SE(2), on = dm.R(2) }, points = 2,
+  cross_section = function(a, b) return { dm.tanh(50 * a[1]), dm.tanh(50 * a[2]), dm.tanh(50 * b[2]) } end,
+  branch = function(a, b) return b[1] - a[1] end }
+local far = 0
+for i = 1, 50 do
+  local I = placed:invariants { { cos(i) * i / 7, sin(i) * i / 7 }, { cos(2 * i) * 3, sin(3 * i) * 2 } }
+  far = max(far, I[1]:norm(), abs(I[2][2]))
+end
+ok(far < 5e-15, "tanh(50 x) of a rigid motion", far)
+-- an unknown that is no angle: outward from its start
+local shifted = dm.root { start = 0, equations = function(y, x) return flat_far_away(y - x, 1e-6) end }
+ok(shifted(1e4) == 1e4 and shifted(-0.37) == -0.37, "by its signs, far away and near")
+raises("has no value", dm.root { start = 0, equations = function(y, x) return 1 / (y - x) end }, 0.3) -- a pole is no root
+raises("has no value", dm.root { start = 0, equations = function(y, x) return dm.where(y - x, 1, -1) end }, 0.3) -- nor a jump
 tap.done()
