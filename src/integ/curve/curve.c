@@ -114,7 +114,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     dm_curve c;
     if (!read_curve(&c, rule)) return 0;
-    return head() + n + 2 * dm_curve_unknowns(&c, m) + 2 * n + n + 4 * n + memory_size(&c, m) +
+    return head() + n + 3 * dm_curve_unknowns(&c, m) + 2 * n + n + 4 * n + memory_size(&c, m) +
            2 * n + n * n + n + scratch_size(&c, m) + dm_curve_tie_work(m) + choice_size(rule, n) +
            dm_segment_work(&c, m);
 }
@@ -128,7 +128,7 @@ static dm_status open(dm_stepper *s) {
     e->unknowns = dm_curve_unknowns(&e->curve, s->model);
     e->columns = e->curve.centred ? 0 : s->model->n;
     e->z = e->mass + n;
-    e->y = e->z + 2 * e->unknowns;
+    e->y = e->z + 3 * e->unknowns;
     e->p1 = e->y + 2 * n;
     e->next = e->p1 + n;
     e->memory = e->next + 4 * n;

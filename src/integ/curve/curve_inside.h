@@ -30,10 +30,11 @@ typedef struct {
     const double *state;
     double t, h;
     size_t n, unknowns;
-    int estimate;          /* the matrix may err by h^p */
-    uint32_t columns;      /* of G_yy, from where on they are wanted */
-    double *mass;          /* [n] size of M by rows: what turns velocities into momenta */
-    double *z, *y, *p1;    /* [2][unknowns], and their start; [2n] q - q0, v of the last run; [n] */
+    int estimate;     /* the matrix may err by h^p */
+    uint32_t columns; /* of G_yy, from where on they are wanted */
+    double *mass;     /* [n] size of M by rows: what turns velocities into momenta */
+    double *z, *y,
+        *p1; /* [3][unknowns], where they began or two roots; [2n] q - q0, v of the last run; [n] */
     double *next, *memory; /* [4n]; see below */
     double *slope;         /* [2n] of L at the end */
     double *scratch;

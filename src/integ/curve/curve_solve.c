@@ -14,6 +14,8 @@ static const double STALE = 3e-2;        /* rate from which the next step takes 
 static const double ROUND_OFF = 1e-12;   /* an increment that small may stall */
 static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not worth a step */
 enum { CHORDS = 10 };
+/* Parts of a step from which one is drawn out, and how little longer a part may become. */
+static const double FIRST_PART = 0x1p-4, LEAST_PART = 0x1p-12, LEAST_FACTOR = 1.02;
 
 /* ---- the start of the iteration ---- */
 
@@ -197,22 +199,87 @@ static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) 
     return newton(e, s, iterations);
 }
 
+/* a step of length h from time t; the segment is at another one */
+static void take_length(dm_curve_step *e, double t, double h) {
+    e->h = h;
+    e->t = t + (1.0 - e->curve.bias) * h; /* of y */
+    e->ran = 0;
+}
+
+/* the root of a step so short that its guess leads there */
+static dm_status begin_short(dm_curve_step *e, const dm_stepper *s, double t, double h,
+                             double *part, int *iterations) {
+    dm_status status = DM_NO_CONVERGENCE;
+    for (*part = FIRST_PART; status != DM_OK && *part >= LEAST_PART; *part *= 0.25) {
+        take_length(e, t, *part * h);
+        status = guess(e, s);
+        if (status == DM_OK) status = newton(e, s, iterations);
+        if (status == DM_OK) return status;
+    }
+    return status;
+}
+
+/* z on the line through the roots of two parts of a step; p1 - p0 is that over h, from 0 */
+static void predict(dm_curve_step *e, double next, double part, double before) {
+    const size_t n = e->n, m = e->unknowns;
+    const double *root = e->z + m, *old = root + m, on = (next - part) / (part - before);
+    for (size_t k = 0; k < m; k++) {
+        const int momentum = n <= k && k < 2 * n;
+        const double last = before > 0.0 ? momentum ? old[k] * part / before : old[k] : root[k];
+        e->z[k] = (root[k] + on * (root[k] - last)) * (momentum ? next / part : 1.0);
+    }
+}
+
+/* Where Newton's method fails from the guess, as where explicit methods leave the domain of L (a
+ * speed limit): a short step drawn out to h, each part from the roots before. What fails then has
+ * no root that is the one of a small step. */
+static dm_status by_continuation(dm_curve_step *e, const dm_stepper *s, double t, double h,
+                                 int *iterations) {
+    const size_t size = e->unknowns * sizeof *e->z;
+    double *root = e->z + e->unknowns, part, before = 0.0, factor = 2.0;
+    dm_status status = begin_short(e, s, t, h, &part, iterations);
+    memcpy(root, e->z, size);
+    while (status == DM_OK && part < 1.0) {
+        const double next = fmin(part * factor, 1.0);
+        take_length(e, t, next * h);
+        predict(e, next, part, before);
+        const dm_status there = newton(e, s, iterations);
+        if (there == DM_OK) {
+            memcpy(root + e->unknowns, root, size);
+            memcpy(root, e->z, size);
+            before = part;
+            part = next;
+            continue;
+        }
+        factor = sqrt(factor);
+        if (factor < LEAST_FACTOR) status = there;
+    }
+    take_length(e, t, h);
+    return status;
+}
+
+/* from the guess, and where that fails by way of shorter steps */
+static dm_status find_root(dm_curve_step *e, const dm_stepper *s, double t, double h,
+                           int *iterations) {
+    dm_status status = guess(e, s);
+    if (status == DM_OK) status = search(e, s, iterations);
+    if (status == DM_OK || status == DM_CALLBACK) return status;
+    return by_continuation(e, s, t, h, iterations) == DM_OK ? DM_OK : status;
+}
+
 /* The unknowns begin at a guess; the number of iterations is that of all tries. */
 dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     int iterations = 0;
     e->state = state;
-    e->h = h;
-    e->t = t + (1.0 - e->curve.bias) * h; /* of y */
-    e->ran = 0;
+    take_length(e, t, h);
     e->evaluations = 0;
     e->residual = 0.0;
     e->settled = 0;
     if (!fits_memory(e)) e->memory[0] = 0.0;
     const dm_curve *own = s->rule->data;
     dm_status status = own && own->choice ? dm_curve_choose(e, s, own) : DM_OK;
-    if (status == DM_OK) status = guess(e, s);
-    if (status == DM_OK) status = search(e, s, &iterations);
+    if (status == DM_OK) status = find_root(e, s, t, h, &iterations);
     s->report.iterations = iterations;
     s->report.residual = e->residual;
     s->report.solves++;
