@@ -16,6 +16,7 @@ static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not w
 enum { CHORDS = 10 };
 /* Parts of a step from which one is drawn out, and how little longer a part may become. */
 static const double FIRST_PART = 0x1p-4, LEAST_PART = 0x1p-12, LEAST_FACTOR = 1.02;
+static const double CLOSE = 0.05; /* velocities to those that were foretold */
 
 /* ---- the start of the iteration ---- */
 
@@ -219,7 +220,8 @@ static dm_status begin_short(dm_curve_step *e, const dm_stepper *s, double t, do
     return status;
 }
 
-/* z on the line through the roots of two parts of a step; p1 - p0 is that over h, from 0 */
+/* z on the line through the roots of two parts of a step, its velocities in e->next too; p1 - p0 is
+ * that over h, from 0 */
 static void predict(dm_curve_step *e, double next, double part, double before) {
     const size_t n = e->n, m = e->unknowns;
     const double *root = e->z + m, *old = root + m, on = (next - part) / (part - before);
@@ -228,6 +230,18 @@ static void predict(dm_curve_step *e, double next, double part, double before) {
         const double last = before > 0.0 ? momentum ? old[k] * part / before : old[k] : root[k];
         e->z[k] = (root[k] + on * (root[k] - last)) * (momentum ? next / part : 1.0);
     }
+    memcpy(e->next, e->z, n * sizeof *e->z);
+}
+
+/* the root of a part, if its velocities are near those that were foretold: else it may be that of
+ * another step */
+static dm_status draw_out(dm_curve_step *e, const dm_stepper *s, int *iterations) {
+    const dm_status status = newton(e, s, iterations);
+    const size_t n = e->n;
+    double apart = 0.0;
+    for (size_t k = 0; k < n; k++) apart = fmax(apart, fabs(e->z[k] - e->next[k]));
+    const double size = fmax(norm(e->z, n), norm(e->z + n, n));
+    return status == DM_OK && apart > CLOSE * size ? DM_NO_CONVERGENCE : status;
 }
 
 /* Where Newton's method fails from the guess, as where explicit methods leave the domain of L (a
@@ -243,7 +257,7 @@ static dm_status by_continuation(dm_curve_step *e, const dm_stepper *s, double t
         const double next = fmin(part * factor, 1.0);
         take_length(e, t, next * h);
         predict(e, next, part, before);
-        const dm_status there = newton(e, s, iterations);
+        const dm_status there = draw_out(e, s, iterations);
         if (there == DM_OK) {
             memcpy(root + e->unknowns, root, size);
             memcpy(root, e->z, size);

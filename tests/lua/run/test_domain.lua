@@ -139,9 +139,9 @@ end
 local function falls(q, v) return -(1 - v ^ 2) ^ 0.5 + 3 * q end
 local function swings(q, v) return -(1 - v ^ 2) ^ 0.5 - 10 * q ^ 2 end
 for _, case in ipairs {
-  { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, 0.602, 0.31984, 0.3992, -0.2, 0.1 },
-  { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, -0.3771, 0.69949, 0.3906, -0.1, 0.1 },
-  { swings, function(q, v) return -20 * q * (1 - v ^ 2) ^ 1.5 end, 0.5599, -0.12988, 0.2868, 0.49, 0.52 } } do
+  { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, 0.602, 0.31984, 0.3992, -0.1, -0.08 },
+  { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, -0.3771, 0.69949, 0.3906, 0.83, 0.845 },
+  { swings, function(q, v) return -20 * q * (1 - v ^ 2) ^ 1.5 end, 0.5599, -0.12988, 0.2868, 0.5, 0.51 } } do
   local L, a, q, v, h, low, high = table.unpack(case)
   local of = segment(L, a, h)
   local D = dm.derivative(of, 2)
