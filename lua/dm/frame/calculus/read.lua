@@ -17,7 +17,7 @@ local REFUSED = { "abs", "sign", "min", "max", "where", "atan2" }
 -- numbers that the text of a graph writes as nan and inf
 local NOT_FINITE = { __index = function(_, name)
   if name ~= "nan" and name ~= "inf" then return nil end
-  error("a number in the formula is NaN or infinite: is there a 0/0 in it, or one that overflows?", 0)
+  error("a number in the formula is NaN or infinite: is there a 0/0 in it, or does it overflow?", 0)
 end }
 
 -- the functions of a chunk, in an algebra where apply(name, x) is f(x)
