@@ -31,11 +31,24 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                              "energy that could choose the steps, is not known";
 }
 
-/* The energy has a kernel of its own; the mass is for the first guess of the velocity. */
+/* Is the action that of the midpoint of a straight line? */
+static int is_middle(const dm_galerkin *g) {
+    return g->s == 1 && g->q.r == 1 && g->q.c[0] == 0.5L;
+}
+
+/* Are there sweeps? */
+static int is_swept(const dm_rule *rule, const dm_model *m) {
+    dm_galerkin g;
+    dm_galerkin_basis(&g, rule);
+    return is_middle(&g) && dm_sem_sweep_fits(m);
+}
+
+/* The energy has a kernel of its own; the mass is for the first guess of the velocity. Sweeps need
+ * the tables where they do not contract. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned plain = DM_SEPARABLE | DM_CONSTANT_MASS;
-    (void)rule;
-    return DM_WANT_STAGE | DM_WANT_ENERGY |
+    const unsigned swept = DM_WANT_POTENTIAL | DM_WANT_STAGE_LATER;
+    return (is_swept(rule, m) ? swept : DM_WANT_STAGE) | DM_WANT_ENERGY |
            ((m->structure & plain) == plain ? 0 : (unsigned)DM_WANT_MASS);
 }
 
@@ -52,7 +65,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, K = (size_t)g.s * n + 1;
     return doubles(sizeof(dm_sem)) + dm_stage_table_size((size_t)g.s, (size_t)g.q.r) + 2 * n + 1 +
            2 * n + 3 * n * n + 3 * n + n + 4 * K + 2 * K * K + n + K + scratch_size(m, K - 1) +
-           memory_size(m->n, (uint32_t)K) + dm_sem_inputs(m->n) + dm_sem_outputs(m->n);
+           memory_size(m->n, (uint32_t)K) + dm_sem_inputs(m->n) + dm_sem_outputs(m->n) +
+           dm_sem_sweep_size(m);
 }
 
 /* It stands at the beginning of the workspace. */
@@ -72,13 +86,16 @@ static void forget(dm_sem *e) {
     memset(e->places, 0, memory_size(e->n, e->unknowns) * sizeof *e->places);
 }
 
-/* Of the midpoint of a straight line there may be a kernel of the whole step. */
-static void open_kernel(dm_sem *e, dm_stepper *s) {
-    const int is_middle =
-        e->table.s == 1 && e->table.r == 1 && dm_weight_double(*e->table.c) == 0.5;
-    if (!is_middle || !dm_sem_kernel(&e->kernel, e->m, &e->by_velocity)) return;
-    dm_kernel_prepare(&e->kernel, e->out);
-    s->report.operations = e->kernel.operations;
+/* Of the midpoint of a straight line there may be a kernel of the whole step, or sweeps. */
+static void open_written(dm_sem *e, dm_stepper *s, double *memory) {
+    e->sweeps.bend.eval = NULL;
+    if (dm_sem_kernel(&e->kernel, e->m, &e->by_velocity)) {
+        dm_kernel_prepare(&e->kernel, e->out);
+        s->report.operations = e->kernel.operations;
+    } else if (dm_sem_sweep_fits(e->m)) {
+        dm_sem_sweep_open(&e->sweeps, e->m, memory);
+        s->report.operations = e->m->potential.operations;
+    }
 }
 
 /* Nothing here depends on h or the start. */
@@ -111,10 +128,9 @@ static dm_status open(dm_stepper *s) {
     e->in = take(&memory, dm_sem_inputs(m->n));
     e->out = take(&memory, dm_sem_outputs(m->n));
     forget(e);
-    dm_kernel_prepare(&m->stage, e->at);
     s->report.operations = m->stage.operations + m->energy.operations;
-    open_kernel(e, s);
-    return DM_OK;
+    if (is_middle(&g)) open_written(e, s, memory);
+    return dm_sem_is_written(e) ? DM_OK : dm_sem_prepare(e);
 }
 
 /* ---- places ---- */
@@ -195,8 +211,8 @@ static dm_status choose(dm_sem *e, dm_stepper *s, double *numbers) {
     const double low = fmax(h / FURTHEST, e->least), high = FURTHEST * h;
     const int goes_on = numbers[DM_SEM_WARM] == DM_SEM_LAST;
     int flagged = 0;
-    dm_status status = e->kernel.eval ? dm_sem_solve_written(e, s, h, low, high, goes_on)
-                                      : dm_sem_solve(e, s, h, low, high, goes_on);
+    dm_status status = dm_sem_is_written(e) ? dm_sem_solve_written(e, s, h, low, high, goes_on)
+                                            : dm_sem_solve(e, s, h, low, high, goes_on);
     const double rounding = status == DM_OK ? dm_sem_conditioning(e) : 0.0;
     if (status != DM_OK) status = dm_sem_fallback(e, s, h, low, high, &flagged);
     s->report.solves++;
@@ -258,7 +274,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     const int whole = h == e->first;
     double numbers[DM_SEM_NUMBERS];
     (void)t;
-    if (whole && e->kernel.eval && dm_sem_go_on(e, s, state)) return DM_OK;
+    if (whole && dm_sem_is_written(e) && dm_sem_go_on(e, s, state)) return DM_OK;
     find_numbers(e, numbers, state);
     if (e->begun != DM_OK && find(e, state) < 0) return e->begun;
     e->E = state[4 * (size_t)e->n + 2];

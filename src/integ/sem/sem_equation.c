@@ -16,6 +16,14 @@ static slopes slopes_of(const dm_sem *e) {
     return (slopes){at, at + n, at + 2 * n, at + 2 * n + n * n, at + 2 * n + 2 * n * n};
 }
 
+dm_status dm_sem_prepare(dm_sem *e) {
+    if (e->stage) return DM_OK;
+    const dm_status status = dm_model_stage(&e->stage, e->m);
+    if (status != DM_OK) e->stage = NULL;
+    if (status == DM_OK) dm_kernel_prepare(e->stage, e->at);
+    return status;
+}
+
 /* w_i, Qdot_i and the kernels at point i; returns L_v . Qdot - L there */
 static double place(dm_sem *e, const double *z, uint32_t i) {
     const uint32_t n = e->n, s = e->table.s;
@@ -29,7 +37,7 @@ static double place(dm_sem *e, const double *z, uint32_t i) {
     }
     for (uint32_t k = 0; k < n; k++) e->x[k] = e->state[k] + (low[k] + h * e->w[k]);
     e->x[2 * n] = 0.0;
-    dm_kernel_eval(&e->m->stage, e->x, e->at);
+    dm_kernel_eval(e->stage, e->x, e->at);
     dm_kernel_eval(&e->m->energy, e->x, &energy);
     e->evaluations++;
     return energy;

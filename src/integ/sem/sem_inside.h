@@ -4,7 +4,7 @@
 
 #include "integ/method/stage_table.h"
 #include "integ/sem/sem.h"
-#include "integ/sem/sem_kernel.h"
+#include "integ/sem/sem_sweep.h"
 
 /* What a step equation is made of and what was found, laid into the workspace of a stepper. */
 typedef struct {
@@ -28,14 +28,16 @@ typedef struct {
     double *J, *LU; /* [(s n + 1)^2], at z and of the last increment */
     double *end;    /* [n] h sum_i b_i L_q(i), what the momentum gains */
     uint32_t *pivot;
-    int factored;     /* LU holds factors of this step */
-    double slope;     /* dh/dE of it, where they are not needed for that */
-    double *scratch;  /* of Newton's method for V alone, or of the Legendre transform */
-    double *places;   /* see sem_places.h */
-    double *warm;     /* see sem_warm.h; behind the places */
-    dm_kernel kernel; /* of a step of one point, eval NULL: none */
-    int by_velocity;  /* and its residuals are velocities, not momenta */
-    double *in, *out; /* its arguments and outputs */
+    int factored;           /* LU holds factors of this step */
+    double slope;           /* dh/dE of it, where they are not needed for that */
+    double *scratch;        /* of Newton's method for V alone, or of the Legendre transform */
+    double *places;         /* see sem_places.h */
+    double *warm;           /* see sem_warm.h; behind the places */
+    dm_kernel kernel;       /* of a step of one point, eval NULL: none */
+    int by_velocity;        /* and its residuals are velocities, not momenta */
+    dm_sem_sweeps sweeps;   /* of such a step of many coordinates, bend.eval NULL: none */
+    double *in, *out;       /* arguments and outputs of the kernel, or of the sweeps */
+    const dm_kernel *stage; /* of the tables; NULL: not needed so far */
 
     double energy;        /* E_d at the last z */
     double size, size_of; /* largest term of the momentum equations; sum of those of E_d */
@@ -53,15 +55,26 @@ void dm_sem_begin(dm_sem *e, const double *state);
  * E_d as well. R[s n] = E_d - E for that width. */
 void dm_sem_equation(dm_sem *e, double *R, double *J, const double *z, uint32_t width);
 
+/* Is a step made by the kernel of one point, or by sweeps? */
+static inline int dm_sem_is_written(const dm_sem *e) {
+    return e->kernel.eval || e->sweeps.bend.eval;
+}
+
+/* The kernel of the tables is there from here on. */
+dm_status dm_sem_prepare(dm_sem *e);
+
 /* V for the length h, behind which E_d and the gain of momentum are those of the step. */
 dm_status dm_sem_fixed(dm_sem *e, dm_stepper *s, double h);
 
 /* V and h, which must end in [low, high], from h on; goes_on: from the steps before. */
 dm_status dm_sem_solve(dm_sem *e, dm_stepper *s, double h, double low, double high, int goes_on);
 
-/* The same by the kernel of one point, where that is there. */
+/* The same by the kernel of one point or by sweeps, where one of them is there. */
 dm_status dm_sem_solve_written(dm_sem *e, dm_stepper *s, double h, double low, double high,
                                int goes_on);
+
+/* dm_sem_fixed by sweeps from the guess in z; 0: they did not find it. */
+int dm_sem_fixed_swept(dm_sem *e, dm_stepper *s);
 
 /* The same where Newton's method fails: the root in [low, high] next to h, or, *flagged = 1, the h
  * that makes |E_d - E| least. */

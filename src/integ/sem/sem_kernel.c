@@ -27,13 +27,21 @@ typedef struct {
     dm_node matrix[SIZE * SIZE]; /* of (R, energy) by (v, h); then its factors */
 } writing;
 
-static int fits(const dm_model *m) {
-    return m->n <= N && m->source.graph && m->source.compile && !m->params;
-}
+enum { GENERAL = 8, LONGEST = 2000 }; /* coordinates with a mass that varies; operations */
 
 static int is_simple(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     return (m->structure & simple) == simple && m->inverse_mass != NULL;
+}
+
+static int fits(const dm_model *m) {
+    const uint32_t most = is_simple(m) ? N : GENERAL;
+    return m->n <= most && m->source.graph && m->source.compile && !m->params;
+}
+
+/* Sweeps take less than a long kernel. */
+static int is_short(const dm_kernel *kernel, const dm_model *m) {
+    return kernel->operations <= LONGEST || m->n <= DM_SEM_FEW || !is_simple(m);
 }
 
 /* Roots of `at`: values alone, or second derivatives as well. */
@@ -371,7 +379,8 @@ static int build(dm_kernel *out, const dm_model *m) {
     if (!fits(m) || !find_slopes(&x, m)) return 0;
     x.g = dm_graph_new(m->source.arena, dm_sem_inputs(m->n));
     if (!x.g || !write_out(&x, roots)) return 0;
-    return dm_lanes_build_compacted(out, m, x.g, roots, dm_sem_outputs(m->n), 1) == 1;
+    return dm_lanes_build_compacted(out, m, x.g, roots, dm_sem_outputs(m->n), 1) == 1 &&
+           is_short(out, m);
 }
 
 /* that there is none is kept, too */

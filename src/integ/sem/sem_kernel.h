@@ -10,7 +10,7 @@
 
 #include "mech/model.h"
 
-enum { DM_SEM_MOST = 8 }; /* coordinates */
+enum { DM_SEM_FEW = 6, DM_SEM_MOST = 12 }; /* coordinates: always, and where it is short */
 
 /* It takes q0[n], its low-order part [n], p0[n], v[n] of the guess, and behind them h and E. */
 static inline uint32_t dm_sem_inputs(uint32_t n) {

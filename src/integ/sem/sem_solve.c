@@ -112,6 +112,9 @@ dm_status dm_sem_fixed(dm_sem *e, dm_stepper *s, double h) {
     dm_newton_report report;
     dm_status status = dm_sem_guess(e, h);
     if (status != DM_OK) return status;
+    if (e->sweeps.bend.eval && dm_sem_fixed_swept(e, s)) return DM_OK;
+    status = dm_sem_prepare(e);
+    if (status != DM_OK) return status;
     status = dm_newton(e->z, &problem, e->scratch, &report);
     s->report.newton += report.iterations, s->report.iterations = report.iterations;
     if (status != DM_OK) return status;
@@ -130,11 +133,13 @@ static int is_within(const dm_sem *e, double low, double high) {
 /* The steps before tell of both. Without them curves of degree 1 are found with h; of others E_d is
  * so flat in h that V must be right before h is moved. */
 dm_status dm_sem_solve(dm_sem *e, dm_stepper *s, double h, double low, double high, int goes_on) {
+    dm_status status = dm_sem_prepare(e);
+    if (status != DM_OK) return status;
     if (goes_on) {
         memcpy(e->z, e->warm + DM_SEM_NEXT, e->unknowns * sizeof *e->z);
         if (iterate(e, s) == DM_OK && is_within(e, low, high)) return DM_OK;
     }
-    dm_status status = dm_sem_guess(e, h);
+    status = dm_sem_guess(e, h);
     if (status != DM_OK) return status;
     if (e->table.s == 1 && iterate(e, s) == DM_OK && is_within(e, low, high)) return DM_OK;
     status = dm_sem_fixed(e, s, h);

@@ -1,4 +1,4 @@
-/* sem_written.c - steps of one point by their kernel. */
+/* sem_written.c - steps of one point by their kernel, or by sweeps. */
 #include "integ/sem/sem_places.h"
 #include "integ/sem/sem_warm.h"
 #include "numbers/compensated.h"
@@ -77,11 +77,26 @@ INLINE int iterate(dm_sem *e, dm_stepper *s, uint32_t n) {
     return 0;
 }
 
-/* Where the kernel for n coordinates leads from z in [low, high]; n is a constant where this is
- * called. */
+/* By sweeps. */
+static int sweep(dm_sem *e, dm_stepper *s, const double *z, int moves) {
+    e->sweeps.E = e->E;
+    const int count = dm_sem_sweep(&e->sweeps, e->state, z, e->out, moves);
+    const double twice = e->out[3 * e->n + 1];
+    e->evaluations += count, s->report.newton += count, s->report.iterations = count;
+    e->energy = e->out[3 * e->n + 2];
+    e->size_of = fabs(twice) + fabs(twice - e->energy);
+    return count > 0;
+}
+
+/* Where the kernel for n coordinates, or sweeps, lead from z in [low, high]; n is a constant where
+ * this is called. */
 INLINE int solve(dm_sem *e, dm_stepper *s, const double *z, double low, double high, uint32_t n) {
-    place(e, e->state, z, n);
-    if (!iterate(e, s, n)) return 0;
+    if (e->kernel.eval) {
+        place(e, e->state, z, n);
+        if (!iterate(e, s, n)) return 0;
+    } else if (!sweep(e, s, z, 1)) {
+        return 0;
+    }
     return e->out[n] >= low && e->out[n] <= high;
 }
 
@@ -123,6 +138,12 @@ dm_status dm_sem_solve_written(dm_sem *e, dm_stepper *s, double h, double low, d
     if (goes_on && solve_from(e, s, e->warm + DM_SEM_NEXT, low, high)) return DM_OK;
     if (dm_sem_guess(e, h) == DM_OK && solve_from(e, s, e->z, low, high)) return DM_OK;
     return dm_sem_solve(e, s, h, low, high, 0);
+}
+
+int dm_sem_fixed_swept(dm_sem *e, dm_stepper *s) {
+    if (!sweep(e, s, e->z, 0)) return 0;
+    take(e, e->n);
+    return isfinite(e->energy);
 }
 
 /* ---- steps that go on ---- */

@@ -73,13 +73,14 @@ path = sem(1, 1, 0.05):run(with { steps = 1e5, every = 1000 })
 ok(path:drift(path:momentum(dm.SO(2))).largest < 1e-13 and path.sem.defect < 1e-13, "100,000 steps: momentum and E_d", path.sem.defect)
 
 -- one to five coordinates by the kernel of the whole step: masses that do not separate, that vary,
--- and a magnetic term. Every step is one of the midpoint's Ld at its own h, whose energy is E
-local function mixed(n)
+-- and a magnetic term; more by sweeps, with a term linear in v and without. Every step is one of the
+-- midpoint's Ld at its own h, whose energy is E
+local function mixed(n, coupling)
   return function(q, v)
     local L = 0
     for i = 1, n do L = L + (1 + i / 4) * v[i] ^ 2 / 2 - q[i] ^ 2 / 2 - q[i] ^ 4 / (8 + i) end
-    for i = 2, n do L = L + 0.2 * v[i] * v[i - 1] - 0.3 * q[i] * q[i - 1] end
-    return L
+    for i = 2, n do L = L + (coupling or 0.2) * v[i] * v[i - 1] - 0.3 * q[i] * q[i - 1] end
+    return L + (coupling and 0 or 0.7 * v[n])
   end
 end
 local function bent(n)
@@ -89,9 +90,11 @@ local function bent(n)
     return n > 1 and L + 0.4 * q[1] ^ 2 * v[2] + 0.1 * q[2] * v[1] * v[2] or L
   end
 end
-for n = 1, 5 do
-  for name, L in pairs { ["constant mass"] = mixed(n), ["varying mass"] = bent(n) } do
+for _, n in ipairs { 1, 2, 3, 4, 5, 11, 14 } do
+  local second = n > 5 and "diagonal mass" or "varying mass"
+  for name, L in pairs { ["constant mass"] = mixed(n), [second] = n > 5 and mixed(n, 0) or bent(n) } do
     local q, v = { 0.7, 0.5, -0.4, 0.3, 0.1 }, { 0.2, -0.5, 0.6, 0.4, 0.3 }
+    for i = 6, n do q[i], v[i] = 0.2 * cos(i), 0.2 * cos(2 * i) end
     local from = { q = { table.unpack(q, 1, n) }, v = { table.unpack(v, 1, n) }, steps = 150 }
     local system = dm.system { Q = dm.R(n), L = L }
     local run, off, energy = sem(1, 1, 0.05, system):run(from), 0, 0
@@ -108,6 +111,37 @@ for n = 1, 5 do
     ok(run.sem.defect < 1e-13 and run.sem.fallbacks < 15, "  defect", run.sem.defect)
   end
 end
+
+-- by sweeps, the same as with two coordinates alone: fourteen more at rest; flagged steps too
+local function crowd(m)
+  return dm.system { Q = dm.R(16), L = function(q, v)
+    return v:dot(v) / 2 + (m - 1) * v[9] ^ 2 / 2 + 1 / (q[1] ^ 2 + q[2] ^ 2) ^ 0.5
+  end }
+end
+local function crowded(e, h, steps, m)
+  local q, v = { 1 - e, 0 }, { 0, sqrt((1 + e) / (1 - e)) }
+  local two = sem(1, 1, h):run { q = q, v = v, steps = steps }
+  for i = 3, 16 do q[i], v[i] = i / 10, 0 end
+  return two, sem(1, 1, h, crowd(m)):run { q = q, v = v, steps = steps }
+end
+local two, many = crowded(0.75, 0.02, 60, 1)
+near(many.t[61], two.t[61], 1e-10, "16 coordinates, 14 of them at rest: the run of two")
+near(many.q[61][2], two.q[61][2], 1e-10, "  and its places")
+ok(many.sem.fallbacks == 0 and many.sem.defect < 1e-13, "  E_d", many.sem.defect)
+near(many.sem.conditioning, two.sem.conditioning, two.sem.conditioning / 10, "  rounding of h")
+two, many = crowded(0.8, 0.02, 40, 3)
+ok(many.sem.fallbacks == two.sem.fallbacks, "  e = 0.8: the same steps are flagged", many.sem.fallbacks)
+near(many.sem.defect, two.sem.defect, 1e-7, "  by as much")
+-- a spring at h omega = 6, where sweeps do not contract
+local stiff = dm.system { Q = dm.R(16), L = function(q, v)
+  local L = v:dot(v) / 2 - 1800 * q[1] ^ 2
+  for i = 2, 16 do L = L - q[i] ^ 2 / 2 - (q[i] - q[i - 1] / 10) ^ 4 / 4 end
+  return L
+end }
+local q, v = {}, {}
+for i = 1, 16 do q[i], v[i] = i == 1 and 0.001 or 0.3, i / 40 end
+path = sem(1, 1, 0.1, stiff):run { q = q, v = v, steps = 20 }
+ok(path.sem.defect < 1e-13 and path.sem.fallbacks == 0, "a stiff spring among 16: by the tables", path.sem.defect)
 
 -- energies that are asked for
 path = sem(1, 1, 0.05):run(with { energy = -0.52 })
