@@ -125,7 +125,7 @@ static void divide_by_mass(const dm_sem_sweeps *w, dm_sem_wide *out, const dm_se
     }
 }
 
-/* What is left of both equations, squared, by the sizes that their terms have in the first sweep. */
+/* What is left of both equations, squared, by sizes that their terms have in the first sweep. */
 typedef struct {
     double velocity, energy;
 } rest_of_step;

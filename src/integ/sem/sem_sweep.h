@@ -1,6 +1,6 @@
-/* sem_sweep.h - sweeps for the velocity v and the length h of a symplectic-energy-momentum step with
- * one point, for more coordinates than sem_kernel.h takes and L = T(v) - V(q) with constant mass.
- * They take and give what that kernel does.
+/* sem_sweep.h - sweeps for the velocity v and the length h of a symplectic-energy-momentum step
+ * with one point, for more coordinates than sem_kernel.h takes and L = T(v) - V(q) with constant
+ * mass. They give what that kernel does.
  * Speed: energy_scales, outer solar system by sem(1): 15x, against the tables of any degree. */
 #ifndef DM_SEM_SWEEP_H
 #define DM_SEM_SWEEP_H
