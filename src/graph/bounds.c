@@ -179,3 +179,73 @@ void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_inte
             rate[n] = rate_of_more(e, value[n], value, rate);
     }
 }
+
+/* ---- weights ---- */
+
+static double largest_of(dm_interval a) {
+    return fmax(fabs(a.lo), fabs(a.hi));
+}
+
+/* how far an interval stays away from 0 */
+static double least_of(dm_interval a) {
+    return a.lo > 0.0 ? a.lo : a.hi < 0.0 ? -a.hi : 0.0;
+}
+
+/* what is weighed by nothing counts for nothing, however large */
+static double weighed(double w, double k) {
+    return w == 0.0 || k == 0.0 ? 0.0 : w * k;
+}
+
+static double weight_of_power(dm_interval a, dm_interval k) {
+    if (k.lo != k.hi) return INFINITY;
+    return fabs(k.lo) * largest_of(dm_interval_power(a, (dm_interval){k.lo - 1.0, k.lo - 1.0}));
+}
+
+/* slopes[3]: the largest |de/d operand| of an operation with two or three operands, its value y */
+static void largest_slopes(const dm_expr *e, dm_interval y, const dm_interval *value,
+                           double slopes[3]) {
+    const dm_interval a = value[e->as.arg[0]], b = value[e->as.arg[1]];
+    slopes[0] = slopes[1] = slopes[2] = 1.0;
+    switch (e->op) {
+    case DM_OP_ADD:
+    case DM_OP_SUB:
+    case DM_OP_MIN:
+    case DM_OP_MAX:
+        return;
+    case DM_OP_MUL:
+    case DM_OP_FMA:
+    case DM_OP_FMS:
+    case DM_OP_FNMA:
+        slopes[0] = largest_of(b), slopes[1] = largest_of(a);
+        return;
+    case DM_OP_DIV:
+        slopes[0] = 1.0 / least_of(b), slopes[1] = weighed(largest_of(y), slopes[0]);
+        return;
+    case DM_OP_POW:
+        slopes[0] = weight_of_power(a, b), slopes[1] = INFINITY;
+        return;
+    case DM_OP_ATAN2:
+        slopes[0] = slopes[1] = 1.0 / hypot(least_of(a), least_of(b));
+        return;
+    case DM_OP_WHERE:
+        slopes[0] = a.lo > 0.0 || a.hi <= 0.0 ? 0.0 : INFINITY;
+        slopes[1] = a.hi > 0.0, slopes[2] = a.lo <= 0.0;
+        return;
+    default: /* roots of equations */
+        slopes[0] = slopes[1] = slopes[2] = INFINITY;
+    }
+}
+
+void dm_bounds_weight(const dm_graph *g, const dm_interval *value, double *weight) {
+    for (dm_node n = dm_graph_size(g); n-- > 0;) {
+        const dm_expr *e = dm_graph_at(g, n);
+        const int operands = dm_op_operands(e->op);
+        if (!operands || weight[n] == 0.0) continue;
+        double slopes[3];
+        if (operands == 1)
+            slopes[0] = largest_of(slope(e->op, value[e->as.arg[0]], value[n]));
+        else
+            largest_slopes(e, value[n], value, slopes);
+        for (int i = 0; i < operands; i++) weight[e->as.arg[i]] += weighed(weight[n], slopes[i]);
+    }
+}

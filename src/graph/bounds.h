@@ -16,4 +16,8 @@ void dm_bounds(const dm_graph *g, const dm_interval *in, dm_interval *value);
 void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_interval *value,
                     dm_interval *rate);
 
+/* weight[dm_graph_size] holds weights w_r of some nodes r, zeros elsewhere: adds to every node x
+ * sum_r w_r |dr/dx|, each at most what it can be in the box of value[]. Infinite: not bounded. */
+void dm_bounds_weight(const dm_graph *g, const dm_interval *value, double *weight);
+
 #endif

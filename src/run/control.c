@@ -27,6 +27,10 @@ static rooms open(const dm_control *c, uint32_t n) {
     return (rooms){x, x + size, x + 2 * size, x + 3 * size};
 }
 
+const double *dm_control_middle(const dm_control *c, uint32_t n) {
+    return open(c, n).middle;
+}
+
 /* y = (q, p) is met */
 static void note_size(double *size, const double *y, uint32_t n) {
     for (uint32_t i = 0; i < 2 * n; i++) size[i] = fmax(size[i], fabs(y[i]));
@@ -99,10 +103,14 @@ static double unseen(const dm_control *c, const rooms *r, const dm_stepper *s, c
     const uint32_t n = s->model->n;
     double where = NAN;
     if (!c->hidden) return where;
+    const double *p[3] = {state + n, r->middle + n, r->halves + n};
+    double momentum = largest(r->size + n, n);
+    for (uint32_t i = 0; i < n; i++) momentum = fmax(momentum, fmax(fabs(p[1][i]), fabs(p[2][i])));
     const dm_swept swept = {.t = c->t,
                             .h = h,
                             .q = {state, r->middle, r->halves},
-                            .momentum = largest(r->size + n, n)};
+                            .p = {p[0], p[1], p[2]},
+                            .momentum = momentum};
     dm_hidden_nothing(c->hidden, &swept, &where);
     return where;
 }
@@ -120,6 +128,7 @@ static void accept(dm_control *c, const rooms *r, const dm_stepper *s, double *s
                    double factor) {
     memcpy(state, r->halves, dm_state_size(s->model->n) * sizeof *state);
     note_size(r->size, state, s->model->n);
+    c->half = c->t + 0.5 * h;
     c->t = fabs(c->t + h - c->reach) <= SHORTEST * fabs(c->reach) ? c->reach : c->t + h;
     if (c->passed < c->end_count && fabs(c->t - c->ends[c->passed]) <= SHORTEST * fabs(c->t))
         c->t = c->ends[c->passed];

@@ -16,12 +16,16 @@ typedef struct dm_control {
     /* Between steps: where the run is, the step that comes next, how many ends are behind it, and
      * how many steps were taken although they were too short to be halved. */
     double t, h;
+    double half; /* time of the middle of the last step */
     long passed, forced;
     long rejected, unseen; /* steps made in vain so far; those that would have jumped */
     double place;          /* a feature that no step could be made small enough for; NaN: none */
 } dm_control;
 
 size_t dm_control_room(uint32_t n);
+
+/* The state in the middle of the last step, at c->half. */
+const double *dm_control_middle(const dm_control *c, uint32_t n);
 
 /* Before the first step, at time t, of length h if that is short enough. */
 void dm_control_begin(dm_control *c, const dm_stepper *s, const double *state, double t, double h);

@@ -1,6 +1,7 @@
 #include "run/hidden.h"
 
 #include <math.h>
+#include <string.h>
 
 /* of the largest sample of the step: more is a feature, which begins where it is so much */
 static const double UNLIKE = 0.1, BEGINS = 1e-4;
@@ -8,46 +9,142 @@ static const double UNLIKE = 0.1, BEGINS = 1e-4;
  * the second, where a jump lies between them */
 static const double JUMP = 0.6, OUTER_JUMP = 1.2;
 enum { DEEPEST = 12 }; /* bisections of a part of a step */
+/* of what a node counts for: the round-off of its operation, and some more */
+static const double ROUND_OFF = 0x1p-50;
 
-/* the parabola through a, b, c at 0, 1/2, 1: value = a + s (slope + s bend) */
-typedef struct {
-    double start, slope, bend;
-} parabola;
+/* ---- what may be narrow ---- */
 
-/* coordinate i */
-static parabola through(const dm_swept *step, uint32_t i) {
-    const double a = step->q[0][i], b = step->q[1][i], c = step->q[2][i];
-    return (parabola){a, 4.0 * (b - a) - (c - a), 2.0 * (c - a) - 4.0 * (b - a)};
+/* a power of low degree */
+static int is_low_power(const dm_graph *g, const dm_expr *e) {
+    const dm_expr *k = dm_graph_at(g, e->as.arg[1]);
+    return k->op == DM_OP_CONSTANT && k->as.value >= 0.0 && k->as.value <= 6.0 &&
+           k->as.value == floor(k->as.value);
 }
 
-/* a + s (slope + s bend) */
-static double at(parabola p, double s) {
-    return p.start + s * (p.slope + s * p.bend);
+/* of how many unlike operands is it known that they are no polynomials? */
+static int rough_operands(const dm_expr *e, const unsigned char *rough) {
+    const int operands = dm_op_operands(e->op);
+    int out = 0;
+    for (int i = 0; i < operands; i++) {
+        int again = 0;
+        for (int k = 0; k < i; k++) again |= e->as.arg[k] == e->as.arg[i];
+        out += rough[e->as.arg[i]] && !again;
+    }
+    return out;
 }
 
-/* in any order */
-static dm_interval hull_of(double a, double b) {
-    return (dm_interval){fmin(a, b), fmax(a, b)};
+uint32_t dm_hidden_parts(const dm_graph *g, dm_node *list, unsigned char *rough) {
+    uint32_t count = 0;
+    for (dm_node n = 0; n < dm_graph_size(g); n++) {
+        const dm_expr *e = dm_graph_at(g, n);
+        const int operands = rough_operands(e, rough);
+        switch (e->op) {
+        case DM_OP_CONSTANT:
+        case DM_OP_INPUT:
+            rough[n] = 0;
+            continue;
+        case DM_OP_NEG:
+        case DM_OP_ADD:
+        case DM_OP_SUB:
+        case DM_OP_MUL:
+        case DM_OP_FMA:
+        case DM_OP_FMS:
+        case DM_OP_FNMA:
+            rough[n] = operands > 0;
+            break;
+        default:
+            rough[n] = 1;
+            if (e->op == DM_OP_POW && is_low_power(g, e))
+                rough[n] = operands > 0;
+            else
+                list[count++] = n;
+            continue;
+        }
+        if (operands > 1) list[count++] = n;
+    }
+    return count;
+}
+
+/* ---- the step ---- */
+
+/* v at the start, in the middle, at the end; 0: there is none */
+static int find_velocities(dm_hidden *x, const dm_swept *step) {
+    const uint32_t n = x->n;
+    if (!x->model) return 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        double *v = x->velocity + k * (size_t)n;
+        memset(v, 0, n * sizeof *v);
+        if (dm_legendre_inverse(x->model, v, step->q[k], step->p[k], step->t + 0.5 * k * step->h,
+                                x->work) != DM_OK)
+            return 0;
+        for (uint32_t i = 0; i < n; i++)
+            if (!isfinite(v[i])) return 0;
+    }
+    return 1;
+}
+
+/* The polynomial of degree 5 through q and v at the start, in the middle and at the end; without v
+ * the parabola. */
+static void find_curve(dm_hidden *x, const dm_swept *step) {
+    const uint32_t n = x->n;
+    const int known = find_velocities(x, step);
+    for (uint32_t i = 0; i < n; i++) {
+        const double a = step->q[0][i], b = step->q[1][i], c = step->q[2][i];
+        const double even = 0.5 * (a + c) - b;
+        double *k = x->curve[i];
+        k[0] = b, k[1] = c - a, k[2] = 4.0 * even, k[3] = k[4] = k[5] = 0.0;
+        if (!known) continue;
+        const double *v = x->velocity;
+        const double start = step->h * v[i], end = step->h * v[2 * (size_t)n + i];
+        k[1] = step->h * v[n + (size_t)i];
+        const double odd = 0.5 * (c - a) - 0.5 * k[1], slope = 0.5 * (start + end) - k[1];
+        const double bend = 0.5 * (end - start);
+        k[2] = 8.0 * even - bend, k[4] = 4.0 * bend - 16.0 * even;
+        k[3] = 20.0 * odd - 2.0 * slope, k[5] = 8.0 * slope - 48.0 * odd;
+    }
+}
+
+/* The same polynomial about s = 1/2 + m. */
+static void shift(double to[6], const double from[6], double m) {
+    memcpy(to, from, 6 * sizeof *to);
+    for (int done = 0; done < 5; done++)
+        for (int k = 4; k >= done; k--) to[k] += m * to[k + 1];
+}
+
+/* what it, or its derivative number `order` by s, can be up to d away from there */
+static dm_interval around(const double k[6], int order, double d) {
+    double value = 0.0, reach = 0.0, power = 1.0;
+    for (int i = order; i < 6; i++, power *= d) {
+        double factor = 1.0;
+        for (int j = 0; j < order; j++) factor *= i - j;
+        if (i == order)
+            value = factor * k[i];
+        else
+            reach += factor * fabs(k[i]) * power;
+    }
+    return (dm_interval){value - reach, value + reach};
+}
+
+static dm_interval divided(dm_interval a, double h) {
+    return (dm_interval){fmin(a.lo / h, a.hi / h), fmax(a.lo / h, a.hi / h)};
 }
 
 /* the inputs, and how fast they change with s, while s goes from a to b, parts of the step */
 static void sweep(dm_hidden *x, const dm_swept *step, double a, double b) {
     const uint32_t n = x->n;
+    const double h = step->h, d = 0.5 * (b - a);
     for (uint32_t i = 0; i < n; i++) {
-        const parabola p = through(step, i);
-        const double top = p.bend != 0.0 ? -0.5 * p.slope / p.bend : -1.0, h = step->h;
-        const dm_interval rate = hull_of(p.slope + 2.0 * a * p.bend, p.slope + 2.0 * b * p.bend);
-        dm_interval q = hull_of(at(p, a), at(p, b));
-        if (top > a && top < b) q = (dm_interval){fmin(q.lo, at(p, top)), fmax(q.hi, at(p, top))};
-        x->in[i] = q;
-        x->in[n + i] = (dm_interval){rate.lo / h, rate.hi / h};
-        x->rate_in[i] = rate;
-        x->rate_in[n + i] = hull_of(2.0 * p.bend / h, 2.0 * p.bend / h);
+        double k[6];
+        shift(k, x->curve[i], 0.5 * (a + b) - 0.5);
+        x->in[i] = around(k, 0, d);
+        x->rate_in[i] = around(k, 1, d);
+        x->in[n + i] = divided(x->rate_in[i], h);
+        x->rate_in[n + i] = divided(around(k, 2, d), h);
     }
-    x->in[2 * n] = hull_of(step->t + a * step->h, step->t + b * step->h);
-    x->rate_in[2 * n] = (dm_interval){step->h, step->h};
+    const double start = step->t + a * h, end = step->t + b * h;
+    x->in[2 * n] = (dm_interval){fmin(start, end), fmax(start, end)};
+    x->rate_in[2 * n] = (dm_interval){h, h};
     dm_bounds(x->graph, x->in, x->value);
-    x->looked++;
 }
 
 /* what the forces can be while s goes from a to b: by their bounds, and by their value in the
@@ -55,11 +152,12 @@ static void sweep(dm_hidden *x, const dm_swept *step, double a, double b) {
 static void enclose(dm_hidden *x, const dm_swept *step, double a, double b) {
     const double middle = 0.5 * (a + b);
     const dm_interval reach = {a - middle, b - middle};
+    const uint32_t all = x->count + x->parts;
     sweep(x, step, middle, middle);
-    for (uint32_t i = 0; i < x->count; i++) x->found[i] = x->value[x->roots[i]];
+    for (uint32_t i = 0; i < all; i++) x->found[i] = x->value[x->roots[i]];
     sweep(x, step, a, b);
     dm_bounds_rate(x->graph, x->rate_in, x->value, x->rate);
-    for (uint32_t i = 0; i < x->count; i++) {
+    for (uint32_t i = 0; i < all; i++) {
         const dm_interval far = dm_interval_multiply(x->rate[x->roots[i]], reach);
         const dm_interval near = dm_interval_add(x->found[i], far);
         x->found[i] = dm_interval_common(x->value[x->roots[i]], near);
@@ -68,40 +166,73 @@ static void enclose(dm_hidden *x, const dm_swept *step, double a, double b) {
 
 /* the forces at the ends of the parts */
 static void sample(dm_hidden *x, const dm_swept *step) {
+    const uint32_t all = x->count + x->parts;
     for (uint32_t k = 0; k <= DM_HIDDEN_PARTS; k++) {
         const double s = (double)k / DM_HIDDEN_PARTS;
         sweep(x, step, s, s);
-        for (uint32_t i = 0; i < x->count; i++) {
+        for (uint32_t i = 0; i < all; i++) {
             const dm_interval e = x->value[x->roots[i]];
-            x->samples[k * (size_t)x->count + i] = 0.5 * e.lo + 0.5 * e.hi;
+            x->samples[k * (size_t)all + i] = 0.5 * e.lo + 0.5 * e.hi;
         }
     }
 }
 
-/* what force i may be in part k, by the samples around it */
-static dm_interval expected(const dm_hidden *x, const dm_swept *step, uint32_t k, uint32_t i,
-                            double unlike) {
+/* an impulse, or a momentum, that counts for nothing */
+static double nothing(const dm_hidden *x, const dm_swept *step) {
+    return x->negligible * step->momentum;
+}
+
+/* How far what force i, or a part of them, is in a box may be from samples around part k of the
+ * step: the excess of `found` beyond them and a bit more, 0 or less where there is none. */
+static double excess(const dm_hidden *x, uint32_t k, uint32_t i, double unlike) {
+    const size_t width = x->count + x->parts;
     const uint32_t first = k ? k - 1 : 0;
     const uint32_t last = k + 2 < DM_HIDDEN_PARTS ? k + 2 : DM_HIDDEN_PARTS;
-    const double negligible = x->negligible * step->momentum / (i < x->impulses ? step->h : 1.0);
     double size = 0.0;
     dm_interval out = {INFINITY, -INFINITY};
     for (uint32_t j = 0; j <= DM_HIDDEN_PARTS; j++) {
-        const double e = x->samples[j * (size_t)x->count + i];
+        const double e = x->samples[j * width + i];
         size = fmax(size, fabs(e));
         if (j >= first && j <= last) out = (dm_interval){fmin(out.lo, e), fmax(out.hi, e)};
     }
-    const double slack = unlike * size + negligible;
-    return (dm_interval){out.lo - slack, out.hi + slack};
+    const dm_interval e = x->found[i];
+    const double below = out.lo - e.lo, above = e.hi - out.hi;
+    return (below > above || isnan(below) ? below : above) - unlike * size;
 }
 
-/* Are the forces inside what is expected in part k, from a to b? */
+/* What all nodes count for in the impulse of the forces over a time h, in the box of x->value, and
+ * what the impulse may be by their round-off. */
+static void weigh(dm_hidden *x, double h) {
+    const uint32_t size = dm_graph_size(x->graph);
+    memset(x->weight, 0, size * sizeof *x->weight);
+    for (uint32_t i = 0; i < x->count; i++)
+        x->weight[x->roots[i]] = i < x->impulses ? fabs(h) : 1.0;
+    dm_bounds_weight(x->graph, x->value, x->weight);
+    x->noise = 0.0;
+    for (dm_node n = 0; n < size; n++) {
+        const dm_interval e = x->value[n];
+        const double most = x->weight[n] * fmax(fabs(e.lo), fabs(e.hi));
+        if (isfinite(most)) x->noise += ROUND_OFF * most;
+    }
+}
+
+/* Does it matter that force i, or a part of them, is `off`? */
+static int matters(const dm_hidden *x, const dm_swept *step, uint32_t i, double off) {
+    const double weight = x->weight[x->roots[i]];
+    return weight != 0.0 && !(off * weight <= nothing(x, step) + x->noise);
+}
+
+/* Are the forces inside what is expected in part k, from a to b, and what they are made of? */
 static int is_like_samples(dm_hidden *x, const dm_swept *step, uint32_t k, double a, double b,
                            double unlike) {
+    int weighted = 0;
     enclose(x, step, a, b);
-    for (uint32_t i = 0; i < x->count; i++) {
-        const dm_interval e = x->found[i], wanted = expected(x, step, k, i, unlike);
-        if (!(e.lo >= wanted.lo && e.hi <= wanted.hi)) return 0;
+    for (uint32_t i = 0; i < x->count + x->parts; i++) {
+        const double off = excess(x, k, i, unlike);
+        if (off <= 0.0) continue;
+        if (!weighted) weigh(x, (b - a) * step->h);
+        weighted = 1;
+        if (matters(x, step, i, off)) return 0;
     }
     return 1;
 }
@@ -129,35 +260,44 @@ static int look_at_part(dm_hidden *x, const dm_swept *step, uint32_t k, double u
     return 1;
 }
 
-/* Does sample j of force i stand out from those beside it, more than a jump does? Then the rule,
- * which evaluates it elsewhere, need not have seen it. */
-static int stands_out(const dm_hidden *x, const dm_swept *step, uint32_t j, uint32_t i) {
-    const double negligible = x->negligible * step->momentum / (i < x->impulses ? step->h : 1.0);
+/* How far sample j of force i, or of a part of them, stands out from those beside it, more than a
+ * jump does? Then the rule, which evaluates it elsewhere, need not have seen it. 0 or less: not. */
+static double standing_out(const dm_hidden *x, uint32_t j, uint32_t i) {
     const double *e = x->samples + i;
-    const size_t width = x->count;
+    const size_t width = x->count + x->parts;
     double others = 0.0;
     for (uint32_t k = 0; k <= DM_HIDDEN_PARTS; k++)
         if (k != j) others = fmax(others, fabs(e[k * width]));
     if (j == 0 || j == DM_HIDDEN_PARTS) {
         const double beside = e[(j ? j - 1 : 1) * width];
-        return !(fabs(e[j * width] - beside) <= OUTER_JUMP * others + negligible);
+        return fabs(e[j * width] - beside) - OUTER_JUMP * others;
     }
     const double mean = 0.5 * (e[(j - 1) * width] + e[(j + 1) * width]);
-    return !(fabs(e[j * width] - mean) <= JUMP * others + negligible);
+    return fabs(e[j * width] - mean) - JUMP * others;
 }
 
-/* Of every sample of every force; *where is the time of the sample before. */
+/* Of every sample of every force and of what they are made of; *where is the time of the sample
+ * before. */
 static int samples_agree(dm_hidden *x, const dm_swept *step, double *where) {
+    int weighted = 0;
     for (uint32_t j = 0; j <= DM_HIDDEN_PARTS; j++)
-        for (uint32_t i = 0; i < x->count; i++)
-            if (stands_out(x, step, j, i)) {
-                *where = step->t + step->h * (j ? j - 1 : 0) / DM_HIDDEN_PARTS;
-                return 0;
+        for (uint32_t i = 0; i < x->count + x->parts; i++) {
+            const double off = standing_out(x, j, i);
+            if (off <= 0.0) continue;
+            if (!weighted) {
+                sweep(x, step, 0.0, 1.0);
+                weigh(x, step->h);
             }
+            weighted = 1;
+            if (!matters(x, step, i, off)) continue;
+            *where = step->t + step->h * (j ? j - 1 : 0) / DM_HIDDEN_PARTS;
+            return 0;
+        }
     return 1;
 }
 
 int dm_hidden_nothing(dm_hidden *x, const dm_swept *step, double *where) {
+    find_curve(x, step);
     sample(x, step);
     if (!samples_agree(x, step, where)) return 0;
     for (uint32_t k = 0; k < DM_HIDDEN_PARTS; k++)

@@ -4,19 +4,25 @@
 #define DM_HIDDEN_H
 
 #include "graph/bounds.h"
+#include "mech/model.h"
 
 /* The forces E(q, v, t) of a system, dL/dq, dL/dv and what else pushes it, as a graph. */
 typedef struct {
     const dm_graph *graph; /* of them alone: inputs q[n], v[n], t */
-    const dm_node *roots;  /* [count] */
-    uint32_t n, count;
+    const dm_node *roots;  /* [count], the forces, then [parts], what of them may be narrow */
+    uint32_t n, count, parts;
     uint32_t impulses; /* of the first so many roots only what they add up to over a step matters */
     double negligible; /* of the largest momentum so far: an impulse so small is none */
     dm_interval *value, *rate; /* [dm_graph_size], scratch: the forces, and d/ds of them */
+    double *weight;            /* [dm_graph_size], scratch: what nodes count for in the forces */
+    double noise;              /* what their impulse may be by round-off */
     dm_interval *in, *rate_in; /* [2n + 1], scratch */
-    dm_interval *found;        /* [count], scratch: the forces in a box */
-    double *samples;           /* [dm_hidden_samples x count], scratch */
-    long looked;               /* boxes looked at so far */
+    dm_interval *found;        /* [count + parts], scratch: the forces in a box */
+    double *samples;           /* [dm_hidden_samples x (count + parts)], scratch */
+    double (*curve)[6];        /* [n], scratch: q(s) = sum_k curve[k] (s - 1/2)^k along a step */
+    double *velocity;          /* [3n], scratch: at its start, middle, end */
+    const dm_model *model;     /* whose p = dL/dv tells the velocity; NULL: it is not known */
+    double *work;              /* [dm_legendre_work of it], scratch */
 } dm_hidden;
 
 enum { DM_HIDDEN_PARTS = 8 }; /* of a step, at whose ends forces are sampled */
@@ -26,14 +32,21 @@ static inline size_t dm_hidden_samples(uint32_t count) {
     return (DM_HIDDEN_PARTS + 1) * (size_t)count;
 }
 
-/* A step as the parabola through q[n] at its start, middle and end. */
+/* list[] = the nodes that may have narrow features of their own, for `parts`: results of other
+ * operations than sums, products and low powers, and what joins two such. A feature of theirs may
+ * be small beside all that is added to it later. Returns how many; rough[dm_graph_size] is scratch,
+ * list has room for as many. */
+uint32_t dm_hidden_parts(const dm_graph *g, dm_node *list, unsigned char *rough);
+
+/* A step by q[n] and p[n] at its start, middle and end. */
 typedef struct {
     double t, h;
-    const double *q[3];
+    const double *q[3], *p[3];
     double momentum; /* the largest |p_i| so far */
 } dm_swept;
 
-/* Is all that the forces can be in the boxes that a step sweeps like what samples of them are?
+/* Is all that the forces can be in the boxes that a step sweeps like what samples of them are, and
+ * all that their parts can be, unless it counts for nothing?
  * 1, or 0 and in *where the time of the first box, after so many bisections, where it is not. */
 int dm_hidden_nothing(dm_hidden *x, const dm_swept *step, double *where);
 

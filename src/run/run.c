@@ -34,17 +34,10 @@ long dm_run_rows(const dm_run_plan *plan) {
     return whole > LONG_MAX - 2 ? LONG_MAX : 1 + whole + (plan->steps % plan->every != 0);
 }
 
-/* s of a clock that never goes back. */
-static double now(void) {
+/* s of a clock: CLOCK_MONOTONIC never goes back, CLOCK_PROCESS_CPUTIME_ID is that of the process */
+static double seconds_of(clockid_t clock) {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* s of CPU of the process. */
-static double cpu(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -173,7 +166,12 @@ static dm_status record_end(loop *l) {
 /* times asked for between `from`, where the state was `before`, and now; one that is this step's
  * to round-off belongs to it */
 static dm_status record_behind(loop *l, const double *before, double from) {
-    if (!l->plan->at) return DM_OK;
+    const dm_control *c = l->plan->events ? NULL : l->plan->control;
+    dm_status status = DM_OK;
+    if (!l->plan->at) return status;
+    if (c) status = record_times(l, before, from, c->half);
+    if (c) before = dm_control_middle(c, l->s->model->n), from = c->half; /* as exact as the end */
+    if (status != DM_OK) return status;
     return record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->plan->h);
 }
 
@@ -302,7 +300,7 @@ static dm_status advance(loop *l, long end) {
 /* look at the clock: tell the progress, save, fit the burst to LOOK */
 static dm_status look(loop *l) {
     dm_status status = DM_OK;
-    const double t = now(), took = t - l->looked;
+    const double t = seconds_of(CLOCK_MONOTONIC), took = t - l->looked;
     if (l->plan->progress && t - l->told >= PROGRESS) {
         l->plan->progress(l->plan->ud, l->done, l->plan->steps);
         l->told = t;
@@ -313,7 +311,8 @@ static dm_status look(loop *l) {
     }
     if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= took < 0.05 * LOOK ? 8 : 2;
     if (took > LOOK && l->burst > 1) l->burst /= 2;
-    if (l->plan->seconds > 0.0 && cpu() - l->cpu > l->plan->seconds) status = DM_OUT_OF_TIME;
+    if (l->plan->seconds > 0.0 && seconds_of(CLOCK_PROCESS_CPUTIME_ID) - l->cpu > l->plan->seconds)
+        status = DM_OUT_OF_TIME;
     l->looked = t;
     l->until = l->done + l->burst;
     return status;
@@ -377,8 +376,8 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
     dm_status status = DM_OK;
     l.own = plan->control || s->rule->method->traits & DM_OWN_TIME;
-    l.cpu = cpu();
-    l.looked = l.told = now();
+    l.cpu = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
+    l.looked = l.told = seconds_of(CLOCK_MONOTONIC);
     l.saved = l.looked;
     status = begin(&l);
     if (!dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;

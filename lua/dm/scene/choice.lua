@@ -1,6 +1,7 @@
 --- The choice of a scene: finalists are checked at times that were not used before, and between
 -- them.
 local core = require "dm.core"
+local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
 local report = require "dm.scene.report"
 
@@ -8,11 +9,29 @@ local M = {}
 
 local max, min = math.max, math.min
 
+-- what a candidate errs by at times, and between them, beside the reference there
+local function error_beside(scene, c, N, times, reference)
+  local record, report = pilot.run(c.model, c.rule, N, times)
+  if not record then return math.huge, report end
+  return pilot.apart_between(scene.problem, record, reference)
+end
+
+-- the same after what is narrow inside of a step; inf where that is too much to look at
+local function error_behind(scene, c, N)
+  if not pilot.is_even(c.rule) or not narrow.present(c.model) then return 0 end
+  local times = narrow.times(scene.reference.times, scene.check_times,
+    narrow.even(scene.problem, N), N)
+  if not times then return math.huge end
+  if #times == 0 then return 0 end
+  return error_beside(scene, c, N, times, pilot.record(scene.problem,
+    scene.reference:path(times)))
+end
+
 -- what a candidate errs by at the times of the check and between them
 local function check_error(scene, c, N)
-  local record, report = pilot.run(c.model, c.rule, N, scene.check_times)
-  if not record then return math.huge, report end
-  return pilot.apart_between(scene.problem, record, scene.checked)
+  local err = error_beside(scene, c, N, scene.check_times, scene.checked)
+  if err > 1 then return err end
+  return max(err, error_behind(scene, c, N))
 end
 
 local TRIES = 6

@@ -10,6 +10,7 @@ local lists = require "dm.base.lists"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
 local modes = require "dm.scene.modes"
+local narrow = require "dm.scene.narrow"
 local on_group = require "dm.scene.on_group"
 local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
@@ -169,6 +170,8 @@ local function start_search(scene, given)
   return search.prepare({ times = times, reference = pilot.record(problem, reference:path(times)),
     profile = scene.profile, bound = math.huge, pilots = 0, candidates = {}, models = {},
     resolved = #reference.times,
+    fewest = narrow.present(given) and narrow.fewest(problem, reference.times, scene.check_times)
+      or 1,
     rules = search.rules(scene.options.rules, scene.system, { [reference.rule] = true }),
     seconds = scene.allowed, half_time = scene.began + MODELS_TIME * scene.allowed,
     deadline = scene.began + RULES_TIME * scene.allowed }, problem)

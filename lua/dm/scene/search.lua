@@ -2,6 +2,7 @@
 -- the best one does so far. Where that is not enough for the tolerance the rule is out, with one
 -- pilot run; else fewer steps are looked for.
 local core = require "dm.core"
+local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
 
 local M = {}
@@ -122,11 +123,17 @@ local function affordable(search, model, rule, guess)
   return nil, why or ("%d steps cost more than the best"):format(last), last
 end
 
+-- the least number of steps at which what is narrow is still looked at
+local function fewest(search, model, rule)
+  if search.fewest <= FEWEST or not pilot.is_even(rule) then return FEWEST end
+  return narrow.present(model) and search.fewest or FEWEST
+end
+
 -- the least number of steps that is enough, between `fails` and `enough`, by the order of the rule
 local function shrink(search, model, row, enough, err)
-  local fails = FEWEST - 1
+  local fails = fewest(search, model, row.rule) - 1
   for _ = 1, 9 do
-    if enough / fails < CLOSE or enough <= FEWEST or core.cpu() > search.deadline then break end
+    if enough / fails < CLOSE or enough <= fails + 1 or core.cpu() > search.deadline then break end
     local by_order = ceil(enough * (err / TARGET) ^ (1 / row.order) * 1.01)
     local N = min(max(by_order, fails + 1, floor(enough / 6)), floor(enough * 0.96), enough - 1)
     if fails >= FEWEST and by_order <= fails * 1.01 then N = floor(math.sqrt(fails * enough)) end
@@ -196,15 +203,18 @@ end
 
 -- a number of steps that is enough and its error; nil where there is none as cheap as the bound
 local function first_enough(search, model, row)
-  local even = pilot.is_even(row.rule)
+  local even, least = pilot.is_even(row.rule), fewest(search, model, row.rule)
   if search.bound == huge or not even then
     local N, err, why, last = grow(search, model, row,
-      even and max(8, ceil(64 / row.stages)) or FEWEST_UNEVEN)
+      even and max(8, least, ceil(64 / row.stages)) or FEWEST_UNEVEN)
     if not N then give_up(search, model, row, why, last, err) end
     return N, err
   end
   local N, why, at = affordable(search, model, row.rule,
-    max(FEWEST, ceil(search.guess / row.stages)))
+    max(least, ceil(search.guess / row.stages)))
+  if N and N < least then
+    N, why, at = nil, "something narrow lies inside of the steps that cost no more", N
+  end
   if not N then return give_up(search, model, row, why, at) end
   local err, failed = error_of(search, model, row.rule, N)
   if err <= TARGET then return N, err end

@@ -3,9 +3,50 @@
 #include "bind/trace/function.h"
 
 #include <math.h>
+#include <string.h>
+
+/* the model, if it tells the velocity by the momentum alone */
+static const dm_model *of_velocity(const dml_stepping *r) {
+    const dm_model *m = &r->model->model;
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    if (m->params || m->structure & (DM_HAMILTONIAN | DM_LINEAR_IN_V)) return NULL;
+    return m->has & DM_WANT_MASS || (m->structure & simple) == simple ? m : NULL;
+}
+
+/* the forces f and what of them may be narrow, with room for all that is found of them */
+static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, const dml_stepping *r) {
+    const uint32_t count = dml_outputs(f), size = dm_graph_size(f->alone), n = r->solver->n;
+    const size_t inputs = 2 * (size_t)n + 1;
+    dm_node *roots = lua_newuserdatauv(L, ((size_t)count + size) * sizeof *roots, 0);
+    memcpy(roots, f->alone_roots, count * sizeof *roots);
+    unsigned char *rough = lua_newuserdatauv(L, size, 0);
+    const uint32_t parts = dm_hidden_parts(f->alone, roots + count, rough), all = count + parts;
+    dm_interval *room = lua_newuserdatauv(L, (2 * (size + inputs) + all) * sizeof *room, 0);
+    const dm_model *m = of_velocity(r);
+    const size_t samples = dm_hidden_samples(all), work = m ? dm_legendre_work(m) : 0;
+    double *more = lua_newuserdatauv(L, (size + samples + 9 * (size_t)n + work) * sizeof *more, 0);
+    *x = (dm_hidden){.graph = f->alone,
+                     .roots = roots,
+                     .n = n,
+                     .count = count,
+                     .parts = parts,
+                     .impulses = count > n ? count - n : count,
+                     .value = room,
+                     .rate = room + size,
+                     .in = room + 2 * (size_t)size,
+                     .rate_in = room + 2 * (size_t)size + inputs,
+                     .found = room + 2 * (size + inputs),
+                     .weight = more,
+                     .samples = more + size,
+                     .curve = (double(*)[6])(more + size + samples),
+                     .velocity = more + size + samples + 6 * (size_t)n,
+                     .model = m,
+                     .work = more + size + samples + 9 * (size_t)n};
+}
 
 /* the forces, a traced function of (q, v, t), in the table at `at`; it stays on the stack */
-static void read_hidden(lua_State *L, int at, dml_run_control *c, uint32_t n) {
+static void read_hidden(lua_State *L, int at, dml_run_control *c, const dml_stepping *r) {
+    const uint32_t n = r->solver->n;
     const double negligible = dml_positive(L, at, "negligible", 1e-9);
     if (lua_getfield(L, at, "hidden") == LUA_TNIL) return;
     dml_function *f = luaL_testudata(L, -1, DML_FUNCTION);
@@ -17,21 +58,8 @@ static void read_hidden(lua_State *L, int at, dml_run_control *c, uint32_t n) {
                    "function of (q, v, t)",
                    (int)n, (int)n);
     dml_function_alone(L, f);
-    const uint32_t count = dml_outputs(f), size = dm_graph_size(f->alone);
-    const size_t inputs = 2 * (size_t)n + 1, all = 2 * (size + inputs) + count;
-    dm_interval *room = lua_newuserdatauv(L, all * sizeof *room, 0);
-    c->hidden = (dm_hidden){.graph = f->alone,
-                            .roots = f->alone_roots,
-                            .n = n,
-                            .count = count,
-                            .impulses = count > n ? count - n : count,
-                            .negligible = negligible,
-                            .value = room,
-                            .rate = room + size,
-                            .in = room + 2 * (size_t)size,
-                            .rate_in = room + 2 * (size_t)size + inputs,
-                            .found = room + 2 * (size + inputs)};
-    c->hidden.samples = lua_newuserdatauv(L, dm_hidden_samples(count) * sizeof(double), 0);
+    open_hidden(L, &c->hidden, f, r);
+    c->hidden.negligible = negligible;
     c->control.hidden = &c->hidden;
 }
 
@@ -71,7 +99,7 @@ dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_steppin
                               .largest = dml_positive(L, at, "largest", INFINITY),
                               .reach = until};
     read_ends(L, at, &c->control);
-    read_hidden(L, at, c, n);
+    read_hidden(L, at, c, r);
     c->control.room = lua_newuserdatauv(L, dm_control_room(n) * sizeof(double), 0);
     return &c->control;
 }

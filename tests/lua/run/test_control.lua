@@ -46,6 +46,35 @@ local wall = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - e
 path = run(wall, "rk8", 2, { q = { 0 }, v = { 1 } }, { tolerance = 1e-11, hidden = (forces.of(wall)) })
 ok(math.abs(path.q[#path][1]) < 1e-4, "a wall of width 1e-5 turns the motion back", path.q[#path][1])
 ok(forces.of(dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[1] ^ 4 + q[1] * q[2] ^ 2 end }) == nil, "polynomials hide nothing")
+-- narrow features that are small beside all else: of terms, factors, angles, between two jumps
+local function close(what, L, q0, v0, x)
+  local system = dm.system { Q = dm.R(1), L = L }
+  for _, rule in ipairs { "rk8", "gauss(7)" } do
+    local found = run(system, rule, 10, { q = { q0 }, v = { v0 } }, { tolerance = 1e-11, hidden = (forces.of(system)) })
+    near(found.q[#found][1], x, 1e-6 * (1 + v0 / 1000), rule .. ": " .. what)
+  end
+end
+local function pulse(t, width) return exp(-((t - 5) / width) ^ 2) end
+local J = 1e-3 * sqrt(pi)
+close("a pulse of a fiftieth of the force", function(q, v, t) return v[1] ^ 2 / 2 - 500 * q[1] + 10 * pulse(t, 1e-3) * q[1] end, 0, 2500, 5 * 10 * J)
+close("in a factor of it", function(q, v, t) return v[1] ^ 2 / 2 - 500 * (1 + 0.02 * pulse(t, 1e-3)) * q[1] end, 0, 2500, -5 * 10 * J)
+close("in an angle", function(q, v, t) return v[1] ^ 2 / 2 + q[1] * cos(pi / 2 - 0.05 * pulse(t, 1e-3)) end, 0, 0,
+  5 * (0.05 * J - 0.05 ^ 3 / 6 * J / sqrt(3)))
+local tanh = dm.tanh
+close("a plateau of length 0.01", function(q, v, t) return v[1] ^ 2 / 2 - 500 * q[1] + (tanh((t - 5) / 1e-3) - tanh((t - 5.01) / 1e-3)) * q[1] end, 0, 2500,
+  0.02 * (5 - 0.005))
+-- a wall where the motion turns: q gets to 1 - 0.002, where parabolas do not lead
+local grazed = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 - 1e-3 * exp(-((q[1] - 1) / 1e-3) ^ 2) end }
+local free = run(grazed, "rk8", 30, { q = { 0 }, v = { 0.998 } }, { tolerance = 1e-9, hidden = (forces.of(grazed)) })
+local bound = run(grazed, "rk8", 30, { q = { 0 }, v = { 0.998 } }, { tolerance = 1e-11, largest = 1e-3 })
+near(free.q[#free][1], bound.q[#bound][1], 1e-5, "the foot of a wall where the motion turns")
+-- rows inside of steps are as exact as those at their ends
+local oscillator = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+local rows, off = {}, 0
+for k = 1, 2000 do rows[k] = k / 200 end
+local inside = oscillator:solver({ rule = "rk8", h = 0.2 }):run { q = { 1 }, v = { 0 }, at = rows, control = { tolerance = 1e-7 } }
+for k = 1, #inside do off = math.max(off, math.abs(inside.q[k][1] - cos(inside.t[k]))) end
+ok(off < 2e-7, "rows in the second halves of steps begin in their middle", off)
 -- a stiff spring, whose large forces cancel, hides nothing
 local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 9.81 * q[2] - 1e7 / 2 * (q:norm() - 1) ^ 2 end }
 local solver = rod:solver { rule = "rk8", h = 1e-3 }

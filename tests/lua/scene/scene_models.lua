@@ -1,14 +1,15 @@
 -- Random models for scenes, with references by a program in C that is generated here, in long double, and shares nothing with dmlua: extrapolated
 -- midpoint rules (Gragg, Bulirsch, Stoer) whose steps are halved until they agree.
 local dm = require "dm"
-local M = {}
+local kinds = require "scene_kinds"
+local M = { make = kinds.make }
 
 local HEAD = [[
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 typedef long double R;
-enum { MOST = 8, COLUMNS = 8 };
+enum { MOST = 8, COLUMNS = 8, MOST_WINDOWS = 64 };
 static int n;
 static void (*slope)(R, const R *, R *);
 static void midpoint(R t, const R *y, R H, int m, R *out) {
@@ -22,7 +23,14 @@ static void midpoint(R t, const R *y, R H, int m, R *out) {
     slope(t + H, b, f);
     for (int i = 0; i < n; i++) out[i] = (a[i] + b[i] + h * f[i]) / 2;
 }
+static int windows;
+static R from[MOST_WINDOWS], to[MOST_WINDOWS]; /* where something is narrow: steps are a 24th of it */
+static int is_narrow(R t, R H) {
+    for (int i = 0; i < windows; i++) if (t < to[i] && t + H > from[i] && H > (to[i] - from[i]) / 24) return 1;
+    return 0;
+}
 static void advance(R t, R *y, R H, int depth) {
+    if (is_narrow(t, H)) { advance(t, y, H / 2, depth); advance(t + H / 2, y, H / 2, depth); return; }
     R T[COLUMNS][MOST], last[MOST], err = 0;
     for (int k = 0; k < COLUMNS; k++) {
         R fine[MOST];
@@ -43,59 +51,6 @@ static void advance(R t, R *y, R H, int depth) {
 }
 ]]
 
--- one random model: Lagrangian and accelerations are written side by side, by hand; r(a, b) is a random number
-local function oscillators(r)
-  local n = math.random(3)
-  local m, w, a, c, f, o = {}, {}, r(0, 1), r(0, 0.4), r(0, 0.4), r(0.5, 3)
-  local drag, pulse = math.random(3) == 1 and r(0.01, 0.1) or 0, math.random(2) == 1
-  local at, width, push = r(2, 9), 10 ^ r(-4.5, -1.5), pulse and r(0.05, 0.3) or 0
-  for i = 1, n do m[i], w[i] = r(0.5, 2), r(0.5, 2) end
-  local c_text, q, v = {}, {}, {}
-  for i = 1, n do
-    q[i], v[i] = r(-1, 1), r(-0.5, 0.5)
-    local near = {}
-    if i > 1 then near[#near + 1] = ("y[%d]"):format(i - 2) end
-    if i < n then near[#near + 1] = ("y[%d]"):format(i) end
-    c_text[i] = ("(-%.17gL*y[%d] - %.17gL*y[%d]*y[%d]*y[%d] - %.17gL*sinl(y[%d]) - %.17gL*(%s)%s - %.17gL*y[%d])/%.17gL"):format(w[i], i - 1, a, i - 1, i - 1, i - 1,
-      a / 2, i - 1, c, #near > 0 and table.concat(near, "+") or "0", i == 1 and (" + %.17gL*cosl(%.17gL*t) + %.17gL*expl(-((t-%.17gL)/%.17gL)*((t-%.17gL)/%.17gL))")
-      :format(f, o, push / width, at, width, at, width) or "", drag, n + i - 1, m[i])
-  end
-  return { kind = "oscillators", n = n, q = q, v = v, T = 10, c = c_text, tolerance = 10 ^ -math.random(3, 6), L = function(x, y, t)
-    local L = f * math.cos(o * t) * x[1] + push / width * math.exp(-((t - at) / width) ^ 2) * x[1]
-    for i = 1, n do L = L + m[i] / 2 * y[i] ^ 2 - w[i] / 2 * x[i] ^ 2 - a / 4 * x[i] ^ 4 + a / 2 * math.cos(x[i]) end
-    for i = 1, n - 1 do L = L - c * x[i] * x[i + 1] end
-    return L
-  end, force = drag > 0 and function(_, y) return -drag * y end or nil }
-end
-
-local function passages(r)
-  local e, n = r(0, 0.95), 2
-  local mu, weak = r(0.5, 2), r(0, 0.05)
-  local text = "-(%.17gL)*y[%d]/(d*d*d) - %.17gL*y[%d]"
-  return { kind = "close passages", n = n, q = { -(1 + e), 0 }, v = { 0, -math.sqrt(mu * (1 - e) / (1 + e)) }, T = r(5, 25), tolerance = 10 ^ -math.random(3, 6),
-    before = "R d = sqrtl(y[0]*y[0] + y[1]*y[1]);", c = { text:format(mu, 0, weak, 0), text:format(mu, 1, 2 * weak, 1) },
-    L = function(q, v) return v:dot(v) / 2 + mu / q:norm() - weak * (q[1] ^ 2 / 2 + q[2] ^ 2) end }
-end
-
--- a rod: the reference is in its angle
-local function rods(r)
-  local g, th, om, o = r(1, 10), r(-2, 2), r(-1, 1), r(0, 0.5)
-  return { kind = "a rod", n = 2, states = 1, q = { math.sin(th), -math.cos(th) }, v = { om * math.cos(th), om * math.sin(th) }, start = { th, om }, T = r(3, 10),
-    tolerance = 10 ^ -math.random(3, 6), c = { ("-%.17gL*sinl(y[0]) + %.17gL*cosl(t)*cosl(y[0])"):format(g, o) }, watched = "sinl(y[0])",
-    constraint = function(q) return q[1] ^ 2 + q[2] ^ 2 - 1 end, L = function(q, v, t) return v:dot(v) / 2 - g * q[2] + o * math.cos(t) * q[1] end }
-end
-
-local KINDS = { oscillators, oscillators, passages, rods }
-
---- `count` models by a seed.
-function M.make(count, seed)
-  math.randomseed(seed)
-  local function r(a, b) return a + (b - a) * math.random() end
-  local out = {}
-  for k = 1, count do out[k] = KINDS[(k - 1) % #KINDS + 1](r) end
-  return out
-end
-
 local function c_of(models, rows)
   local parts = { HEAD }
   for k, m in ipairs(models) do
@@ -109,6 +64,10 @@ local function c_of(models, rows)
     local n, start = m.states or m.n, {}
     for i, x in ipairs(m.start or { table.unpack(m.q) }) do start[i] = ("%.17gL"):format(x) end
     if not m.start then for i = 1, m.n do start[m.n + i] = ("%.17gL"):format(m.v[i]) end end
+    for i, window in ipairs(m.windows or {}) do
+      parts[#parts + 1] = ("from[%d] = %.17gL; to[%d] = %.17gL;"):format(i - 1, window[1], i - 1, window[2])
+    end
+    parts[#parts + 1] = ("windows = %d;"):format(#(m.windows or {}))
     parts[#parts + 1] = ("{ R y[MOST] = {%s}; n = %d; slope = f%d; for (int k = 1; k <= %d; k++) { R t = (R)%.17gL*(k-1)/%d, u = (R)%.17gL*k/%d; advance(t, y, u - t, 0);"
       .. " printf(\"%%.17g\\n\", (double)(%s)); } }"):format(table.concat(start, ","), 2 * n, k, rows, m.T, rows, m.T, rows, m.watched or "y[0]")
   end
@@ -135,7 +94,7 @@ end
 
 -- largest distance of straight lines between the rows of a run from the exact values
 local function off_lines(run, m)
-  local t, x, i, worst = run.t, run:column "q1", 1, 0
+  local t, x, i, worst = run.t, run:column(m.name), 1, 0
   for k, time in ipairs(m.at) do
     while i + 1 < #t and t[i + 1] < time do i = i + 1 end
     local f = (time - t[i]) / (t[i + 1] - t[i])
@@ -147,14 +106,15 @@ end
 --- One model through a scene: { refused = words } or { worst, tolerance, estimate, seconds }; worst
 -- of rows at 10^4 times and of lines between those of a plain run.
 function M.try(m, seconds)
+  m.name = m.watch and next(m.watch) or "q1"
   local began = dm.cpu()
-  local scene = dm.scene { dm.system { Q = dm.R(m.n), L = m.L, force = m.force, constraint = m.constraint }, q = m.q, v = m.v, watch = { "q1" }, tolerance = m.tolerance,
+  local scene = dm.scene { dm.system { Q = dm.R(m.n), L = m.L, force = m.force, constraint = m.constraint }, q = m.q, v = m.v, watch = m.watch or { "q1" }, tolerance = m.tolerance,
     until_t = m.T, seconds = seconds }
   local fine, why = pcall(scene.why, scene)
   local spent = dm.cpu() - began
   if not fine then return { refused = tostring(why), seconds = spent } end
   local run, worst = scene:run { at = m.at }, 0
-  local q1 = run:column "q1"
+  local q1 = run:column(m.name)
   for k = 1, #m.at do worst = math.max(worst, math.abs(q1[k] - m.exact[k])) end
   local kept = worst <= m.tolerance and worst <= 1.01 * run.error_estimate + 1e-12
   local plain, whole = pcall(scene.run, scene)
