@@ -1,8 +1,8 @@
---- What is short beside the steps of a rule, as a pulse of the force that long steps may leave out.
--- Rows between two steps are made by a step of a length of its own, and at some times one of its
--- stages meets the pulse and takes it for the whole step: an error that lasts as short as the pulse,
--- and which times that are chosen without knowing of it do not show. Where the pulses are tell the
--- steps of the reference, which are as short as what they resolve.
+--- What is short beside the steps of a rule, as a pulse of the force that long steps may leave
+-- out. Rows between two steps are made by a step of a length of its own, and at some times one of
+-- its stages meets the pulse and takes it for the whole step: an error that lasts as short as the
+-- pulse, and which times that are chosen without knowing of it do not show. Where the pulses are
+-- tell the steps of the reference, which are as short as what they resolve.
 local forces = require "dm.reference.forces"
 
 local M = {}
