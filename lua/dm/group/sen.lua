@@ -79,8 +79,6 @@ local function parts(xi)
   return core.vector { xi[1], xi[2], xi[3] }, core.vector { xi[4], xi[5], xi[6] }
 end
 
-local INVERSE_FACTORIAL = { 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120 }
-
 -- the blocks of phi(ad xi) = {{P, Q}, {0, P}}, P = 1 + c2 W + c3 W^2, and Q its derivative along
 -- hat(v): with t = |omega|^2, dt = 2 omega . v, dc2/dt = (2 c4 - c3)/2, dc3/dt = (3 c5 - c4)/2
 local function blocks(xi)
@@ -93,26 +91,6 @@ local function blocks(xi)
   return so3.combine(W, c[2], c[3]), Q
 end
 
--- c_2 .. c_5 within a chart, t <= pi^2, by c_k = 1/k! - t c_(k+2), without a branch
-local function stumpff_within(t)
-  local c = {}
-  for k = 4, 5 do c[k] = INVERSE_FACTORIAL[k] - t * smooth.stumpff_within(k + 2, t, 12) end
-  for k = 2, 3 do c[k] = INVERSE_FACTORIAL[k] - t * c[k + 2] end
-  return c
-end
-
--- phi(ad xi) (w, nu) there, as `blocks` has it, by products of vectors
-local function dexp_within(xi, eta)
-  local v, omega = parts(xi)
-  local w, nu = parts(eta)
-  local c, slope = stumpff_within(omega:dot(omega)), omega:dot(v)
-  local turned, moved = omega:cross(nu), omega:cross(w) + v:cross(nu)
-  local twice = omega:cross(turned)
-  local shifted = w + moved * c[2] + (omega:cross(moved) + v:cross(turned)) * c[3]
-    + turned * (slope * (2 * c[4] - c[3])) + twice * (slope * (3 * c[5] - c[4]))
-  return core.vector(sequence(shifted, nu + turned * c[2] + twice * c[3]))
-end
-
 -- a quaternion and a shift (group/flat.lua), given those of R and the matrices of the group
 local function coordinates(kit)
   local turns = so3.smooth
@@ -121,11 +99,6 @@ local function coordinates(kit)
       local _, omega = parts(xi)
       return sequence(turns[name](omega), shift(kit[name](xi), 3))
     end
-  end
-  local function exp(xi)
-    local v, omega = parts(xi)
-    local c, turned = stumpff_within(omega:dot(omega)), omega:cross(v)
-    return sequence(turns.exp(omega), v + turned * c[2] + omega:cross(turned) * c[3])
   end
   local function carry(a, b)
     local moved = so3.rotation(a) * core.vector { b[5], b[6], b[7] }
@@ -149,7 +122,7 @@ local function coordinates(kit)
   end
   return { carry = carry, turn = turn, turned = turned, velocity = velocity, scales = 1,
     scale = function(list) return sequence(turns.scale(list), { 1, 1, 1 }) end,
-    exp = exp, dexp = dexp_within, near = of "near", cayley = of "cayley",
+    exp = of "exp", near = of "near", cayley = of "cayley",
     follow = function(list, last)
       return sequence(turns.follow(list, last), { list[5], list[6], list[7] })
     end,

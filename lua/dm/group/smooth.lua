@@ -69,14 +69,14 @@ function M.stumpff(k, t)
 end
 
 -- coefficients (-1)^j/(2j + k)! of the same, the first first
-local within, first = {}, 1
-for k = 0, 7 do
-  local list, term = {}, first
+local within = {}
+for k = 0, 5 do
+  local list, term = {}, series[k][0]
   for j = 0, 14 do
     list[j] = (j % 2 == 0 and 1 or -1) * term
     term = term / ((2 * j + k + 1) * (2 * j + k + 2))
   end
-  within[k], first = list, first / (k + 1)
+  within[k] = list
 end
 
 --- The same for 0 <= t <= pi^2, as within a chart: one polynomial of `terms` terms, no branch.
