@@ -25,9 +25,9 @@ assert(worst < 1e-10 and drift < 1e-12, "reduction loses nothing")
 
 -- where it could rest: relative equilibria, with the bead where spring and turn balance
 local level = system:routh { group = G, mu = J }
-local rests = level:relative_equilibria { x = 0, spread = 0.5, starts = 40 }
+local rests = level:relative_equilibria { x = 0, spread = 0.5, starts = 60 }
 for _, e in ipairs(rests) do
-  print(("bead at %+.4f, momentum %s, energy %.6f%s"):format(e.x[1], tostring(e.nu), e.energy, e.stable and ", stable" or ""))
+  print(("bead at %+.4f, momentum (%.4f, %.4f, %.4f), energy %.6f%s"):format(e.x[1], e.nu[1], e.nu[2], e.nu[3], e.energy, e.stable and ", stable" or ""))
 end
 local E = system:energy({ { 0.4 }, R0 }, full:velocity(1), 0)
 assert(rests[1].stable and rests[1].energy < E, "the run has more energy than the stable motion")

@@ -48,7 +48,7 @@ for k = 0, 120 do
   for i, x in ipairs { t, 4 * t, 6.4 * t, 0, 0 } do columns[i][k + 1] = x end
 end
 dm.path { system = dm.system { name = "crests", Q = dm.R(2), L = function(_, v) return v:dot(v) / 2 end }, h = 1 / 60, columns = columns }
-  :animate(picture:gsub("png$", "html"), { title = "crests of a soliton, and of the boosted one", draw = function(q) return { points = { { q[1], 2 }, { q[2], 2.4 } } } end })
+  :animate(picture:gsub("png$", "html"), { title = "crests of a soliton, and of the boosted one", plots = { "q1", "q2" }, draw = function(q) return { points = { { q[1], 2 }, { q[2], 2.4 } } } end })
 local waves = { { title = "a soliton", xlabel = "x", ylabel = "u" }, { title = "boosted by 0.4", xlabel = "x", ylabel = "u" } }
 for k, t in ipairs { 0, 0.5, 1 } do
   for j, e in ipairs { 0, 0.4 } do

@@ -52,5 +52,5 @@ for i = 1, 17 do
 end
 for i = 1, 1001 do track.x[i], track.y[i] = path.q[i][1], path.q[i][2] end
 print("picture  " .. dm.figure { { track, title = "two hours of swings in Paris", equal = true, xlabel = "east", ylabel = "north" },
-  { { x = x, y = y, name = "holonomy of 24 points" }, theory, title = "turn of the plane in a day / pi", xlabel = "colatitude, degrees" },
+  { { x = x, y = y, name = "holonomy of 24 points", style = "points" }, theory, title = "turn of the plane in a day / pi", xlabel = "colatitude, degrees" },
   file = picture, size = { 1100, 480 }, title = "Foucault's pendulum" })

@@ -48,7 +48,9 @@ local path = A:multi_lift((function() local x = {} for i = 1, #run do x[i] = run
 assert(G:distance(path[#path][2], run.q[#run][2]) < 1e-11, "a free run from zero momentum is the lift of its shapes")
 assert(G:distance(g, A:holonomy(loop)) < 1e-13)
 
-run:animate(picture:gsub("png$", "html"), { title = "a telescope and its rotors", bodies = { { factor = 2, shape = "box", size = { 0.4, 0.4, 1 } } } })
+local turned = {}
+for i = 1, #run do turned[i] = G:log(run.q[i][2]):norm() end
+run:animate(picture:gsub("png$", "html"), { title = "a telescope and its rotors", plots = { "q1", { "turn of the body, rad", turned } }, bodies = { { factor = 2, shape = "box", size = { 0.4, 0.4, 1 } } } })
 local theory = { x = areas, y = {}, name = "curvature times area" }
 for k, a in ipairs(areas) do theory.y[k] = a * F:norm() end
 print("picture  " .. dm.figure { { { x = areas, y = turns, name = "the turn that is left" }, theory, xlabel = "area of the loop of rotor angles", ylabel = "rad" },
