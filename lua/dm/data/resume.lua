@@ -15,6 +15,10 @@ local MODELS = { ["dm.line_field"] = true, ["dm.boxes"] = true, ["dm.schroedinge
 --- dm.resume(file | run [, model])
 M.resume = blame.caller(function(from, model, options)
   local key = OF_RUN[option.got(from)]
+  if type(from) == "table" and not key then
+    option.fail(WHERE, "a file, a path, or a run of a line, of boxes or of a wave is needed (got "
+      .. "%s); others go on by a new run from their last row", option.got(from))
+  end
   if not key and not MODELS[option.got(model)] then return core.resume(from, model, options) end
   if options ~= nil then
     option.fail(WHERE, "the rule of a run on a line or of a wave is that of its checkpoint: there "

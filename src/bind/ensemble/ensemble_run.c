@@ -2,6 +2,7 @@
 #include "bind/core/bind_failure.h"
 #include "bind/core/bind_terminal.h"
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/model/model_sums.h"
 #include "bind/model/space_group.h"
 #include "bind/run/observables.h"
 #include "integ/method/lanes.h"
@@ -164,7 +165,8 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);
-    if (r.model->callback) threads = 1; /* Lua runs in one thread */
+    /* neither Lua nor factorizations, whose memory is that of Lua, run in several threads */
+    if (r.model->callback || r.stepper.solvers) threads = 1;
     if (threads > p->count) threads = (int)p->count;
     const long inside = dml_read_starts(L, p, &r);
     if (p->values && !inside) return DM_NO_NATIVE;
@@ -190,6 +192,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     const int early = dm_rule_engine(r.stepper.rule, r.stepper.model)->memory == NULL;
     if (early) plan.inertia = open_inertia(L, steppers, threads);
     dm_status status = open_all(steppers, threads);
+    if (status == DM_NO_START) dml_refusestages(L, solver->nodes[0].name);
     if (status != DM_OK) luaL_error(L, "rule cannot start: %s", dm_status_text(status));
     if (!early) plan.inertia = open_inertia(L, steppers, threads);
     check_plain(L, &r, steppers, threads);

@@ -123,11 +123,12 @@ void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
                why);
 }
 
-/* Members of an ensemble have none either: their threads must not ask Lua for memory. */
+/* Conjugate gradients are for the one symmetric matrix of one stage and one value. */
 void dml_refusestages(lua_State *L, const char *rule) {
     luaL_error(L,
-               "rule '%s' solves for several stages of a field at once, which needs dm/sparse.so "
-               "(libsuitesparse-dev), and cannot be had in an ensemble; take midpoint or a "
-               "composition of it",
+               "rule '%s' solves for several stages or values of a field at once, which needs "
+               "dm/sparse.so (libsuitesparse-dev); take midpoint or a composition of it, of a "
+               "field "
+               "of one value",
                rule);
 }

@@ -166,7 +166,8 @@ int dml_path_checkpoint(lua_State *L) {
     luaL_checkudata(L, 1, DML_PATH);
     const char *file = luaL_checkstring(L, 2);
     if (lua_getiuservalue(L, 1, DML_PATH_END) == LUA_TNIL)
-        luaL_error(L, "this path has no end to go on from: its run did not begin");
+        luaL_error(L, "this path has no end to go on from: its run did not begin, or is one of "
+                      "asynchronous steps or uneven slices (start another from its last q and p)");
     lua_getiuservalue(L, 1, DML_PATH_SOLVER);
     const dml_solver *s = luaL_checkudata(L, -1, DML_SOLVER);
     const dml_checkpoint *c = push_end(L, s);
@@ -189,7 +190,9 @@ static void read_path(lua_State *L) {
     lua_newtable(L);
     lua_getiuservalue(L, 1, DML_PATH_SOLVER);
     const dml_solver *s = luaL_testudata(L, -1, DML_SOLVER);
-    if (!s) luaL_error(L, "this path has no end to go on from: its run did not begin");
+    if (!s)
+        luaL_error(L, "this path has no end to go on from: its run did not begin, or is one of "
+                      "asynchronous steps or uneven slices (start another from its last q and p)");
     if (lua_getiuservalue(L, -1, DML_SOLVER_OBJECT) == LUA_TNIL)
         lua_pop(L, 1), lua_getiuservalue(L, -1, DML_SOLVER_RULE);
     lua_setfield(L, -3, "rule");

@@ -72,10 +72,12 @@ static const void *bring(lua_State *L, const dml_stepping *r) {
     return dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
 }
 
-/* the library of sparse solvers, where it is asked for; in other threads it may not be had */
+/* The library of sparse solvers, where it is asked for. Values without mass follow from equations of
+ * their own, one by one. */
 static const dm_solvers *solvers_for(const dml_stepping *r) {
     const char *why;
-    return r->wants & DM_WANT_CURVATURE && !r->apart ? dml_solvers(&why) : NULL;
+    const int is_solved = r->wants & DM_WANT_CURVATURE && !r->model->model.massless;
+    return is_solved ? dml_solvers(&why) : NULL;
 }
 
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
