@@ -1569,8 +1569,9 @@ function dm_form_class:pair(c) end
 ---Draw a form: of degree 0 by colours, the mean over each cell; of degree 1 edges coloured by value
 ---per length, and arrows of its Whitney interpolant in each cell; of degree 2 by colours, value per
 ---area.
----Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
----in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
+---Without a file in the terminal, as lines or, where cells have colours, in shades, with it through
+---gnuplot to a .png, .svg or .pdf. Surfaces in space are seen from azimuth and height (radians); of
+---meshes of dimension 3 the boundary is drawn.
 ---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
 ---font, fontsize, linewidth and ascii as of dm.plot.
 ---@param options? table
@@ -2829,8 +2830,9 @@ function dm_mesh_class:oriented(x) end
 ---K:plot{file=, dual=, azimuth=, height=, title=} -> file name or nothing
 ---
 ---Draw a mesh.
----Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
----in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
+---Without a file in the terminal, as lines or, where cells have colours, in shades, with it through
+---gnuplot to a .png, .svg or .pdf. Surfaces in space are seen from azimuth and height (radians); of
+---meshes of dimension 3 the boundary is drawn.
 ---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
 ---font, fontsize, linewidth and ascii as of dm.plot.
 ---@param options? table
@@ -3717,7 +3719,7 @@ function dm_solver_class:backward_error(options) end
 
 ---solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, project=, energy=, a=} -> dm.ensemble
 ---
----Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). Raises dm.failure with the ensemble as its path on Ctrl-C.
+---Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions, and for fields by implicit rules). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). Raises dm.failure with the ensemble as its path on Ctrl-C.
 ---journal = "file": finished ranges of members are kept in this file; the same call goes on where it
 ---stopped, and one that is finished is only read. The file is refused where the system, the rule, h,
 ---steps or members are others, or where a member that is run again differs. ensemble.journal is
@@ -4988,8 +4990,9 @@ function dm_vector_field_class:flat(options) end
 ---X:plot{file=, dual=, azimuth=, height=, title=} -> file name or nothing
 ---
 ---Draw a field of vectors as arrows, the longest as long as an edge at the median.
----Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
----in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
+---Without a file in the terminal, as lines or, where cells have colours, in shades, with it through
+---gnuplot to a .png, .svg or .pdf. Surfaces in space are seen from azimuth and height (radians); of
+---meshes of dimension 3 the boundary is drawn.
 ---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
 ---font, fontsize, linewidth and ascii as of dm.plot.
 ---@param options? table

@@ -7,6 +7,7 @@ local look = require "dm.show.look"
 local option = require "dm.base.options"
 local page = require "dm.show.animate.page"
 local plot = require "dm.show.plot"
+local shades = require "dm.show.shades"
 local text_file = require "dm.base.text_file"
 
 local M = {}
@@ -94,27 +95,19 @@ end
 
 ---- rasters ----
 
-local SHADES = { " ", ".", ":", "-", "=", "+", "*", "#", "%", "@" }
-
 local function terminal_raster(run, q, options)
-  local known = core.terminal and core.terminal() or {}
-  local width, height = look.pixels(options)
-  width = math.max(20, math.min(width or known.width or 80, 200) - 10)
+  local width, height = shades.size(options)
   local rows, columns = thinned(#run, height or 24), thinned(#run.nodes, width)
   local lo, hi = range(q, run, rows)
+  local shade, legend = shades.scale(lo, hi, 1)
   local lines = { options.title or title_of(run, q.name) }
   for k = #rows, 1, -1 do
     local out, j = {}, rows[k]
-    for c, i in ipairs(columns) do
-      local part = hi > lo and (value(q, j, i) - lo) / (hi - lo) or 0.5
-      out[c] = SHADES[math.min(#SHADES, 1 + math.floor(part * #SHADES))]
-    end
-    lines[#lines + 1] = ("%8.4g |%s"):format(run.t[j], table.concat(out))
+    for c, i in ipairs(columns) do out[c] = shade(value(q, j, i)) end
+    lines[#lines + 1] = shades.line(run.t[j], table.concat(out))
   end
-  local from, to = ("%.4g"):format(run.nodes[1]), ("%.4g"):format(run.nodes[#run.nodes])
-  lines[#lines + 1] = (" "):rep(10) .. from .. (" "):rep(math.max(1, #columns - #from - #to)) .. to
-  lines[#lines + 1] = ("t up, x across; '%s' = %.4g, '%s' = %.4g"):format(SHADES[1], lo,
-    SHADES[#SHADES], hi)
+  lines[#lines + 1] = shades.ends(run.nodes[1], run.nodes[#run.nodes], #columns)
+  lines[#lines + 1] = "t up, x across; " .. legend
   io.write(table.concat(lines, "\n"), "\n")
 end
 
@@ -186,19 +179,33 @@ const canvas = document.getElementById("picture"), slider = document.getElementB
 const go = document.getElementById("go"), time = document.getElementById("time");
 slider.max = t.length - 1;
 let row = 0, runs = true, last = 0;
+// round numbers between lo and hi, with their texts
+function ticks(lo, hi) {
+  const raw = (hi - lo) / 6, p = Math.pow(10, Math.floor(Math.log10(raw)));
+  const step = [1, 2, 5, 10].find(m => m * p >= raw) * p, out = [];
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  for (let k = Math.ceil(lo / step - 1e-9); k * step <= hi + 1e-9 * step; k++)
+    out.push([k * step, digits > 5 || step > 1e5 ? (k * step).toExponential(1)
+      : (k * step).toFixed(digits)]);
+  return out;
+}
 function draw() {
   const w = canvas.width = canvas.clientWidth, h = canvas.height = canvas.clientHeight;
-  const pen = canvas.getContext("2d"), left = 64, low = h - 34;
+  const pen = canvas.getContext("2d"), left = 64, low = h - 38;
   const px = v => left + (v - data.from) / (data.to - data.from) * (w - left - 16);
   const py = v => low - (v - data.least) / (data.largest - data.least) * (low - 14);
   pen.font = "13px sans-serif"; pen.fillStyle = "#666"; pen.strokeStyle = "#ddd";
-  for (let k = 0; k <= 4; k++) {
-    const v = data.least + k / 4 * (data.largest - data.least);
+  pen.textAlign = "right";
+  for (const [v, text] of ticks(data.least, data.largest)) {
     pen.beginPath(); pen.moveTo(left, py(v)); pen.lineTo(w - 16, py(v)); pen.stroke();
-    pen.fillText(v.toPrecision(3), 6, py(v) + 4);
-    const s = data.from + k / 4 * (data.to - data.from);
-    pen.fillText(s.toPrecision(3), px(s) - 12, h - 10);
+    pen.fillText(text, left - 8, py(v) + 4);
   }
+  for (const [s, text] of ticks(data.from, data.to)) {
+    pen.beginPath(); pen.moveTo(px(s), 14); pen.lineTo(px(s), low); pen.stroke();
+    pen.textAlign = px(s) > w - 40 ? "right" : "center";
+    pen.fillText(text, px(s), h - 18);
+  }
+  pen.textAlign = "center"; pen.fillText("x", (left + w - 16) / 2, h - 3);
   pen.strokeStyle = "#21618c"; pen.lineWidth = 2; pen.beginPath();
   for (let i = 0; i < n; i++) {
     const at = row * n + i, a = px(data.moves ? x[at] : x[i]), b = py(u[at]);

@@ -8,6 +8,8 @@
 
 #define COLUMNS "dm.columns"
 
+enum { LISTED = 40 }; /* names of one kind that are told one by one */
+
 /* The path at stack index 1. */
 static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
@@ -141,14 +143,29 @@ static int find_column(lua_State *L, const char *name) {
     return found;
 }
 
-/* Raises with all the names that there are. */
+/* Where entry i of a row of `count` names that begins at `first` stands: 1 between its ends, 2 at
+ * the last one, of rows that are too long to be told name by name. */
+static int place_in(lua_Integer i, lua_Integer first, lua_Integer count) {
+    if (count <= LISTED || i <= first || i >= first + count) return 0;
+    return i == first + count - 1 ? 2 : 1;
+}
+
+/* Raises with all the names that there are, long rows of them from the first to the last. */
 static void unknown_column(lua_State *L, const char *name) {
+    const dml_path *p = check(L);
+    const lua_Integer n = p->watched ? 0 : p->n, momenta = p->watched ? 0 : p->momenta;
     luaL_Buffer b;
     dml_path_names(L);
     const int names = lua_gettop(L);
     luaL_buffinit(L, &b);
     for (lua_Integer i = 1; lua_rawgeti(L, names, i) != LUA_TNIL; i++) {
-        if (i > 1) lua_pushfstring(L, ", %s", lua_tostring(L, -1)), lua_remove(L, -2);
+        const int place = place_in(i, 2, n) + place_in(i, 2 + n, momenta);
+        if (place == 1) {
+            lua_pop(L, 1);
+            continue;
+        }
+        if (i > 1) lua_pushfstring(L, place ? " to %s" : ", %s", lua_tostring(L, -1));
+        if (i > 1) lua_remove(L, -2);
         luaL_addvalue(&b);
     }
     lua_pop(L, 1);

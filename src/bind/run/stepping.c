@@ -72,12 +72,10 @@ static const void *bring(lua_State *L, const dml_stepping *r) {
     return dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
 }
 
-/* The library of sparse solvers, where it is asked for. Values without mass follow from equations of
- * their own, one by one. */
+/* the library of sparse solvers, where it is asked for; values without mass do without */
 static const dm_solvers *solvers_for(const dml_stepping *r) {
     const char *why;
-    const int is_solved = r->wants & DM_WANT_CURVATURE && !r->model->model.massless;
-    return is_solved ? dml_solvers(&why) : NULL;
+    return r->wants & DM_WANT_CURVATURE && !r->model->model.massless ? dml_solvers(&why) : NULL;
 }
 
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {

@@ -18,6 +18,29 @@ local flat, ball, solid = dm.mesh { grid = 3 }, dm.mesh { icosphere = 1 }, dm.me
 local height = ball:form(0, function(_, _, z) return z end)
 local swirl = flat:form(1, function(x, y) return { -y, x } end)
 
+---- a terminal: faces in shades, the nearest one counts ----
+
+local function printed(f)
+  local write, out = io.write, {}
+  io.write = function(...) out[#out + 1] = table.concat({ ... }) end
+  local fine, why = pcall(f)
+  io.write = write
+  ok(fine, "drawn in a terminal", why)
+  local lines = {}
+  for line in table.concat(out):gmatch "[^\n]+" do lines[#lines + 1] = line end
+  return lines
+end
+local lines = printed(function() flat:form(0, function(x) return x end):plot { size = { 40, 12 }, title = "slope" } end)
+ok(lines[1] == "slope" and #lines == 15 and lines[15]:find "'%.' = 0%.1111, '@' = 0%.8889", "title, twelve rows, the scale", lines[15])
+local row = lines[7]:match "|(.*)"
+local order, rises = ".:-=+*#%@", #row == 24 and row:find "^%.%.%.:?" and row:find "@@@$"
+for i = 2, 24 do rises = rises and order:find(row:sub(i, i), 1, true) >= order:find(row:sub(i - 1, i - 1), 1, true) end
+ok(rises, "means of triangles from light to dark", row)
+lines = printed(function() ball:form(0, function(x) return x end):plot { size = { 40, 10 }, azimuth = math.pi / 2, height = 0 } end)
+-- the eye is at x = +infinity or - infinity: one sign of x alone is seen
+local seen = table.concat(lines, "", 2, #lines - 1)
+ok(not seen:find "@" ~= not seen:find "%.", "what is near hides what is far", seen)
+
 ---- files ----
 
 local pipe = io.popen "gnuplot --version 2>/dev/null"

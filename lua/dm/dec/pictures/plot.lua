@@ -1,12 +1,12 @@
---- K:plot, a:plot, X:plot: meshes and what lives on them, through gnuplot in a file, as lines in a
--- terminal.
+--- K:plot, a:plot, X:plot: meshes and what lives on them, through gnuplot in a file, or in a
+-- terminal (terminal.lua).
 local class = require "dm.base.class"
 local colours = require "dm.dec.pictures.colours"
 local drawing = require "dm.dec.pictures.drawing"
 local gnuplot = require "dm.show.gnuplot"
 local look = require "dm.show.look"
 local option = require "dm.base.options"
-local plot = require "dm.show.plot"
+local terminal = require "dm.dec.pictures.terminal"
 
 local M = {}
 
@@ -135,58 +135,6 @@ local function script_of(d, pieces, scale, title, file, options)
   return table.concat(lines, "\n") .. "\n"
 end
 
----- a terminal: lines of edges, arrows ----
-
--- A tour of all edges without lifting the pen: each is walked there and, later, back. Lists of
--- vertices, one for each component.
-local function tours_of(edges)
-  local next_to, out, walked = {}, {}, {}
-  for i, cell in ipairs(edges) do
-    for j = 1, 2 do
-      local v = cell[j]
-      next_to[v] = next_to[v] or {}
-      table.insert(next_to[v], { cell[3 - j], i })
-    end
-  end
-  for _, cell in ipairs(edges) do
-    local stack, tour = { cell[1] }, { cell[1] }
-    while #stack > 0 do
-      local v = stack[#stack]
-      local step = table.remove(next_to[v])
-      if not step then
-        table.remove(stack)
-        tour[#tour + 1] = stack[#stack]
-      elseif not walked[step[2]] then
-        walked[step[2]] = true
-        stack[#stack + 1], tour[#tour + 1] = step[1], step[1]
-      end
-    end
-    if #tour > 1 then out[#out + 1] = tour end
-  end
-  return out
-end
-
-local function to_terminal(d, see, title, options)
-  local series = {}
-  local function add(points)
-    local x, y = {}, {}
-    for i, p in ipairs(points) do x[i], y[i] = see(p) end
-    series[#series + 1] = { x = x, y = y, name = tostring(#series + 1) }
-  end
-  for _, tour in ipairs(#d.arrows == 0 and tours_of(d.edges) or {}) do
-    for i, v in ipairs(tour) do tour[i] = d.points[v] end
-    add(tour)
-  end
-  for _, arrow in ipairs(d.arrows) do -- in place of the edges: both would be a thicket
-    local p, q = arrow[1], {}
-    for c = 1, 3 do q[c] = p[c] + arrow[2][c] end
-    add { p, q }
-  end
-  plot.plot(series, { equal = true, title = title, legend = false,
-    size = options.size, ascii = options.ascii,
-    xlabel = d.dim == 2 and "x" or " ", ylabel = d.dim == 2 and "y" or " " })
-end
-
 ---- all ----
 
 local KNOWN = { "file", "title", "dual", "azimuth", "height", "label", "ascii",
@@ -222,7 +170,7 @@ local function draw(d, K, options, what, where)
   if options.dual then drawing.add_dual(d, K) end
   d.unit, d.label = median_length(K), options.label or d.name
   local see, title = camera(d, options), title_of(d, options, what)
-  if not options.file then return to_terminal(d, see, title, options) end
+  if not options.file then return terminal.draw(d, see, title, options) end
   if #d.faces + #d.edges > MOST then
     fail("%d faces and edges are too many for a picture (at most %d); K:animate draws them",
       #d.faces + #d.edges, MOST)
@@ -236,8 +184,9 @@ local function draw(d, K, options, what, where)
 end
 
 local OPTIONS = [[
-Without a file as lines in the terminal, with it through gnuplot to a .png, .svg or .pdf. Surfaces
-in space are seen from azimuth and height (radians); of meshes of dimension 3 the boundary is drawn.
+Without a file in the terminal, as lines or, where cells have colours, in shades, with it through
+gnuplot to a .png, .svg or .pdf. Surfaces in space are seen from azimuth and height (radians); of
+meshes of dimension 3 the boundary is drawn.
 dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
 font, fontsize, linewidth and ascii as of dm.plot.]]
 

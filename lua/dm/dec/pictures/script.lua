@@ -206,7 +206,7 @@ function draw() {
 
 function turn(on) {
   state.turning = on && scene.dim === 3;
-  element("turn").textContent = state.turning ? "pause" : "turn";
+  element("turn").textContent = state.turning ? "hold" : "turn";
 }
 
 // the next rows, as many as fit into the time that passed; is there a new one?
