@@ -1,6 +1,7 @@
 /* cells.c - the loops of a sum over cells, and which slopes an entry of the gradient adds up. */
 #include "chain/cells.h"
 
+#include "algebra/compact.h"
 #include "algebra/derive.h"
 #include "code/native/jit.h"
 #include "graph/analyse.h"
@@ -27,16 +28,26 @@ static dm_graph *cut_down(dm_cell_loop *l, const dm_node *roots, dm_node *out, d
     return own;
 }
 
+/* as a kernel of them would be compacted */
+static dm_status read_linear(dm_cell_loop *l, dm_graph *g, const dm_node *roots, dm_node *compact,
+                             dm_arena *arena) {
+    dm_graph *small = dm_compact_graph(g, roots, l->outputs, compact);
+    if (!small) return DM_NO_MEMORY;
+    return dm_cell_linear_read(&l->linear, l->sum, l->column, small, compact, l->outputs, arena);
+}
+
 dm_status dm_cell_loop_make(dm_cell_loop *l, const dm_sum *s, const dm_node *roots,
                             uint32_t outputs, dm_compile *compile, dm_arena *arena) {
     const uint32_t lanes = dm_jit_lanes();
     *l = (dm_cell_loop){.sum = s, .outputs = outputs};
-    dm_node *own = dm_arena_take(arena, (outputs + 1) * sizeof *own);
+    dm_node *own = dm_arena_take(arena, 2 * ((size_t)outputs + 1) * sizeof *own);
     if (!own) return DM_NO_MEMORY;
     dm_graph *g = cut_down(l, roots, own, arena);
     if (!g) return DM_NO_MEMORY;
     dm_status status = dm_graph_status(g);
-    if (status == DM_OK) status = compile(&l->one, g, own, outputs, arena);
+    if (status == DM_OK) status = read_linear(l, g, own, own + outputs, arena);
+    if (status != DM_OK || l->linear) return status;
+    status = compile(&l->one, g, own, outputs, arena);
     if (status != DM_OK || lanes < 4 || strcmp(l->one.backend, "jit") != 0) return status;
     status = dm_jit_build_lanes(&l->many, g, own, outputs, lanes, arena);
     if (status == DM_OK) l->lanes = lanes;
@@ -101,6 +112,9 @@ __attribute__((always_inline)) static inline void run_block(const dm_cell_loop *
 /* whole groups in lanes, the rest one by one */
 void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const double *x,
                       uint32_t first, uint32_t count, double *work) {
+    for (uint32_t k = 0; l->linear && k < l->outputs; k++)
+        dm_cell_linear_run(l->linear + k, out + k * stride, 1, x, first, count, 1.0);
+    if (l->linear) return;
     const uintptr_t line = WIDEST * sizeof *work;
     work += (line - (uintptr_t)work % line) % line / sizeof *work;
     while (count) {
@@ -125,9 +139,10 @@ void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const d
 typedef struct {
     const dm_sum *of;
     const dm_column *column;
-    size_t slot; /* of cell 0 */
-    uint32_t cells;
+    uint32_t output, cells;
     int minus;
+    size_t slot; /* of cell 0, and from cell to cell */
+    uint8_t width;
     const uint8_t *held;
     uint32_t coordinates;
 } share;
@@ -145,34 +160,48 @@ static uint32_t find_output(dm_graph *term, dm_node *roots, uint32_t *outputs, d
     return (*outputs)++;
 }
 
+/* where the slopes of the next loop stand */
+static void place_slopes(dm_cells *c, share *shares, uint32_t count, uint32_t outputs) {
+    const size_t cells = count ? shares->cells : 0;
+    uint8_t width = 1;
+    for (uint32_t k = 0; k < count; k++)
+        if (shares[k].minus) width = 2;
+    for (uint32_t k = 0; k < count; k++) {
+        shares[k].width = width;
+        shares[k].slot = c->slots + width * (shares[k].output * cells) + (size_t)shares[k].minus;
+    }
+    c->slot[c->loops] = c->slots;
+    c->width[c->loops] = width;
+    c->slots += width * outputs * cells;
+}
+
 /* loop and shares of one sum; share: room for its columns */
 static dm_status open_sum(dm_cells *c, const dm_sum *s, share *shares, uint32_t *count,
                           dm_compile *compile, dm_arena *arena) {
     dm_node slope[DM_SUM_COLUMNS], roots[DM_SUM_COLUMNS];
+    const uint32_t first = *count;
     uint32_t outputs = 0;
     dm_gradient(s->term, s->value, 0, s->columns, slope);
     for (uint32_t k = 0; k < s->columns; k++) {
         const dm_column *column = s->column + k;
         if (!slope[k] || column->data || column->first >= c->m) continue;
         share *to = shares + (*count)++;
-        const uint32_t output = find_output(s->term, roots, &outputs, slope[k], &to->minus);
+        to->output = find_output(s->term, roots, &outputs, slope[k], &to->minus);
         to->of = s;
         to->column = column;
-        to->slot = c->slots + (size_t)output * s->bodies;
         to->cells = s->bodies;
         to->held = s->held;
         to->coordinates = s->coordinates;
     }
     if (dm_graph_status(s->term) != DM_OK) return dm_graph_status(s->term);
-    c->slot[c->loops] = c->slots;
-    c->slots += (size_t)outputs * s->bodies;
+    place_slopes(c, shares + first, *count - first, outputs);
     if (!outputs) c->loop[c->loops++] = (dm_cell_loop){.sum = s};
     if (!outputs) return DM_OK;
     dm_cell_loop *l = c->loop + c->loops++;
     const dm_status status = dm_cell_loop_make(l, s, roots, outputs, compile, arena);
-    const size_t work = dm_cell_loop_work(l);
+    const size_t work = dm_cell_loop_work(l) + (size_t)outputs * BLOCK;
     if (work > c->work) c->work = work;
-    c->shared &= l->one.backend && strcmp(l->one.backend, "jit") == 0;
+    c->shared &= l->linear || (l->one.backend && strcmp(l->one.backend, "jit") == 0);
     return status;
 }
 
@@ -201,18 +230,33 @@ static void pass(dm_cells *c, const share *shares, uint32_t count, uint32_t *lis
                 if (entry == UINT32_MAX) continue;
                 if (list)
                     list[c->start[entry + 1]++] =
-                        (uint32_t)(2 * (shares[j].slot + i)) + (uint32_t)shares[j].minus;
+                        (uint32_t)(shares[j].slot + (size_t)shares[j].width * i);
                 else
                     c->start[entry + 2]++;
             }
     }
 }
 
+/* in nearly all blocks edges of a surface have two terms each, vertices six */
+static dm_status find_alike(dm_cells *c, dm_arena *arena) {
+    c->alike = dm_arena_take(arena, c->m / BLOCK + 1);
+    if (!c->alike) return DM_NO_MEMORY;
+    for (uint32_t i = 0; i <= c->m / BLOCK; i++) c->alike[i] = 0;
+    for (uint32_t first = 0; first < c->m; first += BLOCK) {
+        const uint32_t *start = c->start + first, terms = start[1] - start[0];
+        const uint32_t count = c->m - first < BLOCK ? c->m - first : BLOCK;
+        uint32_t i = 1;
+        while (i < count && start[i + 1] - start[i] == terms) i++;
+        if (i == count && terms < UINT8_MAX) c->alike[first / BLOCK] = (uint8_t)terms;
+    }
+    return DM_OK;
+}
+
 /* lists by counting: while they are filled start[i + 1] is the next place of entry i */
 static dm_status make_lists(dm_cells *c, const share *shares, uint32_t count, dm_arena *arena) {
     size_t all = 0;
     for (uint32_t k = 0; k < count; k++) all += shares[k].cells;
-    if (all > UINT32_MAX || c->slots > INT32_MAX) return DM_TOO_LARGE;
+    if (all > UINT32_MAX || c->slots > UINT32_MAX) return DM_TOO_LARGE;
     c->start = dm_arena_take(arena, ((size_t)c->m + 2) * sizeof *c->start);
     c->list = dm_arena_take(arena, (all + 1) * sizeof *c->list);
     if (!c->start || !c->list) return DM_NO_MEMORY;
@@ -220,7 +264,7 @@ static dm_status make_lists(dm_cells *c, const share *shares, uint32_t count, dm
     pass(c, shares, count, NULL);
     for (uint32_t i = 1; i <= c->m; i++) c->start[i + 1] += c->start[i];
     pass(c, shares, count, c->list);
-    return DM_OK;
+    return find_alike(c, arena);
 }
 
 const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_t *count,
@@ -245,12 +289,34 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
     share *share_of = dm_arena_take(arena, (columns + 1) * sizeof *share_of);
     c->loop = dm_arena_take(arena, (count + 1) * sizeof *c->loop);
     c->slot = dm_arena_take(arena, (count + 1) * sizeof *c->slot);
-    if (!share_of || !c->loop || !c->slot) return DM_NO_MEMORY;
+    c->width = dm_arena_take(arena, (count + 1) * sizeof *c->width);
+    if (!share_of || !c->loop || !c->slot || !c->width) return DM_NO_MEMORY;
     for (uint32_t k = 0; k < count; k++) {
         const dm_status status = open_sum(c, sums[k], share_of, &shares, compile, arena);
         if (status != DM_OK) return status;
     }
     return make_lists(c, share_of, shares, arena);
+}
+
+/* slopes by kernels, from a block of them to their places, times the factor */
+static void run_kernels(const dm_cells *c, uint32_t loop, double *slope, double factor,
+                        const double *x, uint32_t from, uint32_t to, double *work) {
+    const dm_cell_loop *l = c->loop + loop;
+    const uint32_t cells = l->sum->bodies, width = c->width[loop];
+    double *block = work, *scratch = work + (size_t)l->outputs * BLOCK;
+    for (uint32_t first = from; first < to; first += BLOCK) {
+        const uint32_t count = to - first < BLOCK ? to - first : BLOCK;
+        dm_cell_loop_run(l, block, BLOCK, x, first, count, scratch);
+        for (uint32_t k = 0; k < l->outputs; k++) {
+            double *out = slope + c->slot[loop] + width * ((size_t)k * cells + first);
+            const double *y = block + (size_t)k * BLOCK;
+            for (uint32_t i = 0; width == 1 && i < count; i++) out[i] = factor * y[i];
+            for (uint32_t i = 0; width == 2 && i < count; i++) {
+                out[2 * i] = factor * y[i];
+                out[2 * i + 1] = -(factor * y[i]);
+            }
+        }
+    }
 }
 
 /* whole blocks, so that a part has the bits of the whole */
@@ -264,49 +330,10 @@ void dm_cells_slopes(const dm_cells *c, double *slope, const double *factor, con
         uint32_t to = (uint32_t)((uint64_t)blocks * (part + 1) / parts) * BLOCK;
         if (to > cells) to = cells;
         if (from >= to) continue;
-        double *out = slope + c->slot[k] + from;
-        dm_cell_loop_run(l, out, cells, x, from, to - from, work);
-        if (factor[k] == 1.0) continue;
-        for (uint32_t j = 0; j < l->outputs; j++)
-            for (uint32_t i = 0; i < to - from; i++) out[(size_t)j * cells + i] *= factor[k];
-    }
-}
-
-/* ---- entries ---- */
-
-/* entries with `terms` each, a constant where this is called */
-__attribute__((always_inline)) static inline uint32_t alike(double *restrict out,
-                                                            const double *restrict slope,
-                                                            const uint32_t *restrict list,
-                                                            uint32_t count, const uint32_t terms) {
-    for (uint32_t i = 0; i < count; i++, list += terms) {
-        double sum = 0.0;
-        for (uint32_t k = 0; k < terms; k++) sum += dm_cells_term(slope, list[k]);
-        out[i] = sum;
-    }
-    return count;
-}
-
-/* how many entries from i on, below end, have as many terms as entry i */
-static uint32_t count_alike(const uint32_t *start, uint32_t i, uint32_t end) {
-    const uint32_t terms = start[i + 1] - start[i];
-    uint32_t count = 1;
-    while (i + count < end && start[i + count + 1] - start[i + count] == terms) count++;
-    return count;
-}
-
-/* runs of entries with two terms (edges of a surface) or six (vertices), which nearly all have */
-void dm_cells_entries(const dm_cells *c, double *out, const double *slope, uint32_t first,
-                      uint32_t count) {
-    const uint32_t *start = c->start, end = first + count;
-    for (uint32_t i = first, now; i < end; i += now, out += now) {
-        const uint32_t terms = start[i + 1] - start[i], *list = c->list + start[i];
-        now = count_alike(start, i, end);
-        if (terms == 2)
-            alike(out, slope, list, now, 2);
-        else if (terms == 6)
-            alike(out, slope, list, now, 6);
-        else
-            alike(out, slope, list, now, terms);
+        if (!l->linear) run_kernels(c, k, slope, factor[k], x, from, to, work);
+        for (uint32_t j = 0; l->linear && j < l->outputs; j++)
+            dm_cell_linear_run(l->linear + j,
+                               slope + c->slot[k] + c->width[k] * ((size_t)j * cells + from),
+                               c->width[k], x, from, to - from, factor[k]);
     }
 }

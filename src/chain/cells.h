@@ -6,16 +6,16 @@
 #ifndef DM_CELLS_H
 #define DM_CELLS_H
 
-#include "algebra/body_sum.h"
+#include "chain/cell_linear.h"
 #include "code/kernel.h"
 
-#include <string.h>
+enum { DM_CELL_BLOCK = 64 }; /* cells that are evaluated at once, and entries that are moved */
 
-enum { DM_CELL_BLOCK = 64 }; /* cells that are evaluated at once */
-
-/* kernels of some functions of the columns of a sum, one cell or `lanes` cells at a time */
+/* some functions of the columns of a sum: linear ones as they stand, others by kernels, one cell or
+ * `lanes` cells at a time */
 typedef struct {
     const dm_sum *sum;
+    dm_cell_linear *linear; /* [outputs], and then there are no kernels; NULL: some are not linear */
     dm_kernel one, many;
     uint32_t lanes; /* 0: one by one */
     uint32_t columns, outputs;
@@ -37,10 +37,13 @@ void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const d
 typedef struct dm_cells {
     dm_cell_loop *loop; /* [loops] slopes; no two outputs are equal, or of opposite sign */
     uint32_t loops, m;
-    size_t *slot; /* [loops]: slopes of output k of cell i are at slot + k * cells + i */
+    size_t *slot; /* [loops]: slopes of output k of cell i are at slot + width (k cells + i) */
+    /* [loops] 2: behind every slope is its opposite, for entries that subtract it; else 1 */
+    uint8_t *width;
     size_t slots;
     uint32_t *start; /* [m + 1] of list */
-    uint32_t *list;  /* slots of an entry: 2 slot + 1 where it is subtracted */
+    uint32_t *list;  /* slots of an entry */
+    uint8_t *alike;  /* [m / 64 + 1] of 64 entries: how many terms each has; 0: not the same */
     size_t work;     /* doubles of scratch of a thread */
     int shared;      /* threads may run it side by side */
 } dm_cells;
@@ -50,7 +53,7 @@ typedef struct dm_cells {
 const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_t *count,
                              dm_arena *arena);
 
-/* sums[count] of one graph. DM_TOO_LARGE: more than 2^31 slopes. */
+/* sums[count] of one graph. DM_TOO_LARGE: more than 2^32 slopes. */
 dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, uint32_t m,
                         dm_compile *compile, dm_arena *arena);
 
@@ -58,26 +61,17 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
 void dm_cells_slopes(const dm_cells *c, double *slope, const double *factor, const double *x,
                      double *work, uint32_t part, uint32_t parts);
 
-/* One term of an entry: the sign is a bit that is flipped, since nothing foretells a branch. */
-static inline double dm_cells_term(const double *slope, uint32_t at) {
-    uint64_t bits;
-    double x;
-    memcpy(&bits, slope + (at >> 1), sizeof bits);
-    bits ^= (uint64_t)at << 63;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 /* Entry i of the gradient, once all slopes are there. */
 static inline double dm_cells_entry(const dm_cells *c, const double *slope, uint32_t i) {
     double sum = 0.0;
-    for (uint32_t k = c->start[i]; k < c->start[i + 1]; k++)
-        sum += dm_cells_term(slope, c->list[k]);
+    for (uint32_t k = c->start[i]; k < c->start[i + 1]; k++) sum += slope[c->list[k]];
     return sum;
 }
 
-/* out[k - first] of the entries k in [first, first + count), the same sums. */
-void dm_cells_entries(const dm_cells *c, double *out, const double *slope, uint32_t first,
-                      uint32_t count);
+/* The terms that each of `count` entries from i on has; 0: not the same, or not known. */
+static inline uint32_t dm_cells_alike(const dm_cells *c, uint32_t i, uint32_t count) {
+    if (i % DM_CELL_BLOCK + count > DM_CELL_BLOCK) return 0;
+    return c->alike[i / DM_CELL_BLOCK];
+}
 
 #endif

@@ -6,13 +6,12 @@
 #include "chain/loops.h"
 #include "chain/team.h"
 #include "chain/virtual_work.h"
-#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
 
 /* entries at once: forces, then kicks and drifts; passes of Newton's method */
-enum { BLOCK = 64, ELIMINATIONS = 20 };
+enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 20 };
 
 static size_t struct_size(void) {
     return (sizeof(struct dm_cells_split) + sizeof(double) - 1) / sizeof(double);
@@ -73,71 +72,6 @@ void dm_cells_split_close(dm_cells_split *s) {
 
 /* ---- entries ---- */
 
-typedef double v4 __attribute__((vector_size(32), aligned(8), may_alias));
-
-/* high + low += *x of four entries (numbers/compensated.h) */
-static inline void add_four(double *high, double *low, const v4 *x) {
-    const v4 a = *(v4 *)(void *)high, e = *(v4 *)(void *)low + *x, sum = a + e;
-    *(v4 *)(void *)low = e + (a - sum);
-    *(v4 *)(void *)high = sum;
-}
-
-/* Kicks and drift of `count` entries, four at a time, then one by one: the same operations. The
- * kick that begins a step is in p with the next one, by way of the low part. */
-static void move_block(const dm_cells_split *s, const dm_cells_move *v, uint32_t i,
-                       uint32_t count) {
-    const uint32_t n = s->m->n;
-    double *x = s->x + i, *p = s->state + n + i, *force = s->force + i;
-    double *low_q = s->state + 2 * (size_t)n + i, *low_p = s->state + 3 * (size_t)n + i;
-    const double *w = s->m->inverse_mass + i;
-    uint32_t k = 0;
-    for (; k + 4 <= count; k += 4) {
-        const v4 f = *(const v4 *)(const void *)(force + k);
-        const v4 weight = *(const v4 *)(const void *)(w + k);
-        const v4 kick = v->kick * f, begin = v->begin * f;
-        if (v->kicks) add_four(p + k, low_p + k, &kick);
-        v4 now = *(v4 *)(void *)(p + k);
-        if (v->begins) {
-            now += begin;
-            *(v4 *)(void *)(low_p + k) += begin;
-        }
-        const v4 drift = (v->drift * weight) * now;
-        if (v->drift != 0.0) add_four(x + k, low_q + k, &drift);
-    }
-    for (; k < count; k++) {
-        if (v->kicks) dm_sum_add(p + k, low_p + k, v->kick * force[k]);
-        double now = p[k];
-        if (v->begins) {
-            now += v->begin * force[k];
-            low_p[k] += v->begin * force[k];
-        }
-        if (v->drift != 0.0) dm_sum_add(x + k, low_q + k, (v->drift * w[k]) * now);
-    }
-}
-
-/* the same without low parts */
-static void move_plainly(const dm_cells_split *s, const dm_cells_move *v, uint32_t i,
-                         uint32_t count) {
-    const uint32_t n = s->m->n;
-    double *x = s->x + i, *p = s->state + n + i, *force = s->force + i;
-    const double *w = s->m->inverse_mass + i;
-    uint32_t k = 0;
-    for (; k + 4 <= count; k += 4) {
-        const v4 f = *(const v4 *)(const void *)(force + k);
-        const v4 weight = *(const v4 *)(const void *)(w + k);
-        v4 now = *(v4 *)(void *)(p + k);
-        if (v->kicks) now += v->kick * f;
-        if (v->begins) now += v->begin * f;
-        *(v4 *)(void *)(p + k) = now;
-        if (v->drift != 0.0) *(v4 *)(void *)(x + k) += (v->drift * weight) * now;
-    }
-    for (; k < count; k++) {
-        if (v->kicks) p[k] += v->kick * force[k];
-        if (v->begins) p[k] += v->begin * force[k];
-        if (v->drift != 0.0) x[k] += (v->drift * w[k]) * p[k];
-    }
-}
-
 /* RATTLE on one unit vector q of m entries of one mass: q1 = a - s q with |q1| = 1, a = q + h w p;
  * p loses s q / (h w). NaN where no such s is there: the step is longer than the sphere is wide. */
 static void turn(double *q, double *p, double hw, uint32_t m) {
@@ -175,24 +109,31 @@ static void move_on_spheres(const dm_cells_split *s, const dm_cells_move *v, uin
     }
 }
 
-/* the part of a thread, block by block: forces where new ones are there, then the move */
-static void entries(const dm_cells_split *s, const dm_cells_move *given, int fresh, uint32_t part,
-                    uint32_t parts) {
+/* forces of a block where new ones are there, for what does not take them as they come */
+static void find_forces(const dm_cells_split *s, uint32_t i, uint32_t count) {
+    for (uint32_t k = i; k < i + count; k++) s->force[k] = dm_cells_entry(s->cells, s->slope, k);
+}
+
+/* The part of a thread, block by block: forces where new ones are there, then the move. `last`: of
+ * the burst, after which forces are kept. */
+static void entries(const dm_cells_split *s, const dm_cells_move *given, int fresh, int last,
+                    uint32_t part, uint32_t parts) {
     const uint32_t n = s->m->n, m = s->m->sphere, unit = s->unit;
     const uint32_t blocks = (n + unit - 1) / unit;
     const uint32_t from = (uint32_t)((uint64_t)blocks * part / parts);
     const uint32_t to = (uint32_t)((uint64_t)blocks * (part + 1) / parts);
+    const int stored = m || s->m->work; /* forces are */
     for (uint32_t b = from; b < to; b++) {
         const uint32_t i = b * unit, count = n - i < unit ? n - i : unit;
-        if (fresh) dm_cells_entries(s->cells, s->force + i, s->slope, i, count);
         dm_cells_move v = *given;
+        if (fresh && stored) find_forces(s, i, count);
         if (s->m->work && fresh) dm_cells_push(s, &v, i, count, s->scratch + part * s->room);
-        if (m)
+        if (m) {
             move_on_spheres(s, &v, i, count);
-        else if (s->plain)
-            move_plainly(s, &v, i, count);
-        else
-            move_block(s, &v, i, count);
+            continue;
+        }
+        const int take = !fresh || stored ? DM_CELLS_KNOWN : last ? DM_CELLS_KEPT : DM_CELLS_TAKEN;
+        dm_cells_move_block(s, &v, i, count, take);
     }
 }
 
@@ -259,7 +200,7 @@ static void run(void *context, uint32_t part, uint32_t parts) {
                                  .begin = h * table->b[0],
                                  .drift = h * table->a[0]};
     if (kicks && !s->knows) slopes(s, s->t, part, parts);
-    entries(s, &first, kicks && !s->knows, part, parts);
+    entries(s, &first, kicks && !s->knows, 0, part, parts);
     for (long step = 0; step < s->count; step++) {
         const double now = s->t + (double)step * h;
         for (int k = 0; k < table->stages; k++) {
@@ -270,7 +211,7 @@ static void run(void *context, uint32_t part, uint32_t parts) {
             if (more) v.drift = h * table->a[last ? 0 : k + 1];
             if (more && last && kicks) v.begins = 1, v.begin = first.begin;
             if (fresh) slopes(s, now + s->c[k + 1] * h, part, parts);
-            entries(s, &v, fresh, part, parts);
+            entries(s, &v, fresh, !more, part, parts);
         }
     }
 }

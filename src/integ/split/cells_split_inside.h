@@ -35,6 +35,14 @@ typedef struct {
     int kicks, begins;
 } dm_cells_move;
 
+/* Where forces come from: those of the last time; of slopes, as they are needed; the same, and kept
+ * for the next burst. */
+enum { DM_CELLS_KNOWN, DM_CELLS_TAKEN, DM_CELLS_KEPT };
+
+/* Forces, kicks and drifts of `count` entries from i on (cells_move.c). */
+void dm_cells_move_block(const dm_cells_split *s, const dm_cells_move *v, uint32_t i,
+                         uint32_t count, int how);
+
 static inline double dm_cells_dot(const double *a, const double *b, uint32_t n) {
     double sum = 0.0;
     for (uint32_t i = 0; i < n; i++) sum += a[i] * b[i];
