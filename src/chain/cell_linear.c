@@ -200,6 +200,7 @@ __attribute__((always_inline)) static inline void run_terms(const dm_cell_linear
     for (uint32_t k = 0; k < terms; k++) t[k] = l->term[k];
     for (uint32_t i = 0, end = s->count, first = s->first; i < end; i++, out += width) {
         double sum = entry(t, x, first + i, dense);
+#pragma GCC unroll 4
         for (uint32_t k = 1; k < terms; k++) {
             const double a = entry(t + k, x, first + i, dense);
             if (minus == ANY)
@@ -243,8 +244,12 @@ static void run_pairs(const dm_cell_linear *l, const span *s) {
 void dm_cell_linear_run(const dm_cell_linear *l, double *out, uint32_t width, const double *x,
                         uint32_t first, uint32_t count, double factor) {
     const int exact = is_power_of_two(l->scale) || is_power_of_two(factor);
-    const span s = {.out = out, .x = x, .w = l->weight ? l->weight + first : NULL, .first = first,
-                    .count = count, .scale = exact ? l->scale * factor : l->scale};
+    const span s = {.out = out,
+                    .x = x,
+                    .w = l->weight ? l->weight + first : NULL,
+                    .first = first,
+                    .count = count,
+                    .scale = exact ? l->scale * factor : l->scale};
     if (width == 2)
         run_pairs(l, &s);
     else

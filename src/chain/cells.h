@@ -15,7 +15,8 @@ enum { DM_CELL_BLOCK = 64 }; /* cells that are evaluated at once, and entries th
  * `lanes` cells at a time */
 typedef struct {
     const dm_sum *sum;
-    dm_cell_linear *linear; /* [outputs], and then there are no kernels; NULL: some are not linear */
+    dm_cell_linear
+        *linear; /* [outputs], and then there are no kernels; NULL: some are not linear */
     dm_kernel one, many;
     uint32_t lanes; /* 0: one by one */
     uint32_t columns, outputs;

@@ -4,9 +4,7 @@
 
 #include "integ/split/cells_split.h"
 
-#include <string.h>
-
-/* workspace: this, the state at the start of a burst, the loops */
+/* workspace: this, the loops */
 typedef struct {
     dm_cells_split *cells;
 } layout;
@@ -24,7 +22,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return 1 + dm_state_size(m->n) + dm_cells_split_work(m);
+    return 1 + dm_cells_split_work(m);
 }
 
 static dm_status open(dm_stepper *s) {
@@ -32,25 +30,20 @@ static dm_status open(dm_stepper *s) {
     layout *l = (layout *)(void *)s->work;
     dm_splitting table = {0};
     dm_splitting_compose(&table, &one, 1);
-    double *place = s->work + 1 + dm_state_size(s->model->n);
-    l->cells = dm_cells_split_open(s->model, &table, 1, s->threads, place);
+    l->cells = dm_cells_split_open(s->model, &table, 1, s->threads, s->work + 1);
     s->report.plain = 1; /* on the sphere to round-off after every step: no low parts */
     return l->cells ? DM_OK : DM_NO_MEMORY;
 }
 
-/* A step that is too long for a sphere leaves NaN, and is found by going on one by one. */
+/* A step that is too long for a sphere leaves NaN. */
 static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     const layout *l = (const layout *)(const void *)s->work;
-    const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
-    double *before = s->work + 1;
-    memcpy(before, state, bytes);
-    s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count, s->goes_on);
+    long forces;
+    const dm_status status =
+        dm_cells_split_run(l->cells, state, t, h, count, s->goes_on, done, &forces);
+    s->report.evaluations += forces;
     s->goes_on = 0;
-    *done = count;
-    if (dm_state_is_finite(state, s->model->n)) return DM_OK;
-    memcpy(state, before, bytes);
-    *done = 0;
-    return count > 1 ? dm_advance_by_step(s, state, t, h, count, done) : DM_NOT_FINITE;
+    return status;
 }
 
 static dm_status step(dm_stepper *s, double *state, double t, double h) {

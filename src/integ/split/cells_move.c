@@ -30,14 +30,16 @@ __attribute__((always_inline)) static inline double force_of(const moved_block *
     const uint32_t *list = b->list + (terms ? (size_t)k * terms : b->start[k] - b->start[0]);
     const uint32_t count = terms ? terms : b->start[k + 1] - b->start[k];
     double sum = 0.0;
+#pragma GCC unroll 6
     for (uint32_t j = 0; j < count; j++) sum += b->slope[list[j]];
     return sum;
 }
 
 /* Kicks and drift of entry k. The kick that begins a step is in p with the next one, by way of the
  * low part, where there are such. */
-__attribute__((always_inline)) static inline void move_one(const moved_block *b, uint32_t k, double f,
-                                                           const int plain, const int usual) {
+__attribute__((always_inline)) static inline void move_one(const moved_block *b, uint32_t k,
+                                                           double f, const int plain,
+                                                           const int usual) {
     const dm_cells_move *v = &b->v;
     double now = b->p[k];
     if (usual || v->kicks) {
@@ -118,12 +120,16 @@ static void move(const moved_block *b, uint32_t count, uint32_t terms, int plain
         move_block(*b, count, 2, 1, 1);
     else if (plain && usual && terms == 6)
         move_block(*b, count, 6, 1, 1);
+    else if (plain && usual)
+        move_block(*b, count, 0, 1, 1);
     else if (plain)
         move_block(*b, count, 0, 1, 0);
     else if (usual && terms == 2)
         move_block(*b, count, 2, 0, 1);
     else if (usual && terms == 6)
         move_block(*b, count, 6, 0, 1);
+    else if (usual)
+        move_block(*b, count, 0, 0, 1);
     else
         move_block(*b, count, 0, 0, 0);
 }
@@ -133,14 +139,14 @@ static moved_block block_at(const dm_cells_split *s, const dm_cells_move *v, uin
     const dm_cells *c = s->cells;
     double *p = s->state + s->m->n + i, *low_q = p + s->m->n;
     return (moved_block){.x = s->x + i,
-                   .p = p,
-                   .low_q = low_q,
-                   .low_p = low_q + s->m->n,
-                   .force = s->force + i,
-                   .w = s->m->inverse_mass + i,
-                   .start = c->start + i,
-                   .list = c->list + c->start[i],
-                   .v = *v};
+                         .p = p,
+                         .low_q = low_q,
+                         .low_p = low_q + s->m->n,
+                         .force = s->force + i,
+                         .w = s->m->inverse_mass + i,
+                         .start = c->start + i,
+                         .list = c->list + c->start[i],
+                         .v = *v};
 }
 
 /* Bits do not depend on where blocks begin. */

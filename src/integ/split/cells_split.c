@@ -10,8 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-/* entries at once: forces, then kicks and drifts; passes of Newton's method */
-enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 20 };
+/* entries at once: forces, then kicks and drifts; passes of Newton's method; steps that are made
+ * again where one fails, at most */
+enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 20, AGAIN = 32 };
 
 static size_t struct_size(void) {
     return (sizeof(struct dm_cells_split) + sizeof(double) - 1) / sizeof(double);
@@ -32,10 +33,20 @@ static size_t room_of(const dm_model *m, const dm_cells *cells) {
     return room > cells->work ? room : cells->work;
 }
 
+/* do forces depend on t? */
+static int is_timed(const dm_model *m) {
+    return !(m->structure & DM_AUTONOMOUS) || !dm_loops_constant(&m->force);
+}
+
+/* doubles of (q, v, t), which forces read; without t and v they read q in the state */
+static size_t arguments_of(const dm_model *m) {
+    return is_timed(m) || m->work ? 2 * (size_t)m->n + 1 : 0;
+}
+
 size_t dm_cells_split_work(const dm_model *m) {
     const dm_cells *cells = m->has & DM_WANT_FORCE ? dm_loops_cells(&m->force) : NULL;
     if (!(m->structure & DM_CELLS) || !cells) return 0;
-    return struct_size() + dm_team_size() + 3 * (size_t)m->n + 1 + cells->slots +
+    return struct_size() + dm_team_size() + arguments_of(m) + 5 * (size_t)m->n + cells->slots +
            DM_TEAM_MOST * room_of(m, cells) + 8;
 }
 
@@ -51,17 +62,20 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
     *s = (dm_cells_split){.m = m, .cells = cells, .table = *table, .plain = plain};
     s->room = room_of(m, cells);
     s->unit = unit_of(m);
-    s->timed = !(m->structure & DM_AUTONOMOUS) || !dm_loops_constant(&m->force);
+    s->timed = is_timed(m);
     for (int k = 0; k < table->stages; k++) s->c[k + 1] = s->c[k] + table->a[k];
     s->c[table->stages] = 1.0;
     work += struct_size();
     if (threads > 1 && cells->shared && (!m->work || m->work->shared))
         s->team = dm_team_open(work, threads);
+    const size_t arguments = arguments_of(m);
+    s->own = arguments > 0;
     s->x = work + dm_team_size();
-    s->force = s->x + 2 * (size_t)m->n + 1;
-    s->slope = s->force + m->n;
+    s->force = s->x + arguments;
+    s->kept = s->force + m->n;
+    s->slope = s->kept + 4 * (size_t)m->n;
     s->scratch = s->slope + cells->slots;
-    memset(s->x, 0, (2 * (size_t)m->n + 1) * sizeof *s->x);
+    memset(s->x, 0, arguments * sizeof *s->x);
     return s;
 }
 
@@ -163,11 +177,23 @@ static void eliminate(dm_cells_split *s) {
     }
 }
 
+static void set_time(dm_cells_split *s, double t) {
+    if (s->own) s->x[2 * (size_t)s->m->n] = t;
+}
+
+/* positions that forces read are those of q[n] from here on, or a copy of them */
+static void set_positions(dm_cells_split *s, double *q) {
+    if (s->own)
+        memcpy(s->x, q, s->m->n * sizeof *q);
+    else
+        s->x = q;
+}
+
 /* all slopes at the time t; everybody has moved his entries before */
 static void slopes(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
     dm_team_meet(s->team);
     if (part == 0 && s->timed) {
-        s->x[2 * (size_t)s->m->n] = t;
+        set_time(s, t);
         s->factor = dm_loops_factors(&s->m->force, s->x);
     }
     if (s->timed) dm_team_meet(s->team);
@@ -182,11 +208,11 @@ void dm_cells_split_settle(dm_cells_split *s, double *q, double t) {
     dm_team *team = s->team;
     if (!s->m->massless) return;
     s->team = NULL;
-    memcpy(s->x, q, s->m->n * sizeof *q);
-    s->x[2 * (size_t)s->m->n] = t;
+    set_positions(s, q);
+    set_time(s, t);
     s->factor = dm_loops_factors(&s->m->force, s->x);
     slopes(s, t, 0, 1);
-    memcpy(q, s->x, s->m->n * sizeof *q);
+    if (s->own) memcpy(q, s->x, s->m->n * sizeof *q);
     s->team = team;
 }
 
@@ -216,23 +242,73 @@ static void run(void *context, uint32_t part, uint32_t parts) {
     }
 }
 
-/* Forces that are known have the bits that making them anew would give them, except where values
- * without mass follow them. */
-long dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count,
-                        int goes_on) {
-    const size_t bytes = s->m->n * sizeof *state;
+/* Forces that are known have the bits that making them anew would give, except where values
+ * without mass follow them. Returns the number of forces. */
+static long burst(dm_cells_split *s, double *state, double t, long count, int goes_on) {
     s->knows = goes_on && !s->timed && !s->m->massless;
     long forces = s->table.b[0] != 0.0;
     for (int k = 0; k < s->table.stages; k++)
         forces += (s->table.b[k + 1] != 0.0 || (forces && k + 1 == s->table.stages)) * count;
-    if (!s->knows) memcpy(s->x, state, bytes);
-    s->x[2 * (size_t)s->m->n] = t;
+    if (!s->own || !s->knows) set_positions(s, state);
+    set_time(s, t);
     s->factor = dm_loops_factors(&s->m->force, s->x);
     s->state = state;
     s->t = t;
-    s->h = h;
     s->count = count;
     dm_team_run(s->team, run, s);
-    memcpy(state, s->x, bytes);
+    if (s->own) memcpy(state, s->x, s->m->n * sizeof *state);
     return forces;
+}
+
+/* ---- failures ---- */
+
+/* bytes of what steps change */
+static size_t state_bytes(const dm_cells_split *s) {
+    return (s->plain ? 2 : 4) * (size_t)s->m->n * sizeof(double);
+}
+
+static int is_finite(const dm_cells_split *s, const double *state) {
+    const size_t size = state_bytes(s) / sizeof *state;
+    double sum[2] = {0.0, 0.0}; /* 0 * infinity is NaN */
+    for (size_t i = 0; i < size; i += 2) {
+        sum[0] += 0.0 * state[i];
+        sum[1] += 0.0 * state[i + 1];
+    }
+    return sum[0] + sum[1] == 0.0;
+}
+
+/* steps from the kept state, one by one, up to the one that fails, which is not taken; returns how
+ * many */
+static long find_failure(dm_cells_split *s, double *state, double t, long count) {
+    long done = 0;
+    memcpy(state, s->kept, state_bytes(s));
+    while (done < count) {
+        memcpy(s->kept, state, state_bytes(s));
+        burst(s, state, t + (double)done * s->h, 1, 0);
+        if (!is_finite(s, state)) break;
+        done++;
+    }
+    memcpy(state, s->kept, state_bytes(s));
+    return done;
+}
+
+/* What is not finite stays so, hence one look at the end of a burst. A copy of the state is kept
+ * every few steps, since on large meshes a burst is one step, and a copy costs as much. */
+dm_status dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count,
+                             int goes_on, long *done, long *forces) {
+    if (!goes_on || s->timed || h != s->h || s->since + count > AGAIN) {
+        memcpy(s->kept, state, state_bytes(s));
+        s->since = 0;
+    }
+    s->h = h;
+    *forces = burst(s, state, t, count, goes_on);
+    *done = count;
+    if (is_finite(s, state)) {
+        s->since += count;
+        return DM_OK;
+    }
+    const long since = s->since;
+    *done = find_failure(s, state, t - (double)since * h, since + count) - since;
+    s->since = AGAIN; /* the copy is another one now */
+    return DM_NOT_FINITE;
 }

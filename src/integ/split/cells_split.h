@@ -23,10 +23,10 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
 /* Is the table kick, drift, kick, so that forces of v can be implicit in its second half? */
 int dm_cells_split_damps(const dm_splitting *table);
 
-/* `count` steps of h from time t, in place; gives the number of forces. goes_on: the state is what
- * the last call left. */
-long dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count,
-                        int goes_on);
+/* `count` steps of h from time t, in place. goes_on: the state is what the last call left. *done:
+ * how many; the state is that behind them. *forces: how many were made. DM_NOT_FINITE. */
+dm_status dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count,
+                             int goes_on, long *done, long *forces);
 
 /* Values without mass in q[n] as their own equation has them at time t. */
 void dm_cells_split_settle(dm_cells_split *s, double *q, double t);

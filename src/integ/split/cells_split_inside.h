@@ -13,9 +13,12 @@ struct dm_cells_split {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
     int plain;
-    dm_team *team;   /* NULL: one thread */
-    double *x;       /* (q, v, t): v is not read by forces */
-    double *force;   /* [n] of the last evaluation */
+    dm_team *team; /* NULL: one thread */
+    double *x;     /* (q, v, t), or q of the state where forces read q alone */
+    int own;       /* x is a copy */
+    double *force; /* [n] of the end of the last burst */
+    double *kept;  /* [4n] the state `since` steps ago */
+    long since;
     double *slope;   /* [slots] */
     double *scratch; /* [threads][room] */
     size_t room;     /* of slopes, or of forces beside L */

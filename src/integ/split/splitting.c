@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* workspace: this, then x = (q, v, t, parameters), force[n], kicked[n], the state at the start
- * of a burst, what the loop needs */
+ * of a burst, what the loop needs; a field on a mesh has its own */
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
@@ -68,7 +68,9 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 /* Either kind of loop behind what plain C needs. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    const size_t loops = m->structure & DM_CELLS   ? dm_cells_split_work(m)
+    const size_t cells = m->structure & DM_CELLS ? dm_cells_split_work(m) : 0;
+    if (cells) return layout_size() + cells;
+    const size_t loops = m->structure & DM_CELLS   ? 0
                          : m->structure & DM_LOOPS ? dm_chain_work(m)
                                                    : dm_splitting_loop_work(m);
     const size_t room = layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n);
@@ -102,7 +104,7 @@ static dm_status open(dm_stepper *s) {
     l->c[table->stages] = 1.0;
     /* without them the loop below serves */
     if (m->structure & DM_CELLS)
-        l->cells = dm_cells_split_open(m, table, s->plain, s->threads, loop_work(s));
+        l->cells = dm_cells_split_open(m, table, s->plain, s->threads, s->work + layout_size());
     else if (m->structure & DM_LOOPS)
         l->chain = dm_chain_open(m, table, s->plain, loop_work(s));
     else
@@ -173,11 +175,6 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
         s->report.evaluations += 1 + count * evaluations(&l->table);
         return;
     }
-    if (l->cells) {
-        s->report.evaluations += dm_cells_split_run(l->cells, state, t, h, count, s->goes_on);
-        s->goes_on = 0;
-        return;
-    }
     const dm_splitting *table = &l->table;
     double *x = s->work + layout_size(), *force = x + 2 * n + 1 + m->params, *kicked = force + n;
     double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
@@ -204,6 +201,18 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
     s->report.evaluations += (table->b[0] != 0.0) + count * evaluations(table);
 }
 
+/* up to a step that fails */
+static dm_status run_cells(dm_stepper *s, double *state, double t, double h, long count,
+                           long *done) {
+    const layout *l = (const layout *)(const void *)s->work;
+    long forces;
+    const dm_status status =
+        dm_cells_split_run(l->cells, state, t, h, count, s->goes_on, done, &forces);
+    s->goes_on = 0;
+    s->report.evaluations += forces;
+    return status;
+}
+
 /* all steps, or the state as it was */
 static int run_chain(dm_stepper *s, double *state, double t, double h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
@@ -220,6 +229,8 @@ static dm_status advance(dm_stepper *s, double *state, double t, double h, long 
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
     double *start = s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params;
+    if (((const layout *)(const void *)s->work)->cells)
+        return run_cells(s, state, t, h, count, done);
     *done = count;
     if (((const layout *)(const void *)s->work)->chain) {
         if (run_chain(s, state, t, h, count)) return DM_OK;
