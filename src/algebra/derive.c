@@ -208,7 +208,7 @@ static void jacobian_by_columns(sweep *s, dm_graph *g, const dm_node *f, uint32_
     if (!find_users(&u, s, g, end)) return;
     for (uint32_t j = 0; j < s->n; j++) {
         const uint32_t input = s->first + j;
-        const dm_node leaf = input < g->leaves ? g->leaf[input] : 0;
+        const dm_node leaf = dm_leaf_of(g, input);
         if (!leaf || leaf >= end) continue;
         forward(s, g, &u, end, leaf);
         for (uint32_t i = 0; i < m; i++)

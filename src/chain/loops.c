@@ -60,20 +60,26 @@ static uint32_t count_sums(const dm_graph *g) {
     return count;
 }
 
-/* with room for everything, NULL without memory */
+/* with room for everything but x, NULL without memory */
 static whole *new_whole(dm_graph *g, uint32_t m, uint32_t outputs, dm_arena *arena) {
-    const uint32_t sums = count_sums(g), inputs = dm_graph_inputs(g);
+    const uint32_t sums = count_sums(g);
     whole *w = dm_arena_take(arena, sizeof *w);
     if (!w) return NULL;
     *w = (whole){.inputs = dm_sum_first(g), .m = m};
-    w->x = dm_arena_take(arena, inputs * sizeof *w->x);
     w->y = dm_arena_take(arena, (outputs + 1) * sizeof *w->y);
     w->at = dm_arena_take(arena, (outputs + 1) * sizeof *w->at);
     w->value = dm_arena_take(arena, (sums + 1) * sizeof *w->value);
     w->slope = dm_arena_take(arena, (sums + 1) * sizeof *w->slope);
-    if (!w->x || !w->y || !w->at || !w->value || !w->slope) return NULL;
+    return w->y && w->at && w->value && w->slope ? w : NULL;
+}
+
+/* x, where a kernel reads it */
+static dm_status make_inputs(whole *w, const dm_graph *g, dm_arena *arena) {
+    const uint32_t inputs = dm_graph_inputs(g);
+    w->x = dm_arena_take(arena, inputs * sizeof *w->x);
+    if (!w->x) return DM_NO_MEMORY;
     memset(w->x, 0, inputs * sizeof *w->x);
-    return w;
+    return DM_OK;
 }
 
 /* the kernel of roots[m] and the loops of the sums that they depend on */
@@ -102,7 +108,8 @@ dm_status dm_loops_value(dm_kernel *out, dm_graph *g, dm_node root, dm_compile *
                          dm_arena *arena) {
     whole *w = new_whole(g, 1, 1, arena);
     if (!w) return DM_NO_MEMORY;
-    const dm_status status = make_outer(w, g, &root, 1, compile, arena);
+    dm_status status = make_outer(w, g, &root, 1, compile, arena);
+    if (status == DM_OK) status = make_inputs(w, g, arena);
     if (status != DM_OK) return status;
     *out = w->outer;
     out->eval = eval_value;
@@ -155,11 +162,12 @@ static void drop_constant_outer(whole *w, uint32_t m) {
 
 dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_node *nodes,
                             uint32_t m, dm_compile *compile, dm_arena *arena) {
-    const uint32_t most = m + count_sums(g);
+    uint32_t most = count_sums(g);
+    for (uint32_t i = 0; nodes && i < m; i++) most += nodes[i] != 0;
     whole *w = new_whole(g, m, most, arena);
     dm_node *roots = dm_arena_take(arena, (most + 1) * sizeof *roots);
     if (!w || !roots) return DM_NO_MEMORY;
-    for (uint32_t i = 0; i < m; i++) {
+    for (uint32_t i = 0; nodes && i < m; i++) {
         if (!nodes[i]) continue;
         w->at[w->direct] = i;
         roots[w->direct++] = nodes[i];
@@ -171,6 +179,8 @@ dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_
     if (status == DM_OK) status = make_outer(w, g, roots, roots_count, compile, arena);
     if (status != DM_OK) return status;
     drop_constant_outer(w, roots_count);
+    if (w->outer.eval) status = make_inputs(w, g, arena);
+    if (status != DM_OK) return status;
     *out = (dm_kernel){.eval = eval_gradient,
                        .pool = w,
                        .inputs = w->inputs,

@@ -21,7 +21,8 @@ dm_status dm_loops_value(dm_kernel *out, dm_graph *g, dm_node root, dm_compile *
  * *x: what it took in the last evaluation. */
 const dm_kernel *dm_loops_outer(const dm_kernel *value, const double **x);
 
-/* The same for d root/dx_i, i < m, given nodes[m], the derivatives with the sums held. */
+/* The same for d root/dx_i, i < m, given nodes[m], the derivatives with the sums held; NULL: they
+ * all vanish. */
 dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_node *nodes,
                             uint32_t m, dm_compile *compile, dm_arena *arena);
 

@@ -19,7 +19,9 @@ typedef struct {
     dm_graph *graph; /* inputs q[n], v[n], t; NULL: hyper-dual numbers, or sums that stay loops */
     dm_graph *sums;  /* the graph with its sums as leaves, where they stay loops; else NULL */
     dm_node lagrangian, potential; /* L; -V, L at v = 0, where that was asked for */
-    const dm_node *gradient;       /* L_q[n], L_v[n] with the sums held */
+    /* L_q[n], L_v[n] with the sums held; NULL: sums over cells are all that L is made of */
+    const dm_node *gradient;
+    dm_node energy;        /* where sums stay loops: sum of v dL/dv over what depends on v */
     const dm_node *field;  /* of H(q, p, t), then `lagrangian`: H_p[n], -H_q[n]; else NULL */
     dm_graph *stage_graph; /* of the stage kernel, where there is one, to be taken as it stands */
     const dm_node *stage;  /* and its roots; the first 2n are those of the gradient */

@@ -7,10 +7,15 @@
 
 /* an input without a node is in nothing */
 int dm_depends(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first, uint32_t n) {
-    const uint32_t end = first + n < g->leaves ? first + n : g->leaves;
+    const uint32_t all = g->pages * DM_LEAVES, end = first + n < all ? first + n : all;
     dm_mark(g, roots, m);
-    for (uint32_t i = first; i < end; i++)
-        if (g->leaf[i] && dm_is_marked(g, g->leaf[i])) return 1;
+    for (uint32_t i = first; i < end; i++) {
+        const dm_node *page = g->leaf[i / DM_LEAVES];
+        if (!page)
+            i |= DM_LEAVES - 1; /* the last of the page */
+        else if (page[i % DM_LEAVES] && dm_is_marked(g, page[i % DM_LEAVES]))
+            return 1;
+    }
     return 0;
 }
 
@@ -19,7 +24,7 @@ void dm_independent(uint8_t *out, dm_graph *g, const dm_node *roots, uint32_t m,
                     uint32_t n) {
     dm_mark(g, roots, m);
     for (uint32_t i = 0; i < n; i++) {
-        const dm_node leaf = first + i < g->leaves ? g->leaf[first + i] : 0;
+        const dm_node leaf = dm_leaf_of(g, first + i);
         out[i] = !leaf || !dm_is_marked(g, leaf);
     }
 }

@@ -145,22 +145,29 @@ static int is_zero(const dm_expr *e) {
 
 dm_node dm_node_find(dm_graph *g, const dm_expr *e) {
     if (is_zero(e)) return 0;
-    if (e->op == DM_OP_INPUT) return e->as.input < g->leaves ? g->leaf[e->as.input] : 0;
+    if (e->op == DM_OP_INPUT) return dm_leaf_of(g, e->as.input);
     const dm_node *place = dm_table_place(g, e);
     return place ? *place : 0;
 }
 
 /* where the node of input i is kept: not in the table, as there may be very many in a row */
 static dm_node *place_of_input(dm_graph *g, uint32_t i) {
-    if (i >= g->leaves) {
-        const size_t held = g->leaves, want = g->inputs + (size_t)1;
-        dm_node *leaf = dm_arena_grow(g->arena, g->leaf, held * sizeof *leaf, want * sizeof *leaf);
+    const uint32_t page = i / DM_LEAVES;
+    if (page >= g->pages) {
+        const size_t held = g->pages, want = g->inputs / DM_LEAVES + (size_t)1;
+        dm_node **leaf = dm_arena_grow(g->arena, g->leaf, held * sizeof *leaf, want * sizeof *leaf);
         if (!leaf) return dm_graph_fail(g, DM_NO_MEMORY), NULL;
-        memset(leaf + held, 0, (want - held) * sizeof *leaf);
+        for (size_t k = held; k < want; k++) leaf[k] = NULL;
         g->leaf = leaf;
-        g->leaves = (uint32_t)want;
+        g->pages = (uint32_t)want;
     }
-    return g->leaf + i;
+    if (!g->leaf[page]) {
+        dm_node *own = dm_arena_take(g->arena, DM_LEAVES * sizeof *own);
+        if (!own) return dm_graph_fail(g, DM_NO_MEMORY), NULL;
+        memset(own, 0, DM_LEAVES * sizeof *own);
+        g->leaf[page] = own;
+    }
+    return g->leaf[page] + i % DM_LEAVES;
 }
 
 /* where the number of the node with this content is, or will be */
@@ -196,7 +203,7 @@ dm_node dm_node_copy(dm_graph *g, const dm_expr *e, uint8_t nonnegative) {
 void dm_graph_forget(dm_graph *g, uint32_t size) {
     dm_table_forget(g, size);
     for (dm_node n = size; n < g->size; n++)
-        if (g->nodes[n].op == DM_OP_INPUT) g->leaf[g->nodes[n].as.input] = 0;
+        if (g->nodes[n].op == DM_OP_INPUT) *place_of_input(g, g->nodes[n].as.input) = 0;
     if (size < g->size) g->size = size;
 }
 
@@ -210,7 +217,8 @@ dm_node dm_constant(dm_graph *g, double value) {
 
 dm_node dm_input(dm_graph *g, uint32_t i) {
     assert(i < g->inputs);
-    if (i < g->leaves && g->leaf[i] && g->status == DM_OK) return g->leaf[i];
+    const dm_node leaf = dm_leaf_of(g, i);
+    if (leaf && g->status == DM_OK) return leaf;
     return dm_node_make(g, &(dm_expr){.op = DM_OP_INPUT, .as.input = i});
 }
 
@@ -218,16 +226,16 @@ dm_node dm_input(dm_graph *g, uint32_t i) {
 void dm_inputs(dm_graph *g, dm_node *out, uint32_t first, uint32_t count) {
     uint32_t i = 0;
     assert((uint64_t)first + count <= g->inputs);
-    if (g->status == DM_OK && count && place_of_input(g, first + count - 1))
-        for (; i < count && (g->leaf[first + i] || g->size < g->capacity); i++) {
-            dm_node *leaf = g->leaf + first + i;
-            if (!*leaf) {
-                g->nodes[g->size] = (dm_expr){.op = DM_OP_INPUT, .as.input = first + i};
-                g->nonnegative[g->size] = 0;
-                *leaf = g->size++;
-            }
-            out[i] = *leaf;
+    for (; i < count && g->status == DM_OK && g->size < g->capacity; i++) {
+        dm_node *leaf = place_of_input(g, first + i);
+        if (!leaf) break;
+        if (!*leaf) {
+            g->nodes[g->size] = (dm_expr){.op = DM_OP_INPUT, .as.input = first + i};
+            g->nonnegative[g->size] = 0;
+            *leaf = g->size++;
         }
+        out[i] = *leaf;
+    }
     for (; i < count; i++) out[i] = dm_input(g, first + i);
 }
 

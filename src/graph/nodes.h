@@ -19,6 +19,9 @@ typedef struct {
     const dm_node *of; /* [n]; NULL: nothing is kept */
 } dm_gradient_cache;
 
+/* inputs of a page: of very many of them only some pages are there */
+enum { DM_LEAVES = 128 };
+
 /* The graph; see the head of graph.c for what stays true of it. */
 struct dm_graph {
     dm_arena *arena;
@@ -27,8 +30,8 @@ struct dm_graph {
     dm_slot *table; /* node_table.c: open addressing by content */
     uint32_t mask;
     uint32_t tabled; /* nodes below are in the table, but for inputs; 0: none, and it has no room */
-    dm_node *leaf;   /* [leaves] the nodes of inputs, 0: not made yet */
-    uint32_t leaves;
+    dm_node **leaf; /* [pages] the nodes of DM_LEAVES inputs each, 0: not made yet; NULL: none is */
+    uint32_t pages;
     uint32_t inputs;                     /* with the leaves of sums behind them */
     struct dm_sum *sums;                 /* sum.h */
     struct dm_extremum *extrema;         /* extremum.h */
@@ -45,6 +48,12 @@ struct dm_graph {
 
 /* A graph with room for so many nodes from the start. */
 dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes);
+
+/* The node of input i, 0: there is none. */
+static inline dm_node dm_leaf_of(const dm_graph *g, uint32_t i) {
+    const uint32_t page = i / DM_LEAVES;
+    return page < g->pages && g->leaf[page] ? g->leaf[page][i % DM_LEAVES] : 0;
+}
 
 /* dm_op_operands where it is asked for in every loop. */
 static inline int dm_arity(dm_op op) {

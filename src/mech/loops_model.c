@@ -21,9 +21,9 @@ typedef struct {
     dm_model *m;
     dm_graph *g;
     dm_node L;
-    dm_node *gradient; /* [2n] with the sums held */
-    double *mass;      /* [n] */
-    dm_node energy;    /* sum of v dL/dv over what depends on v */
+    const dm_node *gradient; /* [2n] with the sums held; NULL: they all vanish */
+    double *mass;            /* [n] */
+    dm_node energy;          /* sum of v dL/dv over what depends on v */
 } builder;
 
 /* input number of column c when it is a velocity, else 0 */
@@ -71,6 +71,8 @@ static int is_own_momentum(const builder *b, const dm_node *momentum, dm_status 
 /* d/dv_i of the sum of all dL/dv_j is d2L/dv_i^2, the others being zero */
 static int read_direct_mass(builder *b, dm_status *status) {
     const uint32_t n = b->m->n;
+    *status = DM_OK;
+    if (!b->gradient) return 1;
     const dm_node *momentum = b->gradient + n;
     dm_node sum = 0, *curve = dm_arena_take(dm_graph_arena(b->g), (n + 1) * sizeof *curve);
     *status = curve ? DM_OK : DM_NO_MEMORY;
@@ -174,7 +176,7 @@ static dm_status read_cyclic(const builder *b) {
     const uint32_t n = b->m->n;
     uint8_t *cyclic = dm_arena_take(b->m->source.arena, n + 1);
     if (!cyclic) return DM_NO_MEMORY;
-    for (uint32_t i = 0; i < n; i++) cyclic[i] = b->gradient[i] == 0;
+    for (uint32_t i = 0; i < n; i++) cyclic[i] = !b->gradient || b->gradient[i] == 0;
     if (dm_depends(b->g, &b->L, 1, 2 * n, 1)) b->m->structure &= ~(unsigned)DM_AUTONOMOUS;
     for (const dm_sum *s = dm_sums(b->g); s; s = s->next) {
         forget_cyclic(b, cyclic, s);
@@ -264,16 +266,28 @@ static dm_status make_kernels(const builder *b, unsigned want) {
     return status;
 }
 
+/* derivatives outside of sums; sums over cells leave nothing there but t, whatever their number of
+ * entries */
+static dm_status find_gradient(builder *b) {
+    const uint32_t inputs = 2 * b->m->n;
+    if (dm_sum_over_cells(b->g) && !dm_depends(b->g, &b->L, 1, 0, inputs)) return DM_OK;
+    dm_node *gradient = dm_arena_take(b->m->source.arena, inputs * sizeof *gradient);
+    if (!gradient) return DM_NO_MEMORY;
+    dm_gradient(b->g, b->L, 0, inputs, gradient);
+    b->gradient = gradient;
+    return DM_OK;
+}
+
 /* *fits says whether sums stay loops; where they do not, nothing of *m is to be used */
 dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int *fits) {
     builder b = {.m = m, .g = g, .L = L};
     const size_t n = m->n;
     dm_status status = DM_OK;
-    b.gradient = dm_arena_take(m->source.arena, 2 * n * sizeof *b.gradient);
     b.mass = dm_arena_take(m->source.arena, (n + 1) * sizeof *b.mass);
-    if (!b.gradient || !b.mass) return DM_NO_MEMORY;
+    if (!b.mass) return DM_NO_MEMORY;
     memset(b.mass, 0, n * sizeof *b.mass);
-    dm_gradient(g, L, 0, 2 * m->n, b.gradient);
+    status = find_gradient(&b);
+    if (status != DM_OK) return status;
     *fits = read_mass(&b, &status);
     if (!*fits || status != DM_OK) return status;
     m->structure = DM_SEPARABLE | DM_CONSTANT_MASS | DM_DIAGONAL_MASS | DM_AUTONOMOUS |
@@ -286,6 +300,19 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
     m->source.sums = g;
     m->source.lagrangian = L;
     m->source.gradient = b.gradient;
+    m->source.energy = b.energy;
     status = make_kernels(&b, want);
     return status == DM_OK ? mass : status;
+}
+
+dm_status dm_loops_more(dm_model *m, unsigned want, dm_compile *compile) {
+    const builder b = {.m = m,
+                       .g = m->source.sums,
+                       .L = m->source.lagrangian,
+                       .gradient = m->source.gradient,
+                       .energy = m->source.energy};
+    m->source.compile = compile;
+    const dm_status status = make_kernels(&b, want & ~m->has & ~(unsigned)DM_WANT_DENSE);
+    if (status == DM_OK) m->has |= want;
+    return status == DM_OK && !m->inverse_mass ? DM_SINGULAR : status;
 }

@@ -128,6 +128,9 @@ dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, 
 /* The model with loops (loops_model.c); *fits = 0 where the mass is not constant and diagonal. */
 dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int *fits);
 
+/* More kernels for a model of a field (DM_CELLS), whose structure is not read again. */
+dm_status dm_loops_more(dm_model *m, unsigned want, dm_compile *compile);
+
 /* Doubles of scratch that the two functions below need. */
 size_t dm_legendre_work(const dm_model *m);
 

@@ -78,11 +78,8 @@ static int action_new(lua_State *L) {
     a->root = traced.out[0];
     read_sums(L, a);
     dm_compile *compile = dml_findbackend(L, NULL)->compile;
-    dm_node *direct = dm_arena_take(a->arena, (a->n + 1) * sizeof *direct);
-    if (!direct) return luaL_error(L, "not enough memory");
-    memset(direct, 0, (a->n + 1) * sizeof *direct);
     need(L, dm_loops_value(&a->value, a->g, a->root, compile, a->arena));
-    need(L, dm_loops_gradient(&a->gradient, a->g, a->root, direct, a->n, compile, a->arena));
+    need(L, dm_loops_gradient(&a->gradient, a->g, a->root, NULL, a->n, compile, a->arena));
     return 1;
 }
 

@@ -81,16 +81,11 @@ static dm_operand in_state(const maker *m, uint32_t i) {
     return dm_in_memory(DM_R14, (int32_t)i * m->bytes);
 }
 
-/* the node of input i, 0: the part does not read it */
-static dm_node input_of(const dm_graph *g, uint32_t i) {
-    return i < g->leaves ? g->leaf[i] : 0;
-}
-
 /* where the inputs are when the part begins */
 static void place_inputs(maker *m, const dm_graph *g, uint32_t coefficients) {
     dm_emitter *e = &m->e;
     for (uint32_t i = 0; i < m->size + coefficients; i++) {
-        const dm_node n = input_of(g, i);
+        const dm_node n = dm_leaf_of(g, i);
         if (!n || n >= e->plan->end) continue;
         dm_place *v = e->at + n;
         v->home =
@@ -107,7 +102,7 @@ static void place_inputs(maker *m, const dm_graph *g, uint32_t coefficients) {
 
 /* the old value of carried i is used no more */
 static int is_over(const maker *m, const dm_graph *g, uint32_t i) {
-    const dm_node n = input_of(g, i);
+    const dm_node n = dm_leaf_of(g, i);
     return !n || n >= m->e.plan->end || m->e.at[n].next == DM_NEVER;
 }
 
@@ -137,7 +132,7 @@ static int preferred_register(const maker *m, dm_node n) {
 static void finish_memory(maker *m, const dm_graph *g) {
     for (uint32_t i = m->held; i < m->size; i++) {
         const dm_node n = m->roots[i];
-        if (m->done[i] || (n && n == input_of(g, i))) continue;
+        if (m->done[i] || (n && n == dm_leaf_of(g, i))) continue;
         const int reg = dm_in_a_register(&m->e, n);
         dm_x86_store(&m->e.code, m->width, in_state(m, i), reg);
         m->e.pinned = 0;
