@@ -120,6 +120,16 @@ local function lagrangian(f, L)
   end
 end
 
+-- f.masses are made when they are first asked for: they are as many as the unknowns
+local function with_masses(f, system)
+  setmetatable(f, { __index = function(_, key)
+    if key ~= "masses" then return nil end
+    f.masses = core.field_masses(system)
+    return f.masses
+  end })
+  return system
+end
+
 class.method("dm.mesh", "field", function(K, options)
   option.check(options, KNOWN, WHERE)
   local k = degree_of(K, options)
@@ -142,14 +152,15 @@ class.method("dm.mesh", "field", function(K, options)
   f.options = options
   local system = core.field_system { Q = f.n, L = lagrangian(f, options.L), field = f,
     params = options.params, name = options.name }
-  f.masses = core.field_masses(system)
-  if not f.masses then
+  local masses = core.field_masses(system)
+  if not masses then
     fail("the kinetic energy must be a sum of m v^2 / 2 over cells with masses that are numbers, "
       .. "as v:dot(v) / 2 is")
   end
-  check_mass(f, f.masses)
-  if f.sphere then check_sphere(f, f.masses) end
-  return system
+  check_mass(f, masses)
+  if f.sphere then check_sphere(f, masses) end
+  f.fixed = nil -- the marks say the same
+  return with_masses(f, system)
 end, [[
 K:field{form=, L=, values=, on=, fixed=, absorbing=, force=, data=, massless=, ...} -> dm.system
 A field: a form of degree `form` (0 unless given) that moves by the Lagrangian L(A, V, t, params) of
