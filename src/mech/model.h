@@ -128,7 +128,11 @@ dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, 
 /* The model with loops (loops_model.c); *fits = 0 where the mass is not constant and diagonal. */
 dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int *fits);
 
-/* More kernels for a model of a field (DM_CELLS), whose structure is not read again. */
+/* Is it a model of this L of a field (DM_CELLS)? Then its structure need not be read again: more
+ * kernels. */
+static inline int dm_loops_known(const dm_model *m, const dm_graph *g, dm_node L) {
+    return m->structure & DM_CELLS && m->source.sums == g && m->source.lagrangian == L;
+}
 dm_status dm_loops_more(dm_model *m, unsigned want, dm_compile *compile);
 
 /* Doubles of scratch that the two functions below need. */

@@ -310,9 +310,8 @@ static void want_map(lua_State *L, dml_model *m, const char *backend) {
 
 /* all kernels of `want`; the value is that of L as it is given, which is what calls of it give */
 static dm_status build_kernels(dml_model *m, unsigned want, dm_compile *compile) {
-    const int more = m->model.structure & DM_CELLS && m->model.source.sums == m->graph &&
-                     m->model.source.lagrangian == m->stepped;
-    dm_status status = more ? dm_loops_more(&m->model, want, compile) : build(m, want, compile);
+    const int known = dm_loops_known(&m->model, m->graph, m->stepped);
+    dm_status status = known ? dm_loops_more(&m->model, want, compile) : build(m, want, compile);
     if (status == DM_OK && want & DM_WANT_VALUE && m->stepped != m->lagrangian)
         status = dm_tape_build_exact(&m->model.value, m->graph, &m->lagrangian, 1, m->arena);
     return status;
