@@ -130,7 +130,7 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
 
 /* Is it a model of this L of a field (DM_CELLS)? Then its structure need not be read again: more
  * kernels. */
-static inline int dm_loops_known(const dm_model *m, const dm_graph *g, dm_node L) {
+static inline int dm_loops_of(const dm_model *m, const dm_graph *g, dm_node L) {
     return m->structure & DM_CELLS && m->source.sums == g && m->source.lagrangian == L;
 }
 dm_status dm_loops_more(dm_model *m, unsigned want, dm_compile *compile);

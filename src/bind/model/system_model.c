@@ -95,6 +95,8 @@ static void attach(dml_model *m) {
 
 /* the kernels `want` of what was traced */
 static dm_status build(dml_model *m, unsigned want, dm_compile *compile) {
+    if (dm_loops_of(&m->model, m->graph, m->stepped))
+        return dm_loops_more(&m->model, want, compile);
     return (m->hamiltonian ? dm_hamiltonian_build : dm_model_build)(&m->model, m->graph, m->stepped,
                                                                     m->n, want, compile, m->arena);
 }
@@ -248,13 +250,8 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     dml_model *cached = compile && !s->hyperdual ? dml_pushcached(L, arg, compile) : NULL;
     const clockid_t by = cached ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
     const double start = now_ms(by); /* asking for CPU time takes as long as five operations */
-    dml_model *m;
-    if (s->hyperdual) {
-        dm_arena *arena = dml_pusharena(L);
-        m = new_model(L, arg, fn, arena);
-    } else {
-        m = trace_model(L, arg, fn, cached, compile);
-    }
+    dml_model *m = s->hyperdual ? new_model(L, arg, fn, dml_pusharena(L))
+                                : trace_model(L, arg, fn, cached, compile);
     if (m != cached) build_model(L, arg, fn, m);
     if (m != cached && m->graph && compile) dml_cachemodel(L, arg, m, compile);
     if (m == cached) m->compile_ms = 0.0;
@@ -310,8 +307,7 @@ static void want_map(lua_State *L, dml_model *m, const char *backend) {
 
 /* all kernels of `want`; the value is that of L as it is given, which is what calls of it give */
 static dm_status build_kernels(dml_model *m, unsigned want, dm_compile *compile) {
-    const int known = dm_loops_known(&m->model, m->graph, m->stepped);
-    dm_status status = known ? dm_loops_more(&m->model, want, compile) : build(m, want, compile);
+    dm_status status = build(m, want, compile);
     if (status == DM_OK && want & DM_WANT_VALUE && m->stepped != m->lagrangian)
         status = dm_tape_build_exact(&m->model.value, m->graph, &m->lagrangian, 1, m->arena);
     return status;

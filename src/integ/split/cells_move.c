@@ -44,7 +44,7 @@ __attribute__((always_inline)) static inline void move_one(const moved_block *b,
     double now = b->p[k];
     if (usual || v->kicks) {
         if (plain)
-            b->p[k] = now += v->kick * f;
+            b->p[k] = now + v->kick * f;
         else
             dm_sum_add(b->p + k, b->low_p + k, v->kick * f);
         now = b->p[k];
