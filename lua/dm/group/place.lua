@@ -54,25 +54,14 @@ end
 
 ---- functions of a state ----
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return out
-end
-
 -- the first d entries of a vector of N
-local function body(place, v)
-  local out = {}
-  for i = 1, place.dimension do out[i] = v[i] end
-  return core.vector(out)
-end
+local function body(place, v) return v:slice(1, place.dimension) end
 
 --- d numbers with zeros behind them, N in all.
 function M.padded(place, v, what)
-  local x = kits.vector(v, place.dimension, what)
-  local out = zeros(place.size)
+  local x, out = kits.vector(v, place.dimension, what), core.zeros(place.size)
   for i = 1, place.dimension do out[i] = x[i] end
-  return core.vector(out)
+  return out
 end
 
 --- f(g, xi, ...) as a function of (q, v, ...).
@@ -263,16 +252,18 @@ local LOOSE = 1e-9  -- how far a start may be off its group
 
 -- the element, on the group or brought there
 local function on_group(place, q, project)
-  local kit, name = place.kit, tostring(place.space)
+  local kit = place.kit
   local fine, g = pcall(kit.element, q)
   if not fine then
-    error(("%s; an element of %s is %s"):format(g, name, require "dm.group.form".of(kit)), 0)
+    error(("%s; an element of %s is %s"):format(g, tostring(place.space),
+      require "dm.group.form".of(kit)), 0)
   end
   local defect = kit.defect(g)
   if defect <= LOOSE then
     local list = place.flat(g)
     if kits.is_finite(list) then return list end
   end
+  local name = tostring(place.space)
   if not kits.is_finite(kit.entries(g)) then
     error(("field 'q': the element of %s is not finite"):format(name), 0)
   end
@@ -295,23 +286,19 @@ end
 local function flat_options(place, options)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
-  for _, key in ipairs { "q0", "q1" } do
-    if options[key] ~= nil then
-      error(("field '%s': a system on %s starts from q and v or from q and p")
-        :format(key, tostring(place.space)), 0)
-    end
+  if options.q0 ~= nil or options.q1 ~= nil then
+    error(("field '%s': a system on %s starts from q and v or from q and p")
+      :format(options.q0 ~= nil and "q0" or "q1", tostring(place.space)), 0)
   end
-  if out.q ~= nil then out.q = core.vector(on_group(place, out.q, options.project)) end
-  for _, key in ipairs { "v", "p" } do
-    if options[key] ~= nil then
-      out[key] = M.padded(place, options[key], ("field '%s'"):format(key))
-    end
-  end
+  if options.q ~= nil then out.q = core.vector(on_group(place, options.q, options.project)) end
+  if options.v ~= nil then out.v = M.padded(place, options.v, "field 'v'") end
+  if options.p ~= nil then out.p = M.padded(place, options.p, "field 'p'") end
   return out
 end
 
 --- q, v, p of a run in flat coordinates, in a copy of its options.
 function M.start(place, options)
+  if not place.reduced and options.a == nil then return flat_options(place, options) end
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   start_reduced(place, options, out)

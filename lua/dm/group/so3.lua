@@ -39,22 +39,11 @@ local function outer_square(R)
     { wz, xz, yz, 1 - a - b + c } }
 end
 
--- the same of numbers, without the closures of a choice
-local function of_numbers(K)
-  local best = 1
-  for k = 2, 4 do
-    if K[k][k] > K[best][best] then best = k end
-  end
-  local row = K[best]
-  local scale = 0.5 / math.sqrt(row[best])
-  if row[1] < 0 then scale = -scale end
-  return { row[1] * scale, row[2] * scale, row[3] * scale, row[4] * scale }
-end
-
 --- The unit quaternion of R with w >= 0.
 function M.quaternion(R)
+  local q = core.quaternion(R)
+  if q then return q end
   local K = outer_square(R)
-  if type(K[1][1]) == "number" then return of_numbers(K) end
   local d = { K[1][1], K[2][2], K[3][3], K[4][4] }
   local best = { K[1][1], K[1][2], K[1][3], K[1][4], d[1] }
   for k = 2, 4 do
@@ -71,13 +60,7 @@ function M.quaternion(R)
 end
 
 --- The rotation of a quaternion; times |q|^2 when that is not 1.
-function M.rotation(q)
-  local w, x, y, z = q[1], q[2], q[3], q[4]
-  return core.matrix {
-    { w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y) },
-    { 2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x) },
-    { 2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z } }
-end
+M.rotation = core.rotation
 
 function M.norm_bond(q) return { q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4] - 1 } end
 

@@ -98,11 +98,8 @@ end
 
 --- How far R is from a rotation.
 function M.defect(R, n)
-  local worst, rows = 0, R:totable()
-  for _, x in ipairs(orthonormal(rows, n, n)) do
-    if not (math.abs(x) <= worst) and worst == worst then worst = math.abs(x) end
-  end
-  local corner = R.rows == n and R or linear.fill(n, n, function(i, j) return rows[i][j] end)
+  local worst = core.orthonormality(R, n)
+  local corner = R.rows == n and R or linear.fill(n, n, function(i, j) return R[i][j] end)
   if worst < 0.5 and corner:det() < 0 then
     return 2, "its determinant is -1"
   end

@@ -199,23 +199,27 @@ static void find_kernel(dm_phase *g) {
         dm_kernel_prepare_lanes(&f->kernel, f->lanes, f->lanes == w ? f->out : f->some_out);
 }
 
-/* Everything is zero at first: lanes without a stage stay at the start. */
+/* Arrays of stages are zero at first: lanes without a stage stay at the start. What Newton's method
+ * works on is most of the memory, and is written before it is read. */
+static void clear(const dm_phase *g, double *first) {
+    memset(first, 0, (size_t)(g->root - first) * sizeof *first);
+    memset(g->memory, 0, dm_phase_memory_size(g) * sizeof *g->memory);
+}
+
 dm_status dm_phase_open(dm_stepper *stepper) {
     dm_phase *g = dm_phase_of(stepper);
     const dm_model *m = stepper->model;
     dm_galerkin basis;
     dm_stage_basis(&basis, stepper->rule, m);
-    const size_t all = dm_phase_work(stepper->rule, m);
-    double *memory = aligned((double *)(void *)(g + 1));
-    memset(stepper->work, 0, all * sizeof *stepper->work);
+    double *const table = aligned((double *)(void *)(g + 1));
     *g = (dm_phase){.m = m, .n = m->n, .r = (uint32_t)basis.q.r, .count = basis.sweeps};
     g->width = (uint32_t)width_of(g->r);
     if (g->r <= DM_SWEEP_WIDTH) g->row = dm_sweep_find(g->r);
     g->h = NAN; /* of no step yet */
-    dm_stage_table_find(&g->table, &basis, m, memory);
-    memory = aligned(memory + dm_stage_table_size(g->table.s, g->r));
-    memory = lay_out(g, memory);
-    assert(memory <= stepper->work + all);
+    double *const end = lay_out(g, aligned(table + dm_stage_table_size((size_t)basis.s, g->r)));
+    assert(end <= stepper->work + dm_phase_work(stepper->rule, m));
+    clear(g, table);
+    dm_stage_table_find(&g->table, &basis, m, table);
     for (uint32_t k = 0; k < 2 * g->n; k++) g->ones[k] = 1.0;
     for (int k = 0; k < 2; k++) plan(g, k);
     g->end.rows = g->n;

@@ -2,7 +2,6 @@
  *   (Q, P) <- (q0, p0) + base + h (a V, A F),  (V, F) <- field(Q, P),
  * which end, like those of stage_sweep.c, when what the last one leaves is below round-off of the
  * sums. The first stages come from the polynomials through V and F of the step before. */
-#include "base/largest.h"
 #include "integ/phase/phase_inside.h"
 #include "integ/stage/workspace/stage_limits.h"
 
@@ -11,11 +10,13 @@
 typedef struct {
     dm_phase *g;
     int by_all;                /* the largest coordinate alone tells when they end */
+    int measured;              /* what sweeps change is looked at */
     int settled;               /* what the coefficients lack is in the base */
     int rated;                 /* the rate is of this step */
     int count;                 /* sweeps */
+    int known;                 /* the last of them that was looked at */
     double scale[2], moved[2]; /* squares, of q and p: 1 over their size, of the last change */
-    double change;             /* of the sums by the last sweep, relative, squared */
+    double change;             /* of the sums by that one, relative, squared */
     double rate;               /* by which it shrinks */
 } iteration;
 
@@ -24,25 +25,34 @@ static void evaluate(dm_phase *g) {
     g->evaluations += g->r;
 }
 
-/* one sweep; what positions and momenta moved by, relative to their size */
+/* what positions and momenta moved by, relative to their size; with that of the sweep before it
+ * tells the rate */
+static void look(iteration *it) {
+    const double before = it->change, change = dm_sweep_relative(it->moved, it->scale);
+    it->change = change;
+    if (it->known == it->count - 1 && it->count > 1) {
+        if (before <= DM_SWEEP_CLEAN && change <= 100.0 * DM_SWEEP_CLEAN) {
+            it->change = it->rate * before;
+        } else {
+            it->rate = change / before;
+            it->rated = 1;
+        }
+    }
+    it->known = it->count;
+}
+
+/* One sweep. The next arguments of the field do not wait for the look at what it changed. */
 static void sweep(iteration *it) {
     dm_phase *g = it->g;
-    const double before = it->change;
-    double change = 0.0;
-    for (int k = 0; k < 2; k++) it->moved[k] = g->row->move(&g->sum[k]);
+    it->count++;
     for (int k = 0; k < 2; k++) {
-        const double moved = it->moved[k];
-        change = dm_largest(change, moved > 0.0 ? moved * it->scale[k] : moved);
+        if (it->measured)
+            it->moved[k] = g->row->move(&g->sum[k]);
+        else
+            g->row->put(&g->sum[k]);
     }
     evaluate(g);
-    it->change = change;
-    if (before <= DM_SWEEP_CLEAN && change <= 100.0 * DM_SWEEP_CLEAN) {
-        it->change = it->rate * before;
-    } else if (it->count > 0) {
-        it->rate = change / before;
-        it->rated = 1;
-    }
-    it->count++;
+    if (it->measured) look(it);
 }
 
 /* what the coefficients lack, into the bases, from a u that is near enough to the last one */
@@ -61,8 +71,8 @@ static dm_status iterate(iteration *it, double tolerance, int fixed) {
     const double enough = DM_SWEEP_LEFT * tolerance;
     const double slow = 2 * it->g->n * it->g->r > FEW_UNKNOWNS ? SLOW : DM_SWEEP_SLOW;
     for (int k = 1; k < (fixed ? fixed : SLOW_SWEEPS); k++) {
-        const int settled = it->settled;
-        if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
+        if (!it->settled && it->change < DM_SWEEP_SETTLED) settle(it);
+        it->measured = !fixed || !it->settled || k >= fixed - 2;
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
         if (fixed) continue;

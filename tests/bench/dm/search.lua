@@ -15,8 +15,9 @@ local RULES = { "gauss(8, 6)", "gauss(8, 8)", "gauss(8, 7)", "gauss(8, 5)", "gau
   "blanes-moan(6, 11)", "blanes-moan(4)", "suzuki(4)", "mclachlan(4)", "yoshida(6)", "yoshida(4)",
   "log-hamiltonian(sofroniou-spaletta(10))", "log-hamiltonian(kahan-li(8))", "log-hamiltonian(verlet)",
   "verlet", "midpoint" }
-local RULES_ON_GROUPS = { "gauss(8)", "gauss(7)", "gauss(6)", "gauss(5)", "gauss(4)", "gauss(3)", "gauss(8, 8)", "gauss(8, 6)", "lie(4)",
-  "lie(3)", "lie(2)", "lie(1)", "rotations(8)", "rotations(6)", "rotations(4)", "rotations(2)", "rkmk4" }
+local RULES_ON_GROUPS = { "gauss(8)", "gauss(7)", "gauss(6)", "gauss(5)", "gauss(4)", "gauss(3)", "gauss(8, 6)", "gauss(8, 8)",
+  "gauss(8, 10)", "gauss(8, 12)", "gauss(8, 13)", "gauss(8, 14)", "lie(4)", "lie(3)", "lie(2)", "lie(1)", "rotations(8)",
+  "rotations(6)", "rotations(4)", "rotations(2)", "rkmk4" }
 
 -- and for chains of 1024, where an implicit step would have a matrix of 1024 x 1024; sums of the bound are plain there
 local LONG_RULES, LONGEST_LONG =

@@ -8,8 +8,6 @@
 #include "integ/stage/sweep/stage_sweep.h"
 #include "integ/stage/workspace/stage_limits.h"
 
-#include "base/largest.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -84,16 +82,6 @@ static void evaluate(iteration *it) {
     }
 }
 
-static double relative(const iteration *it) {
-    double largest = 0.0;
-    for (int k = 0; k < 2; k++) {
-        const double change = it->moved[k];
-        const double ratio = change > 0.0 ? change * it->scale[k] : change;
-        largest = dm_largest(largest, ratio);
-    }
-    return largest;
-}
-
 /* error left in the sums, squared; what it does to momenta, h L_qq of it, may be as large */
 static double left(const iteration *it) {
     return it->rate * it->change;
@@ -111,7 +99,7 @@ static void settle(iteration *it) {
 static void sweep(iteration *it) {
     const double before = it->change;
     it->moved[0] = move(it, &it->w->q);
-    if (it->measured) it->change = relative(it);
+    if (it->measured) it->change = dm_sweep_relative(it->moved, it->scale);
     evaluate(it);
     if (before <= DM_SWEEP_CLEAN && it->change <= 100.0 * DM_SWEEP_CLEAN) {
         it->change = it->rate * before;

@@ -59,6 +59,19 @@ typedef struct {
  * units [rows] that make all rows as large. */
 double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all);
 
+typedef double dm_pair __attribute__((vector_size(16), aligned(8), may_alias));
+typedef long long dm_pair_mask __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* The larger of moved times scale, of q and p, NaN where one is not finite; scale may be infinite
+ * where nothing moved. Without a branch: which of both is larger cannot be foretold. */
+static inline double dm_sweep_relative(const double moved[2], const double scale[2]) {
+    const dm_pair m = *(const dm_pair *)(const void *)moved;
+    const dm_pair x = m * *(const dm_pair *)(const void *)scale;
+    const dm_pair_mask some = (dm_pair_mask)(m > 0.0);
+    const dm_pair r = (dm_pair)((some & (dm_pair_mask)x) | (~some & (dm_pair_mask)m));
+    return (r[0] > r[1] ? r[0] : r[1]) + 0.0 * (r[0] + r[1]);
+}
+
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors
  * that serve. */
 const dm_sweep_row *dm_sweep_find(uint32_t stages);
