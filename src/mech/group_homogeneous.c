@@ -8,7 +8,7 @@
  * forces are pulled back: their covectors f become f dxi/dv, which do no work along q. */
 #include "algebra/derive.h"
 #include "mech/constraints.h"
-#include "mech/group.h"
+#include "mech/group_inside.h"
 
 #include <string.h>
 
@@ -190,6 +190,17 @@ static dm_status begin(dm_homogeneous *out, pulling *l, dm_compile *compile) {
     return status;
 }
 
+/* Starts that are brought onto the constraints move in the chart. */
+static dm_status want_moves(dm_group *out, const pulling *l, dm_compile *compile) {
+    if (!l->m->constraints || out->joints.finish.eval) return DM_OK;
+    const dm_joining j = {.m = l->m,
+                          .trace = out->trace + DM_TAU_EXP,
+                          .arena = l->arena,
+                          .n = l->n,
+                          .d = l->d};
+    return dm_joining_finish(&j, &out->joints.finish, compile);
+}
+
 /* what dm_model_build does not know */
 static void attach(dm_model *lifted, const dm_model *m, dm_homogeneous *h) {
     lifted->source.cache = m->source.cache ? &h->cache : NULL;
@@ -203,6 +214,7 @@ dm_status dm_group_homogeneous(dm_group *out, const dm_model *m, unsigned want,
     dm_homogeneous *h = &out->homogeneous;
     pulling l = {.m = m, .h = h, .arena = m->source.arena, .n = m->n, .d = out->momenta};
     dm_status status = h->lifted ? DM_OK : begin(h, &l, compile);
+    if (status == DM_OK) status = want_moves(out, &l, compile);
     if (status != DM_OK) return status;
     dm_model *lifted = h->lifted;
     const dm_source *s = &lifted->source;

@@ -162,6 +162,9 @@ static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int l
 static void project(lua_State *L, dml_stepping *r, const char *who) {
     const dm_model *m = &r->model->model;
     double *work = r->metric + m->n * (size_t)m->n;
+    dm_constraints_defect first;
+    const dm_status ranked =
+        dm_constraints_velocity_defect(&first, m->constraints, r->x, r->metric, work);
     dm_status status = dm_constraints_project_position(m->constraints, r->x, r->metric, work);
     if (status == DM_OK && !m->inverse_mass)
         status = dm_constraints_inverse_mass(r->metric, m, r->x, work);
@@ -169,6 +172,7 @@ static void project(lua_State *L, dml_stepping *r, const char *who) {
         status = dm_constraints_project_velocity(m->constraints, r->x, r->metric, work);
     if (status == DM_OK)
         status = dm_legendre(m, r->state + m->n, r->x, r->x + m->n, r->t0, r->work);
+    if (status == DM_SINGULAR && ranked == DM_OK) check_rank(L, m->constraints, &first, who);
     if (status != DM_OK)
         luaL_error(L,
                    "%sno start: project = true found no state on the constraints near this one "
