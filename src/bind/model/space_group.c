@@ -310,7 +310,7 @@ static void make_change(lua_State *L, const dml_system *s, int place, int tau, d
 /* a userdata with the trace of exp; the place is on top */
 static void make_traces(lua_State *L, const dml_system *s) {
     const int place = lua_gettop(L);
-    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, 1 + DM_TAUS);
+    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, 1 + 2 * DM_TAUS);
     memset(out, 0, DM_TAUS * sizeof *out);
     dm_arena *arena = dml_pusharena(L);
     lua_setiuservalue(L, -2, 1);
@@ -318,23 +318,28 @@ static void make_traces(lua_State *L, const dml_system *s) {
     lua_setfield(L, place, "traces");
 }
 
-/* The traces of the place are those of all models that come later. */
+/* An arena on top that the traces at an index keep as their number `which`. */
+static dm_arena *keep_arena(lua_State *L, int traces, int which) {
+    dm_arena *arena = dml_pusharena(L);
+    lua_pushvalue(L, -1);
+    lua_setiuservalue(L, traces, which);
+    return arena;
+}
+
+/* The traces of the place are those of all models that come later. Of every tau the chart and what
+ * a step adds have arenas of their own: they are not always made together. */
 void dml_place_taus(lua_State *L, int arg, dm_group *out, unsigned wants) {
     const dml_system *s = dml_checksystem(L, arg);
     const int place = lua_gettop(L) + 1;
-    for (int tau = 0; tau < DM_TAUS; tau++) {
+    for (int tau = 0; tau < DM_TAUS; tau++, lua_settop(L, place - 1)) {
         if (!(wants & (unsigned)DM_WANT_CHART << tau) || out->trace[tau].looked) continue;
         dml_systemfield(L, arg, "place");
         lua_getfield(L, place, "traces");
-        dm_chart_trace *traces = lua_touserdata(L, -1);
-        dm_arena *arena = dml_pusharena(L);
-        lua_pushvalue(L, -1);
-        lua_setiuservalue(L, place + 1, tau + 2); /* the first is that of all systems, exp alone */
-        if (!traces[tau].chart) make_trace(L, s, place, tau, arena, traces + tau);
-        if (traces[tau].chart && !(wants & DM_WANT_JOINTS))
-            make_change(L, s, place, tau, arena, traces + tau);
-        out->trace[tau] = traces[tau];
-        lua_settop(L, place - 1);
+        dm_chart_trace *traces = lua_touserdata(L, -1), *t = traces + tau;
+        if (!t->chart) make_trace(L, s, place, tau, keep_arena(L, place + 1, 2 + 2 * tau), t);
+        if (t->chart && !t->looked && !(wants & DM_WANT_JOINTS))
+            make_change(L, s, place, tau, keep_arena(L, place + 1, 3 + 2 * tau), t);
+        out->trace[tau] = *t;
     }
 }
 

@@ -149,10 +149,12 @@ static size_t memory(dm_stepper *s, double **place) {
 
 /* what the base has left to its next step, into the memory; and back */
 static void keep_base(lift *l) {
+    if (!l->base_memory) return;
     dm_fresh_copy(l->memory + STATE + 8 * (size_t)l->n, l->of_base, l->base_memory);
 }
 
 static void give_base(lift *l) {
+    if (!l->base_memory) return;
     memcpy(l->of_base, l->memory + STATE + 8 * (size_t)l->n, l->base_memory * sizeof(double));
 }
 

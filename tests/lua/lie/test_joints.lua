@@ -255,4 +255,15 @@ raises("lie(s) does", run, dm.system { Q = dm.SO(4), L = function(_, w) return w
 raises("degenerate", run, dm.system { Q = pair, L = function(_, v) return v[1] ^ 2 end,
   constraint = held }, "lie(1)", 0.1, 1, tilt)
 
+-- what is traced of a map other than exp outlives the model that asked for it first
+local factor = 1
+local spun = dm.system { Q = SO3, rolling = function(_, w) return { w[3] } end,
+  L = function(_, w) return factor * w:dot(w) / 2 end }
+for k = 1, 3 do
+  factor = k
+  near(run(spun, "lie(1, gauss(1), cayley)", 0.1, 1, { q = one, v = { 1, 0, 0 } }).p[2][1], k, 1e-14,
+    "a model after another, by the Cayley map")
+  collectgarbage()
+end
+
 tap.done()
