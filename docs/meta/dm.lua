@@ -3740,8 +3740,8 @@ function dm_solver_class:ensemble(options) end
 ---Up to which step does an implicit step from this state have a solution? The solution q1 of p + D1
 ---Ld(q, q1) = 0 is followed from small h to up_to (default 256 steps of the solver) and the fold,
 ---where two solutions meet, found where det D1D2 Ld vanishes; h is infinite when there is none. fold =
----false with a finite h: Newton's method gives up although the matrix is regular. Stage rules and
----discrete Lagrangians.
+---false with a finite h: Newton's method gives up although the matrix is regular, as where the chart
+---of a group ends, at half a turn. Stage rules and discrete Lagrangians; lie(s) on groups.
 ---@param options? table
 ---@return table
 function dm_solver_class:fold(options) end
@@ -3776,7 +3776,8 @@ function dm_solver_class:measured_order(options) end
 ---every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve the motion. energy,
 ---H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the
 ---modified energy from its mean; drift: its slope per unit of time with its standard error: round-off
----for a symplectic rule. Needs a Lagrangian without time, constraints and forces.
+---for a symplectic rule. Needs a Lagrangian without time, constraints and forces; on groups all rules
+---but rotations(k).
 ---@param options? table
 ---@return table
 function dm_solver_class:modified_energy(options) end

@@ -133,6 +133,18 @@ function M.action(Ld)
     stages = #c.beta, tau = tau, inverse = tau == "exp" and kit.dexpinv or kit.dcayinv }
 end
 
+-- the matrix of the equations below for (V, S_1), of the second derivatives of S
+local function slope_of_stationary(H, c, h, N, d)
+  local m = #c.beta * d
+  local J = core.zeros(m + d, m + d):totable()
+  for k = 1, m do
+    local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
+    for l = 1, m do J[k][l] = H[N + d + k][N + d + l] end
+    J[k][m + a], J[m + a][k] = -hb, hb
+  end
+  return core.matrix(J)
+end
+
 -- V and S_1 with dS/dV_j = h beta_j S_1 and h sum_j beta_j V_j = xi, by Newton's method
 local function stationary(S, c, h, q0, xi)
   local d, N = #xi, #q0
@@ -141,16 +153,13 @@ local function stationary(S, c, h, q0, xi)
   for k = 1, m do z[k] = xi[(k - 1) % d + 1] / h end
   local function equation()
     local V = part(z, 0, m)
-    local G, H = S:gradient(q0, zero, V), S:hessian(q0, zero, V)
-    local R, J = core.zeros(m + d), core.zeros(m + d, m + d):totable()
+    local G, R = S:gradient(q0, zero, V), core.zeros(m + d)
     for a = 1, d do R[m + a] = -xi[a] end
     for k = 1, m do
       local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
       R[k], R[m + a] = G[N + d + k] - hb * z[m + a], R[m + a] + hb * V[k]
-      for l = 1, m do J[k][l] = H[N + d + k][N + d + l] end
-      J[k][m + a], J[m + a][k] = -hb, hb
     end
-    return R, core.matrix(J)
+    return R, slope_of_stationary(S:hessian(q0, zero, V), c, h, N, d)
   end
   for _ = 1, 30 do
     local R, J = equation()
@@ -192,11 +201,21 @@ local function by_rule(Ld)
     local V, S1, xi = between(q0, q1)
     return transposed(xi, S1) - part(S:gradient(q0, zero, V), N, d), transposed(-xi, S1)
   end
-  -- dp0 = Omega u1 at u0 = 0: the inverse of a block of the tangent map of the step
+  -- dp0 = Omega u1 at u0 = 0: xi moves by dtau_L^-1 u1, V and S1 by the equations that they solve
+  local turned = core.derivative(transposed, d, d)
   function way.two_form(q0, q1)
-    local p0 = way.momenta(q0, q1)
-    local D = Ld:solver():tangent { q = P.element(q0), p = p0, steps = 1 }
-    return linear.fill(d, d, function(i, j) return D[i][d + j] end):inverse()
+    local V, S1, xi = between(q0, q1)
+    local H, m = S:hessian(q0, zero, V), s * d
+    local J, slope = slope_of_stationary(H, c, Ld.h, N, d), turned(xi, S1)
+    return linear.matrix_of(function(u)
+      local dxi = core.vector(inverse(-xi, u))
+      local dz = J:solve(lists.joined(core.zeros(m), dxi))
+      local out = slope * lists.joined(dxi, part(dz, m, d))
+      for i = 1, d do
+        for k = 1, m do out[i] = out[i] - H[N + i][N + d + k] * dz[k] end
+      end
+      return out
+    end, d)
   end
   return way
 end

@@ -20,9 +20,22 @@ local function with_step(solver, h)
   return core.discrete_lagrangian(system, { rule = solver.rule, h = h })
 end
 
+-- how positions move: plus(q, d), minus(a, b) with plus(b, minus(a, b)) = a, size(q0, q1); elements
+-- of a group by translations from the right, as Ld:two_form has them
+local function moves_of(system)
+  local G = system.Q
+  if not system.place then
+    return { plus = function(q, d) return q + d end, minus = function(a, b) return a - b end,
+      size = function(q0, q1) return 1e-300 + q1:norm() + q0:norm() end }
+  end
+  return { plus = function(g, d) return G:compose(g, G:exp(d)) end,
+    minus = function(a, b) return G:log(G:compose(G:inverse(b), a)) end,
+    size = function() return 1 end }
+end
+
 -- q1 with p0 + D1 Ld(q0, q1) = 0 from a guess, and det(-h D1D2 Ld), which tends to that of the mass
 -- with h; nil: none was found
-local function solve(solver, q0, p0, guess, h)
+local function solve(solver, moves, q0, p0, guess, h)
   local Ld, q1, last = with_step(solver, h), guess, huge
   for _ = 1, 30 do
     local fine, r = pcall(Ld.legendre_minus, Ld, q0, q1)
@@ -30,8 +43,10 @@ local function solve(solver, q0, p0, guess, h)
     if not (fine and also) then return nil end
     local solved, d = pcall(W.solve, W, p0 - r)
     if not solved then return nil end
-    q1 = q1 + d
-    local size = d:norm() / (1e-300 + q1:norm() + q0:norm())
+    local moved, there = pcall(moves.plus, q1, d)
+    if not moved then return nil end
+    q1 = there
+    local size = d:norm() / moves.size(q0, q1)
     if size ~= size or size > 1e3 then return nil end
     if size < 1e-14 or (size < 1e-11 and size >= 0.5 * last) then
       return q1, (Ld:two_form(q0, q1) * h):det()
@@ -50,15 +65,16 @@ end
 
 -- follow the solution from a small step; the last two points with one, and whether the end `up_to`
 -- was reached
-local function follow(solver, q0, p0, v0, from, up_to)
+local function follow(solver, moves, q0, p0, v0, from, up_to)
   local before, here = nil, { h = 0, q1 = q0 }
   local h, grow = from, 1.25
   while true do
-    local guess = q0 + v0 * h
+    local guess = moves.plus(q0, v0 * h)
     if before then
-      guess = here.q1 + (here.q1 - before.q1) * ((h - here.h) / (here.h - before.h))
+      local ratio = (h - here.h) / (here.h - before.h)
+      guess = moves.plus(here.q1, moves.minus(here.q1, before.q1) * ratio)
     end
-    local q1, det = solve(solver, q0, p0, guess, h)
+    local q1, det = solve(solver, moves, q0, p0, guess, h)
     local sign = q1 and (here.det == nil or det * here.det > 0)
     if sign then
       before, here = here, { h = h, q1 = q1, det = det }
@@ -98,7 +114,8 @@ local function start_of(system, options)
   local p = core.vector(options.p or system:legendre(options.q, options.v))
   local v = options.v and core.vector(options.v)
     or not system.Ld and system:velocity(options.q, p) or p * 0
-  return core.vector(options.q), p, v
+  local place = system.place
+  return place and place.kit.element(options.q) or core.vector(options.q), p, v
 end
 
 local FOLD = "%s: fold at h = %.8g: two solutions of the step equation meet there, its matrix is "
@@ -119,7 +136,9 @@ local function describe_end(rule, before, here, first)
 end
 
 M.fold = blame.caller(function(solver, options)
-  if solver.system.place then error("solver:fold: not for systems on groups yet", 0) end
+  if solver.system.place and solver.system.place.right then
+    error("solver:fold: on groups with the left trivialization only", 0)
+  end
   options = starts.lists(options, solver)
   local what, rule = "solver:fold", tostring(solver.rule or "del")
   option.check(options, { "q", "v", "p", "up_to" }, what, START)
@@ -127,8 +146,8 @@ M.fold = blame.caller(function(solver, options)
   check_start(solver, options, what, rule)
   local up_to = option.positive(options, "up_to", what, "a step", 256 * solver.h)
   local q0, p0, v0 = start_of(solver.system, options)
-  local least = min(solver.h, up_to) / 64
-  local before, here, reached = follow(solver, q0, p0, v0, least, up_to)
+  local least, moves = min(solver.h, up_to) / 64, moves_of(solver.system)
+  local before, here, reached = follow(solver, moves, q0, p0, v0, least, up_to)
   if not here then
     error(("%s: not even h = %g has a solution near q + h v"):format(what, least), 0)
   end
@@ -137,7 +156,7 @@ M.fold = blame.caller(function(solver, options)
     return core.result { h = huge, fold = false, q1 = here.q1, why = why:format(rule, up_to) }
   end
   local small = here.h / 512
-  local found, det = solve(solver, q0, p0, q0 + v0 * small, small)
+  local found, det = solve(solver, moves, q0, p0, moves.plus(q0, v0 * small), small)
   return describe_end(rule, before, here, found and det or here.det)
 end)
 
@@ -146,7 +165,7 @@ solver:fold{q=, v= | p=, up_to=} -> {h, fold, q1, why}
 Up to which step does an implicit step from this state have a solution? The solution q1 of p + D1
 Ld(q, q1) = 0 is followed from small h to up_to (default 256 steps of the solver) and the fold,
 where two solutions meet, found where det D1D2 Ld vanishes; h is infinite when there is none. fold =
-false with a finite h: Newton's method gives up although the matrix is regular. Stage rules and
-discrete Lagrangians.]])
+false with a finite h: Newton's method gives up although the matrix is regular, as where the chart
+of a group ends, at half a turn. Stage rules and discrete Lagrangians; lie(s) on groups.]])
 
 return M

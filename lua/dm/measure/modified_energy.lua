@@ -8,8 +8,11 @@
 -- rule itself by a passive coordinate y = 0 with the momentum P_y: with z' y' + (1 + y) L in place
 -- of L, P_y grows by Ld in every step; for L = v M v/2 - V(q), where explicit rules want no product
 -- with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
+-- On a group p dq is <mu, g^-1 dg>: that of its flat coordinates with any p above mu.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local flats = require "dm.group.flat"
+local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
@@ -110,11 +113,39 @@ local function is_simple(system)
   return fine and p:norm() == 0
 end
 
+-- on a group, on G x R^2
+local function extended_on_group(system)
+  local given, n = system.given, system.place.dimension
+  return core.system { Q = core.product(system.Q, core.R(2)),
+    L = function(g, u)
+      local L = given.L(g[1], head(u, n), 0, given.params)
+      return u[n + 1] * u[n + 2] + (1 + g[2][1]) * L
+    end,
+    trivialization = system.place.right and "right" or "left" }
+end
+
 ---- along the run ----
 
 local function columns(path, n)
   local q, p = {}, {}
   for i = 1, n do q[i], p[i] = path:column("q" .. i):totable(), path:column("p" .. i):totable() end
+  return q, p
+end
+
+-- flat coordinates of the group in every row, and a p with p . dq = <mu, g^-1 dg>
+local function columns_on_group(path, own)
+  local N, d = own.size, own.dimension
+  local X = flats.directions(own, N, d, own.right)
+  local q, p, rows, mu = {}, {}, {}, {}
+  for i = 1, N do q[i], p[i] = path:column("q" .. i):totable(), {} end
+  for a = 1, d do mu[a] = path:column("p" .. a):totable() end
+  for r = 1, #path do
+    for i = 1, N do rows[i] = q[i][r] end
+    local here, at = {}, X(rows)
+    for a = 1, d do here[a] = mu[a][r] end
+    local above = at * (at:transpose() * at):solve(core.vector(here))
+    for i = 1, N do p[i][r] = above[i] end
+  end
   return q, p
 end
 
@@ -130,12 +161,14 @@ local function actions(path, q, p, n, simple)
   return S
 end
 
-local function series(path, n, k, h, simple)
-  local q, p = columns(path, n)
-  local S, W, out = actions(path, q, p, n, simple), weights(k), {}
+local function series(path, system, k, h, simple)
+  local own, n = system.place, system.Q.dimension
+  local S, W, out, q, p
+  if own then q, p = columns_on_group(path, own) else q, p = columns(path, n) end
+  S, W, out = actions(path, q, p, n, simple), weights(k), {}
   for r = 1 + k, #S - k do
     local sum = 0
-    for i = 1, n do
+    for i = 1, #q do
       local qi, pi_, q0 = q[i], p[i], q[i][r]
       for a = -k, k do
         local row, inner = W[a], 0
@@ -178,21 +211,60 @@ polynomials through 2 points + 1 (default 13) neighbouring points and the discre
 every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve the motion. energy,
 H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the
 modified energy from its mean; drift: its slope per unit of time with its standard error: round-off
-for a symplectic rule. Needs a Lagrangian without time, constraints and forces.]]
+for a symplectic rule. Needs a Lagrangian without time, constraints and forces; on groups all rules
+but rotations(k).]]
+
+-- the start of the system with y and z, where both and their momenta are 0
+local function start_of(system, options)
+  local n, p = system.Q.dimension, options.p or system:legendre(options.q, options.v)
+  local x, momentum = {}, {}
+  for i = 1, n do momentum[i] = p[i] end
+  momentum[n + 1], momentum[n + 2] = 0, 0
+  if not system.place then
+    for i = 1, n do x[i] = options.q[i] end
+    x[n + 1], x[n + 2] = 0, 0
+    return x, momentum
+  end
+  return { system.place.kit.element(options.q), core.zeros(2) }, momentum
+end
+
+-- the run of the system with y and z
+local function run_extended(solver, system, simple, options)
+  local q, p = start_of(system, options)
+  local whole = system.place and extended_on_group(system) or extended(system, simple)
+  local fine, path = pcall(function()
+    return whole:solver { rule = solver.rule, h = solver.h,
+      newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
+      :run { q = q, p = p, steps = options.steps }
+  end)
+  if fine then return path end
+  if type(path) == "string" and path:find "cannot step" then
+    error(("solver:modified_energy: '%s' does not step the system with its action beside it (%s)")
+      :format(tostring(solver.rule), path:match "cannot step this system: ([^;]*)"
+        or "lie(s) and gauss(s) do"), 0)
+  end
+  error(path, 0)
+end
+
+-- a rule that does not see multiples of coordinates keeps what it keeps on R^N
+local function by_coordinates(solver, options)
+  local own, system, to = solver.system.place, on_group.lifted(solver)
+  local q = core.vector(own.flat(own.kit.element(options.q)))
+  local p = options.p or solver.system:legendre(options.q, options.v)
+  return system:solver { rule = solver.rule, h = solver.h,
+    newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } },
+    { q = q, p = to(q, core.vector(p)), steps = options.steps, points = options.points }
+end
 
 M.modified_energy = blame.caller(function(solver, options)
-  if solver.system.place then error("solver:modified_energy: not for systems on groups yet", 0) end
   options = starts.lists(options, solver)
   local system, k = check(solver, options)
-  local n, simple = system.Q.dimension, is_simple(system)
-  local p = options.p or system:legendre(options.q, options.v)
-  local x, momentum = {}, {}
-  for i = 1, n do x[i], momentum[i] = options.q[i], p[i] end
-  for i = n + 1, n + 2 do x[i], momentum[i] = 0, 0 end
-  local path = extended(system, simple):solver { rule = solver.rule, h = solver.h,
-    newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
-    :run { q = x, p = momentum, steps = options.steps }
-  local values = series(path, n, k, solver.h, simple)
+  if system.place and solver.lift == "homogeneous" then
+    return M.modified_energy(by_coordinates(solver, options))
+  end
+  local simple = not system.place and is_simple(system)
+  local path = run_extended(solver, system, simple, options)
+  local values = series(path, system, k, solver.h, simple)
   local plain = solver:run { q = options.q, v = options.v, p = options.p, steps = options.steps }
   local H, E, t, mean, worst = plain:energy(), {}, {}, 0, 0
   for i, value in ipairs(values) do

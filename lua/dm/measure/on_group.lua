@@ -4,6 +4,7 @@ local core = require "dm.core"
 local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
 local flats = require "dm.group.flat"
+local kits = require "dm.group.kit"
 local place = require "dm.group.place"
 local steps = require "dm.group.step"
 
@@ -92,6 +93,32 @@ end
 
 ---- tangent maps ----
 
+-- The Cayley map of T G is the tangent of that of G: (xi, omega) goes to (cay xi, w) with w =
+-- dcay_xi omega; and g' g^-1 = a = dcay_xi eta, w' - [a, w] is its right-trivialized differential.
+local function give_cayley(tangent, own)
+  local kit, d = own.kit, own.dimension
+  local along = core.derivative(kit.dcay, d, d)
+  local function split(x) return lists.part(x, 0, d), lists.part(x, d, d) end
+  function tangent.cayley(x)
+    local xi, omega = split(x)
+    return { kit.cayley(xi), kit.dcay(xi, omega) }
+  end
+  function tangent.dcay(x, rate)
+    local xi, omega = split(x)
+    local eta, nu = split(rate)
+    local a, moved, slope = kit.dcay(xi, eta), kit.dcay(xi, nu), along(xi, omega)
+    local turned = kit.ad(a, kit.dcay(xi, omega))
+    for i = 1, d do
+      for k = 1, d do moved[i] = moved[i] + slope[i][k] * eta[k] end
+    end
+    return lists.joined(a, moved - turned)
+  end
+  function tangent.smooth.cayley(x)
+    local xi, omega = split(x)
+    return kits.list_of(lists.joined(own.cayley(xi), kit.dcay(xi, omega)))
+  end
+end
+
 -- The tangent group T G is the semidirect product of G and its algebra by Ad, (g, w) with w = Ad_g
 -- u; its exp is the tangent of exp, so rules of the group step the prolonged Lagrangian
 --   L~(g, w; xi, omega) = L_g . u + L_xi . omega,   omega = u' + [xi, u] = Ad_(g^-1) w'
@@ -109,8 +136,9 @@ local function prolonged(system, what)
     for k = 1, d do sum = sum + y[N + k] * u[k] + y[N + d + k] * x[d + k] end
     return sum
   end
-  return core.system { L = lifted,
-    Q = core.semidirect(system.Q, core.R(d), function(g, w) return kit.Ad(g, w) end) }
+  local Q = core.semidirect(system.Q, core.R(d), function(g, w) return kit.Ad(g, w) end)
+  if kit.cayley and kit.dcay and not kit.no_cayley then give_cayley(kits.of(Q), system.place) end
+  return core.system { L = lifted, Q = Q }
 end
 
 local function newton(solver)
@@ -124,6 +152,20 @@ local function tangent_of(path, i, kit, d)
   return lists.joined(u, lists.part(p, 0, d))
 end
 
+-- a run on the tangent group, whose chart is longer than that of the group
+local function run_prolonged(solver, lifted, options, what)
+  local fine, path = pcall(lifted.run, lifted, options)
+  if fine then return path end
+  local why = type(path) == "string" and path
+  if why and (why:find "too many to trace" or why:find "stays on it") then
+    error(("%s: '%s' steps the tangent group of %s for that, and %s; gauss(s) has a tangent map by "
+      .. "the collective lift, where the group has one"):format(what, tostring(solver.rule),
+      tostring(solver.system.Q), why:find "stays" and "that has no such map"
+      or "its chart is too long to trace (lie(s, cayley) has a shorter one)"), 0)
+  end
+  error(path, 0)
+end
+
 -- along(s, steps, vectors): where the vectors (u, dp) at the state s = { q, p, t } lead in so many
 -- steps; s becomes the end
 local function by_prolonging(solver, what)
@@ -134,9 +176,10 @@ local function by_prolonging(solver, what)
   return function(s, steps, vectors)
     local out, last = {}, nil
     for k, w in ipairs(vectors) do
-      last = lifted:run { q = { s.q, kit.Ad(s.q, core.vector(lists.part(w, 0, d))) },
+      last = run_prolonged(solver, lifted, {
+        q = { s.q, kit.Ad(s.q, core.vector(lists.part(w, 0, d))) },
         p = lists.joined(lists.part(w, d, d), s.p), t0 = s.t, steps = steps,
-        every = max(steps, 1) }
+        every = max(steps, 1) }, what)
       out[k] = tangent_of(last, #last, kit, d)
     end
     s.q, s.p = last.q[#last][1], core.vector(lists.part(last.p[#last], d, d))
@@ -222,13 +265,17 @@ end
 
 local LIFTS = { collective = collective, homogeneous = homogeneous }
 
+--- The system on R^N that the rule of a solver steps by a lift (solver.lift), to(q, mu) -> p of
+-- flat coordinates on the group, and down(q, p) -> these and mu, one after the other.
+function M.lifted(solver) return LIFTS[solver.lift](solver.system) end
+
 local function by_lift(solver, what)
   local system, own = solver.system, solver.system.place
   local N, d = own.size, own.dimension
   if system.given.constraint or system.given.rolling then
     error(what .. ": on groups without constraints only", 0)
   end
-  local lifted, to, J = LIFTS[solver.lift](system)
+  local lifted, to, J = M.lifted(solver)
   local up, down = between(own, to, J)
   local runs = lifted:solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
   return function(s, count, vectors)

@@ -191,7 +191,7 @@ local function look_along(system, path)
       out.change, c = { path.t[i - 1], t }, huge
     end
     if c > out.worst then
-      out.worst, out.t, out.q, out.v = c, t, path.q[i]:copy(), here and here.v or nil
+      out.worst, out.t, out.q, out.v = c, t, path.q[i], here and here.v or nil
     end
     note_place(out.places, i, t, c)
   end

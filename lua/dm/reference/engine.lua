@@ -16,17 +16,18 @@ local max, min, huge = math.max, math.min, math.huge
 local FIRST = { "rk8", "rk8pd", "lobatto(6)", "degenerate(3)" }
 local FIRST_SEPARABLE = { "rk8", "kahan-li(8)", "rk8pd", "lobatto(6)" }
 local SECOND = { "gauss(7)", "degenerate(4)", "gauss(6)" }
--- on groups: the collective lift and steps in charts, or steps in charts by unlike quadratures
+-- on groups: the lift and steps in charts, or steps in charts by unlike quadratures; where the
+-- chart of exp is too long to trace, that of the Cayley map, or explicit rules by the lift
 local FIRST_ON_GROUPS = { "gauss(5)", "gauss(6)", "lie(4, lobatto(5))", "lie(3, lobatto(4))" }
-local SECOND_ON_GROUPS = { "lie(5)", "lie(4)" }
+local SECOND_ON_GROUPS = { "lie(5)", "lie(4)", "lie(5, gauss(5), cayley)", "rk8", "rk8pd" }
 local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 
 -- of the error of a step; the second method takes another one, so that no step is like the other's
 local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17, 1e-18 }, 0.3
 local LARGEST = { 1 / 24, 1 / 37 }  -- of the whole time: a step, of either method
 
-local REFUSALS = { "cannot step this system", "needs a regular Lagrangian", "^field 'rule'",
-  "^field 'control'" }
+local REFUSALS = { "cannot step this system", "too many to trace", "^this group has no ",
+  "needs a regular Lagrangian", "^field 'rule'", "^field 'control'" }
 
 --- Is it the rule that cannot, whatever the step?
 function M.is_refusal(why)

@@ -165,6 +165,19 @@ static int path_velocity(lua_State *L) {
     return 1;
 }
 
+/* q[n] of the argument at 2, on a group of an element */
+static void position_argument(lua_State *L, const dml_path *p, double *q) {
+    const int top = lua_gettop(L);
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    lua_newtable(L);
+    lua_pushvalue(L, 2);
+    lua_setfield(L, -2, "q");
+    dml_place_options(L, top + 1, top + 2, "start");
+    lua_getfield(L, top + 2, "q");
+    dml_vectorarg(L, top + 3, "q", q, p->n);
+    lua_settop(L, top);
+}
+
 /* d2L/dv2 at (q, 0, t): of systems whose mass does not depend on v. */
 static int path_mass(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the mass matrix");
@@ -173,7 +186,7 @@ static int path_mass(lua_State *L) {
     if (m->hamiltonian) luaL_error(L, "this H has no Lagrangian, and hence no mass matrix");
     const dm_kernel *mass = &m->model.mass;
     double *x = scratch(L, p, m), *y = lua_newuserdatauv(L, mass->outputs * sizeof *y, 0);
-    dml_vectorarg(L, 2, "q", x, p->n);
+    position_argument(L, p, x);
     memset(x + p->n, 0, p->n * sizeof *x);
     x[2 * p->n] = t;
     dm_kernel_prepare(mass, y);
@@ -182,7 +195,9 @@ static int path_mass(lua_State *L) {
     for (uint32_t i = p->n; i < mass->outputs; i++)
         if (!isfinite(y[i]))
             luaL_error(L, "the mass matrix is not finite at this q: is it inside the domain of L?");
-    memcpy(dml_pushmatrix(L, p->n, p->n), y + p->n, (size_t)p->n * p->n * sizeof *y);
+    double *M = dml_pushmatrix(L, p->momenta, p->momenta);
+    for (size_t i = 0; i < p->momenta; i++)
+        memcpy(M + i * p->momenta, y + p->n + i * p->n, p->momenta * sizeof *y);
     return 1;
 }
 

@@ -102,4 +102,78 @@ raises("reduced by dm.euler_poincare", top.routh, top, { cyclic = { "q1" }, mu =
 raises("there is no 'q1'; on SO(3)", function()
   dm.scene { top, q = G:identity(), v = { 0, 0, 1 }, watch = { "q1" }, tolerance = 1, until_t = 1 }
 end)
+---- what a rule keeps in place of H ----
+
+local swung = dm.system { Q = G, L = function(R, w)
+  return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 + 0.1 * w[1] * w[2] - R[3][3]
+end }
+local tilted = { q = G:exp { 0.4, 0, 0 }, p = { 0.2, 0.1, 1.5 }, steps = 60 }
+local function modified(system, rule, start)
+  return system:solver { rule = rule, h = 0.025 }:modified_energy(start)
+end
+for _, rule in ipairs { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "gauss(1)", "lobatto(2)",
+  "lobatto(3)" } do
+  local m = modified(swung, rule, tilted)
+  ok(m.amplitude < 1e-12, rule .. " keeps a modified energy on SO(3)", m.amplitude)
+end
+ok(modified(swung, "rkmk4", tilted).amplitude > 1e-9, "rkmk4 keeps none")
+ok(modified(swung, "rk4", tilted).amplitude > 1e-10, "nor does rk4")
+local plain, halved = modified(swung, "lobatto(2)", tilted), tilted
+halved = swung:solver { rule = "lobatto(2)", h = 0.0125 }:modified_energy(tilted)
+near(math.log((plain.mean - plain.H[1]) / (halved.mean - halved.H[1])) / math.log(2), 2, 0.2,
+  "which is H + O(h^2) for lobatto(2)")
+local pair = dm.system { Q = dm.product(G, dm.R(2)), L = function(q, v)
+  return kinetic(v) - q[1][3][3] * q[2][1] - q[2][2] ^ 2
+end }
+local both = { q = { G:identity(), { 0.1, 0.2 } }, v = { 0.5, 0.4, 0.3, 0.2, 0.1 }, steps = 30 }
+ok(modified(pair, "lie(2)", both).amplitude < 1e-12, "on a product")
+raises("does not step the system with its action", function()
+  dm.system { Q = G, L = function(R, w) return w:dot(w) / 2 - R[3][3] end }
+    :solver { rule = "rotations(2)", h = 0.1 }:modified_energy(tilted)
+end)
+
+---- where a step ends to exist; the tangent group of maps other than exp ----
+
+local function V(s, c) return 3 * c end
+local axis = dm.system { Q = G, L = function(R, w)
+  return (7 * w[1] ^ 2 + 8 * w[2] ^ 2 + w[3] ^ 2) / 2 - V(R[2][1], R[1][1])
+end }
+local ends = axis:solver { rule = "lie(1)", h = 0.1 }:fold { q = G:exp { 0, 0, 0.3 }, v = { 0, 0, 0.5 } }
+local line = dm.system { Q = dm.R(1), L = function(q, v)
+  return v[1] ^ 2 / 2 - V(dm.sin(q[1]), dm.cos(q[1]))
+end }
+local half = line:solver { rule = "gauss(1)", h = ends.h }:step { q = { 0.3 }, v = { 0.5 } }
+ok(not ends.fold, "no fold, but the end of the chart")
+near(half[1] - 0.3, math.pi, 1e-6, "where a step of the same turn on the line is half a turn")
+local Ld = dm.discrete_lagrangian(swung, { rule = "lie(2, gauss(2), cayley)", h = 0.3 })
+local g0, g1 = G:exp { 0.1, 0.2, 0.3 }, G:exp { 0.3, 0.1, 0.5 }
+local W, e = Ld:two_form(g0, g1), 1e-5
+for k = 1, 3 do
+  local u = dm.zeros(3)
+  u[k] = e
+  local slope = (Ld:legendre_minus(g0, g1 * G:exp(u)) - Ld:legendre_minus(g0, g1 * G:exp(-u)))
+    * (0.5 / e)
+  near((slope - W:column(k)):norm(), 0, 1e-8, "the two-form is the derivative of p0")
+end
+for _, Q in ipairs { G, dm.SE(3), dm.SL(2) } do
+  local v = {}
+  for i = 1, Q.dimension do v[i] = 0.3 / i end
+  local bent = dm.system { Q = Q, L = function(g, x) return kinetic(x) - g[1][1] ^ 2 / 2 end }
+    :solver { rule = "lie(2, gauss(2), cayley)", h = 0.1 }
+  local start = { q = Q:identity(), v = v, steps = 3 }
+  ok(bent:symplecticity(start) < 1e-13, tostring(Q) .. ": by the Cayley map, symplectic")
+  local M = bent:tangent(start)
+  local p, u = bent.system:legendre(start.q, v), dm.zeros(Q.dimension)
+  u[2] = 1e-4
+  local up = bent:run { q = Q:exp(u), p = p, steps = 3 }
+  local down = bent:run { q = Q:exp(-u), p = p, steps = 3 }
+  near(((up.p[4] - down.p[4]) * 5e3 - M:column(2):slice(Q.dimension + 1, 2 * Q.dimension)):norm(),
+    0, 1e-7, "and its tangent map is the derivative")
+end
+-- the mass of a path at an element, of the momenta alone; singularities of a product
+local run = pair:solver { rule = "lie(1)", h = 0.1 }:run { q = both.q, v = both.v, steps = 3 }
+near(run:mass(run.q[2])[5][5], 0.7 + 0.3 * 5, 1e-14, "path:mass of an element")
+ok(pair:solver { rule = "lie(1)", h = 0.1 }:singularities { q = both.q, v = both.v, steps = 3 }.worst
+  < 10, "singularities along a run on a product")
+
 tap.done()
