@@ -22,9 +22,9 @@ local swirl = flat:form(1, function(x, y) return { -y, x } end)
 
 local function printed(f)
   local write, out = io.write, {}
-  io.write = function(...) out[#out + 1] = table.concat({ ... }) end
+  io.write = function(...) out[#out + 1] = table.concat({ ... }) end -- luacheck: ignore
   local fine, why = pcall(f)
-  io.write = write
+  io.write = write -- luacheck: ignore
   ok(fine, "drawn in a terminal", why)
   local lines = {}
   for line in table.concat(out):gmatch "[^\n]+" do lines[#lines + 1] = line end
