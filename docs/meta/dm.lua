@@ -135,7 +135,7 @@ function dm_avi_cells_class:limits() end
 ---@return number
 function dm_avi_cells_class:resonances(margin) end
 
----cells:run(p, h, times, half) -> dm.path, code, events
+---cells:run(p, h, times, half) -> dm.path, status, events
 ---
 ---Steps h of every cell from q and p at times[1]; a row at every time.
 ---@param p? any
@@ -3812,6 +3812,8 @@ function dm_solver_class:reversal(options) end
 ---
 ---Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` (default 1) and the end, or the states at the growing times `at` (by a shorter step on the side, which leaves the run as it is); t0 (default 0) is the time of the start. With constraints the start must lie on them, and its velocity be tangent: project = true moves it to the nearest such state in the metric of the mass. The Lagrangian is traced anew, so changed upvalues are picked up.
 ---watch = { "q1", "energy", r = function(q, v, t, p) ... end }: rows hold t and these numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "lambda" stands for system:multipliers at the state. record = { "lambda", ... }: such columns beside q and p. record = { "impulses" }: multipliers of the steps, in units of momentum: what the end of one step and the start of the next give the momentum at the row, along the rows of constraint and rolling (reaction); so the first and the last row have a half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "inner": those between as well, of the step that begins at the row. path.lambda[i], path.impulses[i] are vectors. file = "rows.npy": rows go there as they come, the path keeps the last one (of fields on meshes t, q and p, a row of q an array). events = { name = function(q, v, t, p) ... end } or { name = { g = f, direction = "up" | "down", stop = true } }: zeros of these functions, by steps of fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; a zero that is touched but not crossed, or two of one function within a step, are not seen. checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, instead of that of the first. Raises dm.failure with the path so far when a step cannot be solved, the state stops being finite, or on Ctrl-C.
+---A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
+---inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.
 ---A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes;
 ---also raised where a step jumped through such a shape), "pole" or "edge" of the coordinates. Jumps
 ---are looked for at every step of runs of up to 20000 steps, whatever rows are kept (steps between

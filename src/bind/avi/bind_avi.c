@@ -156,8 +156,8 @@ static int avi_run(lua_State *L) {
     if (half && path->rows) dml_vectorarg(L, 2, "p", path->data + 1 + n, n);
     path->steps = (long)k->a.events;
     for (uint32_t i = 0; i < k->a.cells; i++) path->h = fmax(path->h, k->a.h[i]);
-    if (status == DM_STOPPED) dml_checkstop(L);
-    lua_pushstring(L, status == DM_OK ? "ok" : dm_status_text(status));
+    if (status == DM_STOPPED) dml_stop = 0;
+    lua_pushinteger(L, status);
     lua_pushinteger(L, (lua_Integer)k->a.events);
     return 3;
 }
@@ -174,7 +174,7 @@ static const dml_row methods[] =
       "Pairs of cells with a common entry of which one kicks the other near a multiple of its half "
       "period, omega_K h_L = k pi, by so many half periods."},
      {"run", avi_run,
-      "cells:run(p, h, times, half) -> dm.path, code, events\n"
+      "cells:run(p, h, times, half) -> dm.path, status, events\n"
       "Steps h of every cell from q and p at times[1]; a row at every time."},
      {NULL, NULL, NULL}};
 

@@ -296,11 +296,24 @@ static int strip_limit(lua_State *L) {
     return 1;
 }
 
+/* of an outcome, the table at 1: a number, or nothing beside its code */
+static dm_status status_of(lua_State *L) {
+    dm_status status = DM_OK;
+    lua_getfield(L, 1, "status");
+    const int given = lua_isinteger(L, -1);
+    if (given) status = (dm_status)lua_tointeger(L, -1);
+    lua_getfield(L, 1, "code");
+    const char *code = luaL_optstring(L, -1, dm_status_code(DM_OK));
+    while (!given && status < DM_BLOW_UP && strcmp(dm_status_code(status), code) != 0) status++;
+    lua_pop(L, 2);
+    return status;
+}
+
 /* core.strip_fail(outcome, rule, run, why): a dm.failure with the run so far */
 static int strip_fail(lua_State *L) {
     luaL_checktype(L, 1, LUA_TTABLE);
     lua_settop(L, 4);
-    lua_getfield(L, 1, "status");
+    lua_pushinteger(L, status_of(L));
     lua_getfield(L, 1, "done");
     lua_getfield(L, 1, "time");
     dml_failure f = {.status = (dm_status)lua_tointeger(L, 5),
@@ -350,7 +363,8 @@ static const dml_row functions[] =
       "displacement of "
       "nodes, in cells of that width."},
      {"strip_fail", strip_fail,
-      "core.strip_fail(outcome, rule, run, why)\nRaises the dm.failure of a run that ended so."},
+      "core.strip_fail(outcome, rule, run, why)\nRaises the dm.failure of a run that ended so: "
+      "outcome has status or code, done, time, h, residual, iterations."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_strip = {

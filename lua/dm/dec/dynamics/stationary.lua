@@ -6,6 +6,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
 local held = require "dm.dec.fields.held"
+local images = require "dm.dec.fields.images"
 local newton = require "dm.dec.dynamics.newton"
 local option = require "dm.base.options"
 local spheres = require "dm.dec.dynamics.spheres"
@@ -32,20 +33,6 @@ local function values_of(options)
   return m + 1, m
 end
 
--- an edge whose ends are opposite has no shortest way on the sphere
-local function check_opposite(f, x)
-  local k = f.values
-  for _, edge in ipairs(f.degree == 0 and f.mesh.dimension > 0 and f.mesh:simplices(1) or {}) do
-    local product = 0
-    for c = 1, k do product = product + x[(edge[1] - 1) * k + c] * x[(edge[2] - 1) * k + c] end
-    if product < -1 + 1e-12 then
-      fail("neighbours opposite on the sphere: the values of the vertices {%d, %d} of an edge have "
-        .. "no shortest way from one to the other; refine the mesh, or start from elsewhere",
-        edge[1], edge[2])
-    end
-  end
-end
-
 local function start_of(f, options)
   if options.x == nil then
     if f.sphere then fail("option 'x' is missing: where the search on the sphere begins") end
@@ -60,31 +47,13 @@ local function start_of(f, options)
   end
   local zeros = 0 * x
   if zeros:dot(zeros) ~= 0 then fail("option 'x' has values that are not finite") end
-  if f.sphere then check_opposite(f, x) end
   return x
-end
-
----- images of cells ----
-
--- where the values are points of the mesh's own space: the first cell whose image is inverted
-local function inverted(f, x)
-  local K = f.mesh
-  if f.degree > 0 or f.values ~= K.dimension or K.ambient ~= K.dimension then return nil end
-  local rows, signs = {}, require "dm.dec.dynamics.cell_map".signs
-  for i = 1, f.cells do
-    rows[i] = {}
-    for c = 1, f.values do rows[i][c] = x[(i - 1) * f.values + c] end
-  end
-  local before, after = signs(K), signs(K, rows)
-  for i = 1, #before do
-    if before[i] ~= after[i] then return K:simplices(K.dimension)[i] end
-  end
 end
 
 local function check_start(f, problem, x)
   local value, g = problem.value(x), problem.gradient(x)
   if value - value == 0 and g:dot(g) - g:dot(g) == 0 then return end
-  local cell = inverted(f, x)
+  local cell = images.inverted(f, x)
   fail("the term is %s at the start%s", value == value and "infinite, or its gradient," or "NaN",
     cell and (": the image of cell {%s} is inverted or degenerate; start from a map that turns no "
       .. "cell inside out"):format(table.concat(cell, ", ")) or ": start where it is finite")

@@ -164,19 +164,21 @@ class.method("dm.avi_solver", "run", function(s, options)
   local limits = cells:limits()
   local h = steps_of(s, f, cells, limits)
   local times = times_of(options, (largest(h)))
-  local path, code, events = cells:run(p, h, core.vector(times), s.start == "half")
+  local path, status, events = cells:run(p, h, core.vector(times), s.start == "half")
   describe(s, h, limits, events, path.t[#path] - times[1], cells)
-  if code ~= "ok" then
-    option.fail(RUN, "the run ended at t = %g: %s; %d of %d cells have steps beyond their own "
-      .. "limit%s: solver:report() tells more", path.t[#path], code, s.last.beyond, #h,
-      s.last.first_beyond and (" (the first is cell %d)"):format(s.last.first_beyond) or "")
+  if status ~= 0 then
+    local first = s.last.first_beyond
+    core.strip_fail({ status = status, done = events, time = path.t[#path], h = path.h }, "avi",
+      path, ("%d of %d cells have steps beyond their own limit%s: solver:report() tells more")
+        :format(s.last.beyond, #h, first and (" (the first is cell %d)"):format(first) or ""))
   end
   return path
 end, [[
 solver:run{q=, v= | p=, t=, t0=, at=, every=} -> dm.path
 Asynchronous steps of a field for the duration t, from q and v or p. Rows at the start, at every
 largest h (every = k: every k-th) or at the times `at`, and at t itself, which no h need divide:
-copies of the values drift there with the velocities that they have.]])
+copies of the values drift there with the velocities that they have. A run that ends early, by
+Ctrl-C too, raises dm.failure, whose `path` is the run so far and whose step counts events.]])
 
 class.method("dm.avi_solver", "report", function(s)
   if not s.last then option.fail("solver:report", "no report yet: run the solver first") end

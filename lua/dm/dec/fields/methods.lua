@@ -21,3 +21,23 @@ Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a f
 cells of the potential (default: half of what each allows), start = "half" for half a kick at the
 start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003); and rule =
 dm.prismal{t0, t1, ...}, without h: prisms over uneven slices of time.]])
+
+local run, run_doc = core.method("dm.solver", "run")
+
+-- the field that a solver is of, as a system, or nothing
+local function field_of(solver)
+  local fine, system = pcall(function() return solver.system end)
+  local has, field = pcall(function() return system.field end)
+  return fine and has and field and system or nil
+end
+
+local function guarded(solver, options)
+  local system = field_of(solver)
+  if not system then return run(solver, options) end
+  return require "dm.dec.fields.failure".run(run, solver, system, options, solver.h)
+end
+
+core.method("dm.solver", "run", blame.relay(guarded, "run"), run_doc .. [[
+
+A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
+inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.]])

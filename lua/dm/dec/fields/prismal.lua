@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local failure = require "dm.dec.fields.failure"
 local option = require "dm.base.options"
 
 local M = {}
@@ -71,8 +72,11 @@ local RUN = "solver:run"
 class.method("dm.prismal_solver", "run", function(s, options)
   option.check(options, { "q", "v", "p", "every" }, RUN)
   local every = option.whole(options, "every", RUN, 1, nil, 1)
-  return core.prismal_run(s.inner, { q = options.q, v = options.v, p = options.p },
-    s.slices.times, every)
+  local times, largest = s.slices.times, 0
+  for i = 2, #times do largest = math.max(largest, times[i] - times[i - 1]) end
+  return failure.run(function(inner, given)
+    return core.prismal_run(inner, given, times, every)
+  end, s.inner, s.system, { q = options.q, v = options.v, p = options.p }, largest)
 end, [[
 solver:run{q=, v= | p=, every=} -> dm.path
 Steps of a field over all slices of dm.prismal, from q and v or p at the first one. Rows at the

@@ -2,6 +2,7 @@
 local core = require "dm.core"
 local form = require "dm.dec.form"
 local held = require "dm.dec.fields.held"
+local images = require "dm.dec.fields.images"
 local option = require "dm.base.options"
 
 local M = {}
@@ -87,6 +88,7 @@ local function on_sphere(f, x, key)
   if type(x) ~= "userdata" and type(x) ~= "table" or #x ~= f.n then return x end
   if key == "q" or key == "q0" or key == "q1" then
     f.last = normalized(f, x, key)
+    images.check_opposite(f, f.last, ("field '%s'"):format(key))
     return f.last
   end
   return f.last and tangent(f, x, f.last, key) or x

@@ -189,9 +189,9 @@ M["avi_cells.run"] = [=[
 > cells = core.avi(field, dm.vector { 0, 0.1 }, 0)
 > cells:limits()
 [0.70710678118655]
-> path, code = cells:run(dm.vector { 0, 0 }, dm.vector { 0.1 }, dm.vector { 0, 0.1, 0.2 }, false)
-> code, path.q[3]:sum()
-ok	0.1]=]
+> path, status = cells:run(dm.vector { 0, 0 }, dm.vector { 0.1 }, dm.vector { 0, 0.1, 0.2 }, false)
+> status, path.q[3]:sum()
+0	0.1]=]
 
 M["avi_cells.sums"] = [=[
 > core = require "dm.core"

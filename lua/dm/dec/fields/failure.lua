@@ -1,0 +1,123 @@
+--- What a run of a field on a mesh that failed may come from: a step beyond the limit of stability,
+-- a cell that has turned inside out.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local images = require "dm.dec.fields.images"
+
+local M = {}
+
+local LARGE = 20000 -- values of fields whose limit is not looked for
+
+-- the cell of the largest value of a row
+local function largest_text(f, x)
+  local at, most = 1, 0
+  for i = 1, #x do
+    if math.abs(x[i]) > most then at, most = i, math.abs(x[i]) end
+  end
+  local cell = f.mesh:simplices(f.degree)[(at - 1) // f.values + 1]
+  return ("; the values are largest, %.3g, at the cell {%s}"):format(most, table.concat(cell, ", "))
+end
+
+-- the limit about the first row or the last one, where h is beyond it
+local function beyond(system, rule, h, path)
+  local f = system.field
+  for row, name in pairs { [1] = "the start", [#path] = "the last row" } do
+    local fine, limit = pcall(system.stability_limit, system, rule, { q = path.q[row] })
+    if not fine and blame.is_stop(limit) then error(limit, 0) end
+    if fine and h > limit * (1 + 1e-9) then
+      return ("h = %.6g is beyond the limit of stability, %.6g about %s (field:stability_limit)")
+        :format(h, limit, name) .. largest_text(f, path.q[#path])
+    end
+  end
+end
+
+-- the cell that is inside out at the last row, or where its velocity takes it in a step
+local function turned(f, h, path)
+  local x, p = 1 * path.q[#path], path.p[#path]
+  local drifted = x:map(function(q, i) return f.held[i] and q or q + h * p[i] / f.masses[i] end)
+  local cell = images.inverted(f, x) or images.inverted(f, drifted)
+  return cell and ("cell {%s} turns inside out there: try a smaller step (h = %.6g), or a slower "
+    .. "start"):format(table.concat(cell, ", "), h / 2)
+end
+
+local function reason(system, rule, h, path)
+  local f = system.field
+  if f.sphere or f.n > LARGE or #path == 0 then return nil end
+  return turned(f, h, path) or beyond(system, rule, h, path)
+end
+M.reason = reason
+
+local TOLD = { not_finite = true, no_convergence = true, singular = true }
+
+-- L is NaN at the start: of which cell is it?
+local function at_start(f, message, q)
+  if not message:find "L is NaN at the start" then return message end
+  local fine, x = pcall(function() return core.vector(f.start(q, "q")) end)
+  local cell = fine and #x == f.n and images.inverted(f, x)
+  return cell and ("%s (the image of cell {%s} is inverted or degenerate)"):format(message,
+    table.concat(cell, ", ")) or message
+end
+
+---- growth without end ----
+
+local GROWN = 2 ^ 104 -- energy over that of the start: no digit of it is left
+
+-- kinetic energy of a row
+local function kinetic(f, p)
+  local sum = 0
+  for i = 1, f.n do
+    if p[i] ~= 0 then sum = sum + p[i] ^ 2 / (2 * f.masses[i]) end
+  end
+  return sum
+end
+
+-- Has the energy of a closed system grown as no motion makes it? What leaves an unstable rest has
+-- errors that are far below its kinetic energy.
+local function has_grown(system, path)
+  local f, last = system.field, #path
+  if f.force or f.absorbing or last < 2 or not system:structure().autonomous then return false end
+  local q, p = path.q, path.p
+  local size = q[1]:norm() + p[1]:norm()
+  if not (q[last]:norm() + p[last]:norm() > GROWN ^ 0.4 * size) then return false end
+  local first, moving = kinetic(f, p[1]), kinetic(f, p[last])
+  local before = system:energy(q[1], p[1])
+  local off = math.abs(system:energy(q[last], p[last]) - before)
+  return off > GROWN * (first + math.abs(before - first)) and off > 0.1 * moving
+end
+
+-- Raises for a path whose energy has grown so
+local function check_growth(system, path, h)
+  local seen, grown = pcall(has_grown, system, path)
+  if not seen and blame.is_stop(grown) then error(grown, 0) end
+  if not seen or not grown then return end
+  local rule = tostring(path.rule)
+  local why = beyond(system, rule, h, path) or ("a smaller step (h = %.6g) may be stable"):format(
+    h / 2) .. largest_text(system.field, path.q[#path])
+  core.strip_fail({ code = "blow_up", done = path.steps, time = path.t[#path], h = h }, rule, path,
+    why)
+end
+
+--- solver:run of a field by `plain`; h: the largest step. Failures say what they come from; an
+-- energy that has outgrown the start is one.
+function M.run(plain, solver, system, options, h)
+  local fine, path = pcall(plain, solver, options)
+  if fine then
+    check_growth(system, path, h)
+    return path
+  end
+  local failure, f = path, system.field
+  if type(failure) == "string" then
+    error(at_start(f, failure, type(options) == "table" and options.q), 0)
+  end
+  if TOLD[failure.code] and failure.path then
+    local told, why = pcall(reason, system, failure.rule, h, failure.path)
+    if not told and blame.is_stop(why) then error(why, 0) end
+    if told and why then
+      failure.message = failure.message:gsub("(at step %d+ %(t = [^)]*%)); .*$",
+        function(head) return head .. "; " .. why end)
+    end
+  end
+  error(failure, 0)
+end
+
+return M

@@ -1,0 +1,69 @@
+-- where runs of fields fail: beyond the limit of stability, cells inside out, opposite neighbours; with the cell, the remedy and the path so far
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+local sin = math.sin
+
+local function wave(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end
+local function failing(f, ...)
+  local fine, why = pcall(f)
+  ok(not fine and type(why) == "table", "a dm.failure", why)
+  for _, word in ipairs { ... } do ok(tostring(why):find(word), "it says " .. word, tostring(why)) end
+  return why
+end
+
+---- beyond the limit: the energy has outgrown the start, or is no number ----
+
+for _, case in ipairs { { dm.mesh { icosphere = 1 }, 0 }, { dm.mesh { triangle = 4 }, 1 }, { dm.mesh { cube_tiling = 2 }, 0 } } do
+  local field = case[1]:field { form = case[2], L = wave }
+  local limit, q, v = field:stability_limit "verlet", {}, {}
+  for i = 1, field.field.n do q[i], v[i] = sin(1.3 * i), 0 end
+  local function run(options, more)
+    more.q, more.v = q, v
+    return field:solver(options):run(more)
+  end
+  local why = failing(function() run({ rule = "verlet", h = 1.01 * limit }, { steps = 300 }) end, "has outgrown the start", "beyond the limit of stability",
+    ("%.6g about"):format(limit):gsub("%p", "%%%0"), "at the cell {%d")
+  ok(why.code == "blow_up" and #why.path == 301, "with its path")
+  why = failing(function() run({ rule = "verlet", h = 1.3 * limit }, { steps = 1e5, every = 100 }) end, "NaN or infinite", "beyond the limit of stability")
+  ok(why.code == "not_finite" and #why.path > 3, "with the path so far")
+  local slices = {}
+  for i = 0, 2000 do slices[i + 1] = 1.5 * limit * i end
+  why = failing(function() run({ rule = dm.prismal(slices) }, {}) end, "beyond the limit of stability")
+  ok(#why.path > 3, "of slices, too")
+  why = failing(function() run({ rule = "avi", h = 3 * limit }, { t = 2000 * limit }) end, "cells have steps beyond their own limit")
+  ok(why.code == "not_finite" and #why.path > 3 and why.path.t[#why.path] == why.time, "of steps of its own in every cell, with the path so far")
+  ok(#run({ rule = "verlet", h = 0.999 * limit }, { steps = 300 }) == 301 and #run({ rule = "midpoint", h = 3 * limit }, { steps = 30 }) == 31, "below it none fails")
+end
+-- what leaves an unstable rest grows by 10^24 in its energies, and is let go on
+local ball = dm.mesh { icosphere = 1 }
+local hill = ball:field { form = 0, L = function(u, v) return wave(u, v) - ball:sum(0, function(a, cell) return cell.star * (a ^ 4 / 4 - a ^ 2 / 2) end, u) end }
+local fell = hill:solver { rule = "verlet", h = 0.02 }:run { q = function() return 1e-14 end, v = function() return 0 end, t = 48, every = 10 }
+local most = 0
+for i = 1, #fell do most = math.max(most, fell.q[i]:norm()) end
+ok(most > 1 and fell.q[1]:norm() < 1e-12, "what leaves an unstable rest is no blow-up", most)
+
+---- an elastic body turns inside out ----
+
+local plate = dm.mesh { triangle = 4 }
+local function strain(x, cell)
+  local p = cell.points
+  local a, b, s, t = p[2] - p[1], p[3] - p[1], x[2] - x[1], x[3] - x[1]
+  local J = (s[1] * t[2] - s[2] * t[1]) / (a[1] * b[2] - a[2] * b[1])
+  return cell.volume * dm.log(J) ^ 2
+end
+local body = plate:field { form = 0, values = 2, fixed = "boundary", L = function(X, V) return V:dot(V) / 2 - plate:sum(2, strain, X) end }
+local function place(x, y) return { x, y } end
+for _, rule in ipairs { "verlet", "midpoint" } do
+  local why = failing(function() body:solver { rule = rule, h = 0.02 }:run { q = place, v = function() return { 0, 20 } end, t = 1 } end, "cell {%d+, %d+, %d+} turns inside out there", "smaller step")
+  ok(#why.path >= 1, "with the path so far")
+end
+raises("the image of cell {1, 2, 6} is inverted", function() body:solver { rule = "verlet", h = 0.01 }:run { q = function(x, y) return { x, -y } end, v = place, t = 1 } end)
+
+---- neighbours opposite on a sphere ----
+
+local map = plate:field { form = 0, on = dm.S(2), L = wave }
+raises("neighbours opposite on the sphere: the values of the vertices {6, 10}", function()
+  map:solver { rule = "rattle", h = 0.01 }:run { q = function(_, y) return { 0, 0, y > 0.3 and 1 or -1 } end, v = function() return { 0, 0, 0 } end, t = 0.1 }
+end)
+tap.done()
