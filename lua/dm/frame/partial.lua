@@ -19,6 +19,7 @@ local RANK = 1e-9     -- of generators, relative
 local SAME = 1e-6     -- angle between isotropy algebras that are one
 local STEPS = 60      -- towards the section
 local TRIES = 12
+local FARTHEST = 14   -- size of a root: up to 16 exp of symbols has all its digits
 
 -- generators of all points, a row each, as a matrix
 local function generators(frame, list)
@@ -190,8 +191,11 @@ function M.root(frame, start, moved, section, branch_values, least)
   return core.root { name = text.name(frame), start = begin_at(frame, start),
     failure = text.advice,
     equations = function(y, z) return section(frame, at(y, z)) end,
-    branch = frame.branch and function(y, z) return least(branch_values(frame, at(y, z))) end
-      or nil }
+    branch = function(y, z)
+      local values = branch_values(frame, at(y, z))
+      values[#values + 1] = FARTHEST ^ 2 - core.vector(y):dot(core.vector(y))
+      return least(values)
+    end }
 end
 
 --- Raises for what needs a frame that is one for sure.

@@ -277,7 +277,8 @@ function M.check(frame, section)
   end
   if frame.solution then fail("the solution fails at random points: %s", blame.bare(first)) end
   if tangential == seed then text.refuse(frame, frame.r) end
-  refuse("there was none at %d samples of points of size 0.1 to 10: %s", seed, blame.bare(first))
+  refuse("there was none at %d samples of points of size 0.1 to 10 (where points that have one are "
+    .. "rare, say where they are by the action's domain(z) > 0): %s", seed, blame.bare(first))
 end
 
 --- Points on the section, from one of the first samples that have a frame; nothing where none has.

@@ -292,7 +292,14 @@ raises("give 'mu'", function()
   lp:solver():run { x = 0.4, p = 0.1, mu = mu, momentum = mu, steps = 1 }
 end)
 raises("not from q", function() lp:solver():run { q = { 1 }, steps = 1 } end)
-raises("must be 1 numbers", function() lp:solver():run { x = { 1, 2 }, p = 0, mu = mu,
+raises("give 'v' or 'p', not both", function()
+  free:reduce({ group = G, rule = "lie(1)", h = 0.1 }):solver():run { x = 0.4, p = 0.1,
+    v = { 0, 0, 0, 1 }, steps = 1 }
+end)
+raises("must be 3 numbers, the body momentum (got 2)", function()
+  lp:solver():run { x = 0.4, p = 0.1, mu = { 1, 2 }, steps = 1 }
+end)
+raises("must be 1 number, the shape (got 2)", function() lp:solver():run { x = { 1, 2 }, p = 0, mu = mu,
   steps = 1 } end)
 raises("of another bundle", function()
   dm.lagrange_poincare { group = dm.SO(2), base = R1, h = 0.1, connection = A,

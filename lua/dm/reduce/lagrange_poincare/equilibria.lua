@@ -114,7 +114,7 @@ function M.find(self, amended, o)
   local about = core.zeros(n)
   if o.x ~= nil and d > 0 then
     about = lists.numbers(WHERE .. ": option 'x'", type(o.x) == "number" and { o.x } or o.x, d,
-      "%s must be %d numbers (got %s)")
+      "%s must be %d number%s (got %s)")
   end
   local W, stream, kept, out = potential(self, amended), core.random(271), {}, {}
   for i = 1, starts do

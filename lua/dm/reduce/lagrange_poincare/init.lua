@@ -153,7 +153,7 @@ local function start_of(lp, o, i, where)
     if x == nil then return nil end
     if type(x) == "number" then x = { x } end
     return lists.numbers(("%s: field '%s'"):format(where, key), x, n,
-      "%s must be %d numbers" .. (words or "") .. " (got %s)")
+      "%s must be %d number%s" .. (words or "") .. " (got %s)")
   end
   local x = vector("x", S.d, ", the shape") or S.d == 0 and core.vector {}
   if not x then option.fail(where, "field 'x' is missing, the shape at the start") end
@@ -161,6 +161,9 @@ local function start_of(lp, o, i, where)
   g = g == nil and S.kit.identity() or require "dm.group".element(lp.group, g)
   local q = space.element(S, x, g)
   local v = vector("v", S.D)
+  for _, key in ipairs { "p", "mu", "momentum" } do
+    if v and value(key) ~= nil then option.fail(where, "give 'v' or '%s', not both", key) end
+  end
   if v then return q, nil, v end
   local p = vector("p", S.d, ", the momentum of the shape") or S.d == 0 and core.vector {}
   if not p then option.fail(where, "field 'p' is missing, the momentum of the shape at the "

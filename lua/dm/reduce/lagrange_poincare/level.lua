@@ -102,7 +102,7 @@ end
 local function read_mu(given, r)
   option.need(given, "mu", WHERE, "the spatial momentum J, a list of numbers")
   return lists.numbers(WHERE .. ": option 'mu'", given.mu, r,
-    "%s must be %d finite numbers, the spatial momentum (got %s)")
+    "%s must be %d finite number%s, the spatial momentum (got %s)")
 end
 
 local function assemble(system, given, S)
@@ -145,7 +145,7 @@ local function by_action(system, given)
   local section = core.one(given.section, "section")
   local function point(x)
     return lists.numbers(WHERE .. ": the section", section(x), n,
-      "%s must give %d numbers, a point of Q (got %s)")
+      "%s must give %d number%s, a point of Q (got %s)")
   end
   local slope = core.derivative(point, d)
   local rows = require "dm.action".generator_rows
@@ -200,13 +200,13 @@ end)
 local function shape_of(self, x, what)
   if self.space.d == 0 then return core.zeros(1) end
   if type(x) == "number" then x = { x } end
-  return lists.numbers(what, x, self.space.d, "%s: the shape must be %d numbers (got %s)")
+  return lists.numbers(what, x, self.space.d, "%s: the shape must be %d number%s (got %s)")
 end
 
 -- nu, or the momentum J itself
 local function momentum_of(self, nu, what)
   if nu == nil then return self.mu end
-  return lists.numbers(what, nu, self.space.r, "%s: the body momentum must be %d numbers (got %s)")
+  return lists.numbers(what, nu, self.space.r, "%s: the body momentum must be %d number%s (got %s)")
 end
 
 -- I^-1 b at the shape x

@@ -51,7 +51,7 @@ local function shapes_of(lp, list)
     local x = type(list[k]) == "number" and { list[k] } or list[k]
     out[k] = lp.space.d == 0 and core.vector {}
       or lists.numbers(("%s: x%d"):format(WHERE, k - 1), x, lp.space.d,
-        "%s must be %d numbers (got %s)")
+        "%s must be %d number%s (got %s)")
   end
   return out
 end

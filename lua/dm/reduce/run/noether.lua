@@ -17,7 +17,7 @@ local WHERE = "path:noether"
 local function read(n, xi, tau)
   if type(xi) == "number" then xi = { xi } end
   local v = lists.numbers(WHERE .. ": the generator", xi, n,
-    "%s must give xi, %d numbers, and tau, a number or nothing (got %s)")
+    "%s must give xi, %d number%s, and tau, a number or nothing (got %s)")
   if tau ~= nil and type(tau) ~= "number" then
     option.fail(WHERE, "the generator must give tau as a number (got %s)", type(tau))
   end
