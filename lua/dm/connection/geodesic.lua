@@ -8,6 +8,7 @@
 local bundles = require "dm.connection.bundle"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
 local options = require "dm.base.options"
 
@@ -91,54 +92,120 @@ local function weight(steps, m)
   return c
 end
 
--- y(1), extrapolated to steps of 0 (Gragg, Bulirsch and Stoer)
-local function flow(f, y, size)
-  local steps = size > LARGE and FEWER or STEPS
-  local sum = weight(steps, steps[1]) * gragg(f, y, steps[1])
-  for k = 2, #steps do sum = sum + weight(steps, steps[k]) * gragg(f, y, steps[k]) end
+-- T(0) from the results of the first `count` numbers of steps
+local function extrapolated(results, steps, count)
+  local first = { table.unpack(steps, 1, count) }
+  local sum = weight(first, first[1]) * results[1]
+  for k = 2, count do sum = sum + weight(first, first[k]) * results[k] end
   return sum
 end
 
+-- y(1), extrapolated to steps of 0 (Gragg, Bulirsch and Stoer), and behind it the squares of what
+-- the last two numbers of steps changed
+local function flow(f, y, size)
+  local steps, results = size > LARGE and FEWER or STEPS, {}
+  local N = #steps
+  for k, m in ipairs(steps) do results[k] = gragg(f, y, m) end
+  local less, out = extrapolated(results, steps, N - 1), extrapolated(results, steps, N)
+  local last, before = out - less, less - extrapolated(results, steps, N - 2)
+  return out, { last:dot(last), before:dot(before) }
+end
+
+-- The error of an extrapolation that changed by a, then by b, goes on as b^2/a.
+local function error_of(last, before) return last > 0 and last / math.sqrt(before) or 0 end
+
 ---- shooting ----
 
--- x(1), theta(1) and phi(1) of the geodesic that begins at x with the velocity w
-local function shoot(B, metric, f, x, w)
-  local y = flow(f, lists.joined(x, metric(x) * w, lists.zeros(2 * B.d)), B.n + B.d)
-  return lists.part(y, 0, B.n), lists.part(y, 2 * B.n + B.d, B.d),
-    lists.part(y, 2 * (B.n + B.d), B.d)
-end
-
 local FAR = "are the points near enough for one geodesic between them?"
+local AGREED, ESTIMATED = 1e-12, 5e-14 -- error of y(1), and its estimate, which may be too small
+local MOST, ROUNDS = 64, 30            -- intervals, corrections at most
 
--- phi(1) of the geodesic from (x0, e) to (x1, exp(theta))
-local function to_a_point(B, metric, f)
-  local m = B.n + B.d
-  local root = core.root { name = "the geodesic", unknowns = m, failure = FAR,
-    start = function(x0, x1, theta) return lists.joined(x1 - x0, theta) end,
-    equations = function(w, x0, x1, theta)
-      local x, turned = shoot(B, metric, f, core.vector(x0), core.vector(w))
-      return lists.joined(x - core.vector(x1), turned - core.vector(theta))
-    end }
-  return core.trace(function(x0, x1, theta)
-    return (select(3, shoot(B, metric, f, x0, core.vector(root(x0, x1, theta)))))
-  end, B.n, B.n, B.d)
+-- (x, p, mu, theta, phi) of the geodesic that begins at x with the velocity w
+local function beginning(B, metric, x, w)
+  return lists.joined(x, metric(x) * w, lists.zeros(2 * B.d))
 end
 
--- phi(1) of the geodesic from (x0, e) to the fibre of x1 that is horizontal, theta = phi
+-- x, theta, phi of y
+local function ending(B, y)
+  local n, d = B.n, B.d
+  return lists.part(y, 0, n), lists.part(y, 2 * n + d, d), lists.part(y, 2 * (n + d), d)
+end
+
+-- y(1) of numbers by short intervals, as many as AGREED needs: far(y) -> y(1), or nothing
+local function by_intervals(B, f)
+  local size = B.n + B.d
+  local N, short = 2 * size + B.d, nil
+  return function(y, intervals)
+    short = short or core.trace(function(z, h)
+      local out, changes = flow(function(x) return h * f(x) end, z, size)
+      return lists.joined(out, changes)
+    end, N, "number")
+    repeat
+      local z, off = y, 0
+      for _ = 1, intervals do
+        local out = short(z, 1 / intervals)
+        z, off = lists.part(out, 0, N), off + error_of(out[N + 1], out[N + 2])
+      end
+      if off <= ESTIMATED * (1 + z:norm()) then return z, intervals end
+      intervals = 2 * intervals
+    until intervals > MOST
+  end
+end
+
+-- phi(1) of the geodesic from (x0, e) to x(1) = x1, second(theta, phi) = s. The root takes one
+-- interval; where that is not enough for numbers, it is aimed at what more intervals miss.
+local function shooting(B, metric, f, name, second, start)
+  local n, d = B.n, B.d
+  local function once(x, w) return flow(f, beginning(B, metric, x, w), n + d) end
+  local root = core.root { name = name, unknowns = n + d, failure = FAR, start = start,
+    equations = function(w, x0, x1, s)
+      local x, theta, phi = ending(B, (once(core.vector(x0), core.vector(w))))
+      return lists.joined(x - core.vector(x1), second(theta, phi) - core.vector(s))
+    end }
+  local short = core.trace(function(x0, x1, s)
+    local y, changes = once(x0, core.vector(root(x0, x1, s)))
+    return lists.joined(select(3, ending(B, y)), changes)
+  end, n, n, d)
+  local far = by_intervals(B, f)
+  local function corrected(x0, x1, s)
+    local aim, behind, intervals, y = x1, s, 2, nil
+    for _ = 1, ROUNDS do
+      local w = core.vector(root(x0, aim, behind))
+      y, intervals = far(beginning(B, metric, x0, w), intervals)
+      if not y then break end
+      local x, theta, phi = ending(B, y)
+      local off, other = x1 - x, s - second(theta, phi)
+      if off:norm() + other:norm() <= AGREED / 5 then return phi end
+      aim, behind = aim + off, behind + other
+    end
+    error(("%s is not known to %g: %s"):format(name, AGREED, FAR), 0)
+  end
+  return function(x0, x1, s)
+    local out = short(x0, x1, s)
+    local phi = lists.part(out, 0, d)
+    if not linear.is_plain(core.matrix { phi })
+      or error_of(out[d + 1], out[d + 2]) <= ESTIMATED * (1 + phi:norm()) then
+      return phi
+    end
+    return corrected(core.vector(x0), core.vector(x1), core.vector(s))
+  end
+end
+
+-- to (x1, exp(s))
+local function to_a_point(B, metric, f)
+  return shooting(B, metric, f, "the geodesic", function(theta) return theta end,
+    function(x0, x1, s) return lists.joined(x1 - x0, s) end)
+end
+
+-- to the fibre of x1, horizontal there: theta = phi
 local function to_a_fibre(B, metric, form, f)
-  local m = B.n + B.d
-  local root = core.root { name = "the horizontal geodesic", unknowns = m, failure = FAR,
-    start = function(x0, x1)
+  local none = core.zeros(B.d)
+  local reach = shooting(B, metric, f, "the horizontal geodesic",
+    function(theta, phi) return theta - phi end, function(x0, x1)
       local u = core.vector(x1) - core.vector(x0)
       return lists.joined(u, -(form(core.vector(x0)) * u))
-    end,
-    equations = function(w, x0, x1)
-      local x, theta, phi = shoot(B, metric, f, core.vector(x0), core.vector(w))
-      return lists.joined(x - core.vector(x1), theta - phi)
-    end }
-  return core.trace(function(x0, x1)
-    return (select(3, shoot(B, metric, f, x0, core.vector(root(x0, x1)))))
-  end, B.n, B.n)
+    end)
+  return function(x0, x1) return reach(x0, x1, none) end
 end
 
 --- The local form, completed or of the raw one-form, and that of raw ones.

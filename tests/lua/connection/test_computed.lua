@@ -118,6 +118,24 @@ local function large(x)
 end
 ok(dm.connection { group = dm.SE(3), base = dm.R(2), by = "geodesic", metric = large }:check().worst
   < 1e-12, "geodesic, SE(3) over two dimensions")
+-- frames of the sphere in colatitude and longitude: parallel transport round a geodesic triangle
+-- turns by its area, of sides of any length
+local frames = dm.connection { group = dm.SO(2), base = dm.R(2), by = "geodesic",
+  metric = function(x)
+    local c, s = dm.cos(x[1]), dm.sin(x[1])
+    return dm.matrix { { 1, 0, 0 }, { 0, s * s + c * c, c }, { 0, c, 1 } }
+  end }
+local function on_sphere(x)
+  local s = math.sin(x[1])
+  return dm.vector { s * math.cos(x[2]), s * math.sin(x[2]), math.cos(x[1]) }
+end
+for _, size in ipairs { 0.2, 1, 1.5 } do
+  local P, Q, R = { 1.1, 0.2 }, { 1.1 + 0.4 * size, 0.2 + 0.6 * size }, { 1.1 - 0.3 * size,
+    0.2 + size }
+  local a, b, c = on_sphere(P), on_sphere(Q), on_sphere(R)
+  local area = 2 * math.atan(a:dot(b:cross(c)), 1 + a:dot(b) + b:dot(c) + c:dot(a))
+  near(frames:holonomy { P, Q, R, P }, area, 1e-11, "a triangle of sides of about " .. size)
+end
 -- of its own mechanical form it is A_E up to order 1 only [E7]
 local mechanical = geodesic(false)
 local flat = dm.connection { group = SO3, base = dm.R(2), form = function(x)
