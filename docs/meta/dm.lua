@@ -3601,7 +3601,8 @@ function dm_schroedinger_class:current(psi) end
 ---
 ---The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
 ---norm 1: by dense rotations up to 1200 points, beyond it, up to 4096, by Lanczos iterations, which
----need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given.
+---need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given. Raises where g is not 0:
+---energies then depend on how much there is of the state.
 ---@param k? any
 ---@return table
 function dm_schroedinger_class:eigen(k) end
@@ -3795,7 +3796,7 @@ function dm_solver_class:multipliers(options) end
 
 ---solver:report() -> table
 ---
----What the last run cost: rule, order, h, backend, operations (of the kernels, per evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the condition number of the step equation of a dm.multiscale; unseen: how often a controlled step would have jumped over something; with constraints: constraint and rolling, the largest |g| and |phi| at the end of a step.
+---What the last run cost: rule, order, h, backend, operations (of the kernels, per evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the condition number of the step equation of a dm.multiscale, defect: what its curves miss of the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how often a controlled step would have jumped over something; with constraints: constraint and rolling, the largest |g| and |phi| at the end of a step.
 ---@return table
 function dm_solver_class:report() end
 
@@ -5969,8 +5970,9 @@ function dm.multigrid(options) end
 ---read off its curve. ansatz = "product": P(t) (1 + a sin(w t) + b cos(w t)), the printed space with
 ---w held, to compare: its equations have many roots and conditions of 1e10 and more
 ---(solver:report().condition). Where h w is below 3, more nodes and phases are needed (6 and 15),
----below 1/2 the space is refused. A wrong frequency, or a second one, shows in
----solver:report().defect. Leok 5.7.
+---below 1/2 the space is refused. With a wrong frequency, or a second fast one, the energy goes:
+---solver:report().drift says by how much of the largest v . L_v (0.03 and less where all is right),
+---the path asks from 0.01 on, and above 0.2 the run ends. Leok 5.7.
 ---@param options? table
 ---@return dm.rule
 function dm.multiscale(options) end

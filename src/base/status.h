@@ -16,7 +16,7 @@
     X(NOT_WRITTEN, "not_written", "a file could not be written")                                   \
     X(NO_START, "no_start", "the run could not start")                                             \
     X(OUT_OF_TIME, "out_of_time", "the seconds or steps allowed were over")                        \
-    X(BLOW_UP, "blow_up", "the energy has outgrown the start, of which nothing is left")
+    X(BLOW_UP, "blow_up", "the energy has left that of the start")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,
 typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;

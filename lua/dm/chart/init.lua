@@ -44,6 +44,9 @@ local function system_of(options)
     fail("the first entry must be one dm.system (got %s): make a chart of each system",
       option.got(system))
   end
+  if getmetatable(system).__name == "dm.schroedinger" then
+    fail("a wave has rules of its own: run wave:solver { rule =, h = } and compare psi")
+  end
   if system.Ld then
     fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by "
       .. "path.ns_per_step")

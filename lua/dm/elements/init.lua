@@ -61,25 +61,24 @@ end
 local MOST_PANELS = 4096  -- or 8 times those that the period asks for
 local SETTLED = 3e-15  -- of the largest, between two halvings
 
--- G and F, and the integrals of F/a and of a, on panels of a length
+-- G and F, and the integrals of F/a, a and x f, on panels of a length
 local function integrate(given, length)
   local edges = integrals.edges(given.x, length)
-  local out = { panels = #edges - 1 }
-  out.G = given.antiderivative or integrals.running(given.inverse, edges)
-  out.F = integrals.running(given.f, edges)
-  out.FG = integrals.running(function(x) return out.F(x) * given.inverse(x) end, edges)
-  out.A = integrals.running(function(x) return 1 / given.inverse(x) end, edges)
-  out.M = integrals.running(function(x) return x * given.f(x) end, edges)
+  local out = integrals.together(given.f, given.inverse, edges)
+  out.panels = #edges - 1
+  if given.antiderivative then out.G = given.antiderivative end
   return out
 end
 
--- how far two sets of integrals are apart at the nodes, over the largest of each
+-- how far two sets of integrals are apart at the nodes, over the largest of each; infinite where
+-- one overflows
 local function difference(a, b, x)
   local worst = 0
   for _, key in ipairs { "G", "F", "FG", "A", "M" } do
     local off, most, base = 0, 0, { a[key](x[1]), b[key](x[1]) }
     for i = 2, #x do
       local u, v = a[key](x[i]) - base[1], b[key](x[i]) - base[2]
+      if not is_finite(u - v) then return math.huge end
       off, most = math.max(off, math.abs(u - v)), math.max(most, math.abs(v))
     end
     if most > 0 then worst = math.max(worst, off / most) end
@@ -115,6 +114,9 @@ local function settle(given)
       check_antiderivative(given, integrals.running(given.inverse,
         integrals.edges(given.x, length)))
       return fine
+    end
+    if off == math.huge then
+      fail("the integrals of 1/a, a, f and x f between the nodes overflow: take other units")
     end
     if fine.panels > math.max(MOST_PANELS, 8 * first) then
       fail("the integrals of 1/a and f do not settle on %d panels (they change by %.1g): are they "
@@ -162,7 +164,10 @@ local function solve(given, made)
       load[i] = load[i] - factor * load[i - 1]
     end
   end
-  for i = count - 1, 2, -1 do u[i] = (load[i] - stiff[i] * u[i + 1]) / diagonal[i] end
+  for i = count - 1, 2, -1 do
+    u[i] = (load[i] - stiff[i] * u[i + 1]) / diagonal[i]
+    if not is_finite(u[i]) then fail("u at node %d overflows: take other units", i) end
+  end
   return core.vector(u)
 end
 

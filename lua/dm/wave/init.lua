@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local lacking = require "dm.wave.lacking"
 local option = require "dm.base.options"
 local rules = require "dm.wave.rules"
 local space = require "dm.wave.space"
@@ -15,6 +16,7 @@ local Wave = core.class({ __name = "dm.schroedinger" }, [[
 dm.schroedinger: a Schroedinger equation on a ring or between walls
 fields: x (points), weight (of integrals), V (at `nodes`), nodes, N, from, to, hbar, m, g, space,
 boundary]])
+lacking.refuse(Wave)
 
 local KNOWN = { "x", "V", "hbar", "m", "g", "space", "boundary" }
 
@@ -92,11 +94,16 @@ local DOC_EIGEN = [[
 wave:eigen(k) -> {values, psi}
 The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
 norm 1: by dense rotations up to 1200 points, beyond it, up to 4096, by Lanczos iterations, which
-need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given.]]
+need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given. Raises where g is not 0:
+energies then depend on how much there is of the state.]]
 
 class.method("dm.schroedinger", "eigen", function(wave, k)
   option.whole({ k = k }, "k", "wave:eigen", 1, wave.unknowns)
   if k == nil then k = math.min(6, wave.unknowns) end
+  if wave.g ~= 0 then
+    option.fail("wave:eigen", "with g = %g a stationary state has an energy for every norm; those of "
+      .. "the linear part are of dm.schroedinger { ..., g = 0 }", wave.g)
+  end
   local eq = wave:equation()
   local values, states = eq[wave.unknowns > MOST_DENSE and "lanczos" or "eigen"](eq, k)
   local psi = {}
@@ -109,8 +116,8 @@ class.method("dm.schroedinger", "stability_limit", function(wave, rule)
   option.need(known, "rule", "wave:stability_limit", "the name of a rule, such as \"two-step\"")
   option.text(known, "rule", "wave:stability_limit")
   local most, exact = rules.largest(wave)
+  local read = rules.read(wave, { rule = rule, h = 1e-9, unstable = rule == "two-step" })
   if rule == "two-step" then return math.sqrt(3) * wave.hbar / most, exact end
-  local read = rules.read(wave, { rule = rule, h = 1e-9 })
   if read.kind ~= "split" or wave.g == 0 then return math.huge, true end
   local k = math.pi * wave.N / (wave.to - wave.from)
   return math.pi * 2 * wave.m / (wave.hbar * k ^ 2), wave.kind ~= "walls"

@@ -2,6 +2,7 @@
 local class = require "dm.base.class"
 local core = require "dm.core"
 local files = require "dm.wave.file"
+local lacking = require "dm.wave.lacking"
 local lists = require "dm.base.lists"
 local notes = require "dm.wave.notes"
 local option = require "dm.base.options"
@@ -15,6 +16,7 @@ local Path = core.class({ __name = "dm.wave_path" }, [[
 dm.wave_path: the rows of a run of a wave
 fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
 title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows]])
+lacking.refuse(Path)
 
 local COLUMNS = { "t", "norm", "energy", "x", "momentum", "noether" }
 

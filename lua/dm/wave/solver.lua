@@ -2,6 +2,7 @@
 local checkpoint = require "dm.wave.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local lacking = require "dm.wave.lacking"
 local option = require "dm.base.options"
 local path_ = require "dm.wave.path"
 local rules = require "dm.wave.rules"
@@ -12,6 +13,7 @@ local WHERE = "wave:solver"
 local Solver = core.class({ __name = "dm.wave_solver" }, [[
 dm.wave_solver: a rule that steps a wave
 fields: wave, rule, h]])
+lacking.refuse(Solver)
 
 function Solver.__tostring(s) return ("solver of a wave: %s, h = %g"):format(s.rule, s.h) end
 

@@ -106,20 +106,19 @@ static void add_sem(luaL_Buffer *b, const dm_energy_report *r) {
     if (r->fallbacks) luaL_addstring(b, text);
 }
 
-/* of a dm.multiscale: the condition of its equations, and what its curves miss of the momentum at
- * their ends, where that is much */
-static void add_defect(luaL_Buffer *b, double condition, double defect) {
-    char text[200];
-    if (!(condition > 0.0)) return;
-    snprintf(text, sizeof text, "; condition of a step %.2g", condition);
-    luaL_addstring(b, text);
-    if (!(defect > 0.5)) return;
+/* of a dm.multiscale: the condition of its equations, what its curves miss of the momentum at their
+ * ends, what the energy moves by, and a question where that is much */
+static void add_defect(luaL_Buffer *b, const dml_path *p) {
+    char text[160];
+    if (!(p->condition > 0.0)) return;
     snprintf(text, sizeof text,
-             "; its curves miss the momentum at their ends by %.2g of it: is the frequency right "
-             "and "
-             "the only fast one, and h times it no multiple of pi?",
-             defect);
+             "; condition of a step %.2g, momentum at the ends of curves off by %.2g, energy by "
+             "%.2g of the largest v . L_v",
+             p->condition, p->defect, p->drift);
     luaL_addstring(b, text);
+    if (p->defect > 0.5 || p->drift > 0.01)
+        luaL_addstring(b, ": is the frequency right and the only fast one, and h times it no "
+                          "multiple of pi?");
 }
 
 /* path.sem: what became of the energy that chose the steps */
@@ -225,7 +224,7 @@ static int path_tostring(lua_State *L) {
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
     if (E) add_energy(&b, E, p, keeps);
     add_sem(&b, &p->sem);
-    add_defect(&b, p->condition, p->defect);
+    add_defect(&b, p);
     add_columns(L, &b, p);
     add_every(&b, p);
     luaL_pushresult(&b);

@@ -18,9 +18,10 @@ typedef struct {
     long every;       /* a row for so many steps */
     double ns_per_step;
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
-    double condition, defect;   /* of curves with a fast phase, as dm_report has them, else 0 */
-    dm_energy_report sem;       /* of steps that chose h by their energy; no steps: others */
-    const char *rule;           /* as the user gave it; kept by the path */
+    double condition, defect,
+        drift;            /* of curves with a fast phase, as dm_report has them, else 0 */
+    dm_energy_report sem; /* of steps that chose h by their energy; no steps: others */
+    const char *rule;     /* as the user gave it; kept by the path */
     double *
         /* rows x width: t, q[n], p[momenta] and what was recorded beside, or what was watched */
         data;

@@ -123,6 +123,7 @@ void dml_stepping_report(const dml_stepping *r, long steps, double seconds) {
                        .substeps = report->substeps,
                        .condition = report->condition,
                        .defect = report->defect,
+                       .drift = report->drift,
                        .unseen = r->control ? r->control->unseen : 0,
                        .constrained = r->model->model.constraints != NULL,
                        .constraint = report->constraint,
@@ -167,6 +168,7 @@ static int solver_report(lua_State *L) {
         set_number(L, "substeps_per_step", (double)last->substeps / (double)last->steps);
     if (last->condition > 0.0) set_number(L, "condition", last->condition);
     if (last->defect > 0.0) set_number(L, "defect", last->defect);
+    if (last->drift > 0.0) set_number(L, "drift", last->drift);
     if (last->unseen) set_count(L, "unseen", last->unseen);
     if (!last->constrained) return 1;
     set_number(L, "constraint", last->constraint);
@@ -271,8 +273,9 @@ static const dml_row methods[] =
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
       "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, "
       "newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the "
-      "condition "
-      "number of the step equation of a dm.multiscale; unseen: how often a "
+      "condition number of the step equation of a dm.multiscale, defect: what its curves miss of "
+      "the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how "
+      "often a "
       "controlled step would have jumped over something; with constraints: "
       "constraint and rolling, the largest |g| and "
       "|phi| at the end of a step."},

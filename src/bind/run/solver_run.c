@@ -323,6 +323,7 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
     path->sem = u->r.stepper.report.sem;
     path->condition = u->r.stepper.report.condition;
     path->defect = u->r.stepper.report.defect;
+    path->drift = u->r.stepper.report.drift;
 }
 
 /* where the run is, before its stepper is closed */

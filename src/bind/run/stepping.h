@@ -10,7 +10,7 @@
 typedef struct {
     const char *backend; /* NULL: there was no run */
     long operations, steps, newton, evaluations, substeps, unseen;
-    double trace_ms, compile_ms, ns_per_step, condition, defect;
+    double trace_ms, compile_ms, ns_per_step, condition, defect, drift;
     int constrained; /* the rest is known */
     double constraint, rolling;
 } dml_last_run;

@@ -31,6 +31,7 @@ typedef struct {
     dm_energy_report sem;
     double condition; /* number of the step equation, where it is worth telling; 0: not */
     double defect;    /* largest |p1 - L_v| at the ends of curves, over |L_v|, where it is told */
+    double drift;  /* largest |H - H of the start| over the largest v . L_v, where it is watched */
     int dependent; /* a step failed as constraints lose rank: one that depends on those before it */
 } dm_report;
 

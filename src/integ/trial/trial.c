@@ -22,11 +22,13 @@ static const char *check(const dm_rule *rule) {
                         "dm.multiscale { frequency = }";
 }
 
-/* Second derivatives at the points, and the velocity of the start for the first guess. */
+/* Second derivatives at the points, the velocity of the start for the first guess, and the energy
+ * that two scales are to keep. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned plain = DM_SEPARABLE | DM_CONSTANT_MASS;
-    (void)rule;
-    return DM_WANT_STAGE | ((m->structure & plain) == plain ? 0 : (unsigned)DM_WANT_MASS);
+    const int watched = rule->data && row_of(rule)->phases;
+    return DM_WANT_STAGE | (watched ? (unsigned)DM_WANT_ENERGY : 0) |
+           ((m->structure & plain) == plain ? 0 : (unsigned)DM_WANT_MASS);
 }
 
 /* Nodes of all pieces, or nodes times phases. */
@@ -216,6 +218,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
         memcpy(q, dm_trial_at(e, e->points + 1, e->z, NULL).q, n * sizeof *q);
     for (uint32_t i = 0; i < n; i++)
         if (!isfinite(q[i] + p[i])) return DM_NOT_FINITE;
+    if (!inside && dm_trial_watch(e, q, p) != DM_OK) return DM_BLOW_UP;
+    s->report.drift = e->drift;
     memcpy(state, q, n * sizeof *state);
     memcpy(state + n, p, n * sizeof *state);
     memset(state + 2 * (size_t)n, 0, 2 * (size_t)n * sizeof *state);
@@ -227,6 +231,7 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_trial *e = trial_of(s);
     (void)state, (void)t;
     e->whole = h, e->is_solved = 0;
+    dm_trial_watch_begin(e);
     return DM_OK;
 }
 
@@ -234,6 +239,10 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_trial *e = trial_of(s);
     (void)state;
+    if (status == DM_BLOW_UP)
+        return "it has moved by more than a fifth of the largest v . L_v: the frequency is not "
+               "that "
+               "of the motion (path:frequency of a resolved run), or not its only fast one";
     if (e->row->phases && !e->k->linear)
         return "the product ansatz has no solution near a straight line, or only one whose "
                "momentum "

@@ -28,7 +28,9 @@ typedef struct {
     double *v0;        /* [n] */
     double *solved;    /* [2n+1] q, p, t of the state that z is the step from */
     int is_solved;
-    double whole; /* h of the run; 0: not known */
+    double whole;        /* h of the run; 0: not known */
+    double began;        /* H of the start; NaN: not known so far, infinity: it is not watched */
+    double twice, drift; /* largest v . L_v so far, and |H - began| over it */
     double *scratch;
     const double *q0, *p0;
     double t, size;
@@ -49,6 +51,14 @@ void dm_trial_inside(dm_trial *e, double *q, double *p, double t);
 /* How far p1 is from L_v at the end of the curve, over the largest L_v at its points, the worst
  * coordinate: what the space has not of the motion. */
 double dm_trial_defect(dm_trial *e);
+
+/* The largest v . L_v at some times inside the step of z. */
+double dm_trial_kinetic(dm_trial *e);
+
+/* A run begins; a step of z has led to (q, p): DM_BLOW_UP where its energy has left that of the
+ * start. */
+void dm_trial_watch_begin(dm_trial *e);
+dm_status dm_trial_watch(dm_trial *e, const double *q, const double *p);
 
 /* Condition number of the step equation at z, in the maximum norm. */
 double dm_trial_condition(dm_trial *e);

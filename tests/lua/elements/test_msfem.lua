@@ -54,4 +54,8 @@ raises("shape", dm.msfem, { a = one, f = one, x = mesh, shape = "quadratic" })
 raises("from 0 to 1", function() return rod:value(1.5) end)
 raises("whole number", function() return rod:shape(0, 0.5) end)
 ok(cos(0) == 1 and tostring(rod):find "9 nodes", "a line of text", tostring(rod))
+for _, shape in ipairs { "multiscale", "linear" } do
+  raises("take other units", dm.msfem, { a = function() return 1 end, f = function() return 1 end,
+    x = { 0, 1, 1e300 }, shape = shape })
+end
 tap.done()

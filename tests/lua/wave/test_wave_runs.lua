@@ -153,6 +153,20 @@ end
 ---- what is refused ----
 
 local function ring(t) t.x = t.x or { 0, 1, 16 } return function() return dm.schroedinger(t) end end
+-- what systems have and waves have not
+do
+  local of_g = dm.schroedinger { x = { 0, 1, 16 }, g = -1 }
+  local s = of_g:solver { rule = "strang", h = 1e-4 }
+  local run = s:run { psi = function() return 1, 0 end, steps = 4 }
+  raises("solver of a wave has no 'ensemble': a member is a run of its own", s.ensemble, s, { members = 2 })
+  raises("coordinates q", s.tangent, s)
+  raises("path:column \"energy\"", run.energy, run)
+  raises("wave:eigen(k) has the energies", of_g.modes, of_g)
+  raises("an energy for every norm", of_g.eigen, of_g, 2)
+  raises("linear equation (g = 0)", of_g.stability_limit, of_g, "two-step")
+  ok(s.nothing == nil and run.nothing == nil and of_g.nothing == nil, "what nothing has stays nil")
+end
+
 raises("even", ring { x = { 0, 1, 15 } })
 raises("no interval", ring { x = { 1, 0, 16 } })
 raises("{ from, to, N }", ring { x = { 0, 1 } })
