@@ -101,8 +101,8 @@ class.method("dm.schroedinger", "eigen", function(wave, k)
   option.whole({ k = k }, "k", "wave:eigen", 1, wave.unknowns)
   if k == nil then k = math.min(6, wave.unknowns) end
   if wave.g ~= 0 then
-    option.fail("wave:eigen", "with g = %g a stationary state has an energy for every norm; those of "
-      .. "the linear part are of dm.schroedinger { ..., g = 0 }", wave.g)
+    option.fail("wave:eigen", "with g = %g a stationary state has an energy for every norm; those "
+      .. "of the linear part are of dm.schroedinger { ..., g = 0 }", wave.g)
   end
   local eq = wave:equation()
   local values, states = eq[wave.unknowns > MOST_DENSE and "lanczos" or "eigen"](eq, k)

@@ -8,8 +8,8 @@ local M = {}
 -- reasons of their own
 local OF = {
   ["dm.wave_solver"] = { "dm.solver", "solver of a wave", {
-    ensemble = "a member is a run of its own: call solver:run for each psi, what the steps are made "
-      .. "of is kept",
+    ensemble = "a member is a run of its own: call solver:run for each psi, what the steps are "
+      .. "made of is kept",
     step = "run { steps = 1 } makes one step",
     solvability = "no rule for waves chooses its steps by an energy",
     measured_order = "run with h and with h/2, and compare psi",
