@@ -63,10 +63,8 @@ end
 local function made_from(space, order)
   local out, K = {}, space.K
   for place = K.first[order], K.first[order + 1] - 1 do
-    local less, i = { table.unpack(K.list[place]) }, 1
-    while less[i] == 0 do i = i + 1 end
-    less[i] = less[i] - 1
-    out[#out + 1] = { i, K.place[multi_index.key(less)] - K.first[order - 1] }
+    local i, before = table.unpack(K.from[place])
+    out[#out + 1] = { i, before - K.first[order - 1] }
   end
   return out
 end

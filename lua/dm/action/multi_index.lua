@@ -21,9 +21,10 @@ end
 function M.key(K) return table.concat(K, ",") end
 
 --- The multi-indices of p variables up to an order: list, place[key(K)], order[i] of each,
--- next[i][k] the place of K + e_k (nothing beyond the order), first[n] where order n begins.
+-- next[i][k] the place of K + e_k (nothing beyond the order), first[n] where order n begins,
+-- from[i] = { k, place of K - e_k } with the first k that can be.
 function M.up_to(p, order)
-  local out = { list = {}, place = {}, order = {}, next = {}, first = {}, p = p }
+  local out = { list = {}, place = {}, order = {}, next = {}, first = {}, from = {}, p = p }
   for n = 0, order do
     out.first[n] = #out.list + 1
     for _, K in ipairs(of_order(p, n, {}, {})) do
@@ -36,7 +37,9 @@ function M.up_to(p, order)
     for k = 1, p do
       local longer = { table.unpack(K) }
       longer[k] = longer[k] + 1
-      out.next[i][k] = out.place[M.key(longer)]
+      local at = out.place[M.key(longer)]
+      out.next[i][k] = at
+      if at and not (out.from[at] and out.from[at][1] < k) then out.from[at] = { k, i } end
     end
   end
   return out

@@ -9,7 +9,6 @@ local groups = require "dm.group"
 local F = require "dm.frame.calculus.field"
 local linear = require "dm.base.linear"
 local layout = require "dm.frame.calculus.layout"
-local multi_index = require "dm.action.multi_index"
 local normal = require "dm.frame.calculus.normal"
 local variation = require "dm.frame.calculus.variation"
 
@@ -119,10 +118,8 @@ local function rest_of(C, j, place)
   local key = j * 100000 + place
   local known = C.rests[key]
   if known then return known[1], known[2] end
-  local less, i = { table.unpack(C.words.list[place]) }, 1
-  while less[i] == 0 do i = i + 1 end
-  less[i] = less[i] - 1
-  local before, k = rest_of(C, j, C.words.place[multi_index.key(less)])
+  local i, less = table.unpack(C.words.from[place])
+  local before, k = rest_of(C, j, less)
   local sum = normal.D(C, i, before)
   for a = 1, C.r do
     local phi = normal.phi(C, a, k)

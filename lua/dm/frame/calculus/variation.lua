@@ -92,10 +92,7 @@ function M.theta(C, c, place)
   if place == 1 then
     out = O.identity(C, c)
   else
-    local K, i = { table.unpack(C.words.list[place]) }, 1
-    while K[i] == 0 do i = i + 1 end
-    K[i] = K[i] - 1
-    local before = C.words.place[multi_index.key(K)]
+    local i, before = table.unpack(C.words.from[place])
     out = O.D(C, i, M.theta(C, c, before))
     for a = 1, C.r do
       local form = moved_form(C, a, c, before)
@@ -165,10 +162,7 @@ function M.of_variable(C, j, place)
   if place == 1 then
     out = M.of_entry(C, C.named[j].entry)
   else
-    local K, i = { table.unpack(C.words.list[place]) }, 1
-    while K[i] == 0 do i = i + 1 end
-    K[i] = K[i] - 1
-    local before = C.words.place[multi_index.key(K)]
+    local i, before = table.unpack(C.words.from[place])
     out = O.D(C, i, M.of_variable(C, j, before))
     local X = normal.invariant(C, j, before)
     for k = 1, C.p do
