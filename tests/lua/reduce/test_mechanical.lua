@@ -153,4 +153,16 @@ raises("take a chart", function()
   return dm.system { Q = dm.product(G, G), L = function(_, v) return v:dot(v) / 2 end }
     :mechanical_connection { group = G, rule = "lie(1)", h = 0.1 }
 end)
+-- a rotation as a shape, behind the group: a free run from no momentum is the lift of its shapes
+local wheel = dm.system { Q = dm.product(dm.T(1), G, dm.SO(2)), L = function(q, v)
+  return v:dot(v) / 2 + 0.2 * v[1] * v[3] + 0.3 * v[4] * v[5] * dm.cos(q[1][1]) + v[2] * v[5] / 5
+end }
+local W = wheel:mechanical_connection { group = G, rule = "lie(1)", h = 0.1 }
+local spin = wheel:solver { rule = "lie(1)", h = 0.1 }:run { q = { { 0.1 }, G:identity(), 3.1 },
+  p = { 0.4, 0, 0, 0, 0.9 }, steps = 10 }
+local shapes = {}
+for k = 1, 11 do shapes[k] = { spin.q[k][1][1], spin.q[k][3] } end
+near(G:distance(W:multi_lift(shapes, { shapes[1], G:identity() })[11][2], spin.q[11][2]), 0, 1e-13,
+  "SO(2) as a shape")
+
 tap.done()

@@ -95,7 +95,7 @@ local function made(system, given, S, B)
     local Ld = core.discrete_lagrangian(system, { rule = rule, h = h })
     return local_form_of(Ld, S)
   end
-  local facts = { group = given.group, base = S.base, given = "system", by = given.rule }
+  local facts = { group = given.group, base = B.base, given = "system", by = given.rule }
   local A = connections.new(facts, B, with(given.rule, given.h))
   function A.own.with_step(h) return with(given.rule, h) end
   function A.own.reference()
@@ -104,13 +104,20 @@ local function made(system, given, S, B)
   return A
 end
 
+-- the base by its coordinates: SO(2) is a circle, T(1)
+local function base_of(S)
+  local out, turns = {}, kits.of(core.SO(2))
+  for k, part in ipairs(S.rest) do out[k] = kits.of(part) == turns and core.T(1) or part end
+  return #out > 1 and core.product(table.unpack(out)) or out[1]
+end
+
 --- Of a system on a product with the group as factor k.
 function M.of_factor(system, given, k)
   local S = space.of(system.Q, given.group, k, WHERE)
   if not system:structure().autonomous then
     options.fail(WHERE, "L must not depend on the time")
   end
-  local B = bundles.of(given.group, S.base, WHERE)
+  local B = bundles.of(given.group, base_of(S), WHERE)
   source.check_invariance(S, system, WHERE)
   return made(system, given, S, B)
 end
