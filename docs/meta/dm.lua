@@ -3830,9 +3830,9 @@ function dm_solver_class:run(options) end
 ---a coordinate, "q1"; period = T in its place: each period of a driven system from t0 on (a
 ---stroboscope). direction: "up" (g grows; the default), "down" or "both". starts = { {q =, v =}, {q =,
 ---p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names of
----columns ("q2", "p2", "t") or functions of (q, p, t); left out: another coordinate than g and its
----momentum. Crossings are found by steps of fitting length, with the accuracy of the rule; two within
----one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
+---columns ("q2", "p2", "t", on groups "R31") or functions of (q, p, t); left out: another coordinate
+---than g and its momentum. Crossings are found by steps of fitting length, with the accuracy of the
+---rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
 ---orbits[i].path.
 ---@param options? table
 ---@return dm.section
@@ -4775,16 +4775,19 @@ function dm_system_class:rolling(q, v, t) end
 ---there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); where an
 ---orbit meets a section several times, as at r and, half a turn on, at -r, a point has the shape of
 ---least norm, of equal norms the one whose first entry is positive, or the one of them where branch(x)
----> 0; names: of theta and x. connection(x): m rows of dim Q - m numbers, in place of the mechanical
----connection. Invariance is checked at a dozen points, and the first that violates it is named: what
----differs nowhere there, such as a force along the group that sets in only beyond some distance, is
----not seen, and the reduced run leaves it out. Constraints and forces that the group keeps are reduced
----too. The params of the system are those of the shape, with the momentum as mu (mu1, mu2, ... of a
----group of more dimensions; mu_theta where a parameter is called mu): ensembles and stability maps
----vary them. A run that jumps over a shape with a singular mass or locked inertia fails, with reason
----"pole" or "collapse". The reduced system also has connection, curvature, locked_inertia,
----amended_potential, lift, start, and its paths have reconstruct. Raises when L is no invariant, a
----force pushes along the group, or the locked inertia is singular.
+---> 0; names: of theta and x. On a group action(theta, g), of an abelian group, and section(x), which
+---has to be given, make elements, for instance a top's turns about the vertical: x are coordinates
+---near the section, states and reconstructed paths have elements. connection(x): m rows of dim Q - m
+---numbers, in place of the mechanical connection. Invariance is checked at a dozen points, and the
+---first that violates it is named: what differs nowhere there, such as a force along the group that
+---sets in only beyond some distance, is not seen, and the reduced run leaves it out. Constraints and
+---forces that the group keeps are reduced too. The params of the system are those of the shape, with
+---the momentum as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is
+---called mu): ensembles and stability maps vary them. A run that jumps over a shape with a singular
+---mass or locked inertia fails, with reason "pole" or "collapse". The reduced system also has
+---connection, curvature, locked_inertia, amended_potential, lift, start, and its paths have
+---reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is
+---singular.
 ---@param options? table
 ---@return dm.system
 function dm_system_class:routh(options) end

@@ -143,7 +143,9 @@ local function product(kit, matrix)
   end
   local turn, turned = turns_of(parts, kit, dimensions)
   local scale, velocity, scales = homogeneous_product(parts, counts, dimensions)
-  return { parts = parts, scale = scale, velocity = velocity, scales = scales,
+  local jumps = false
+  for _, part in ipairs(parts) do jumps = jumps or part.jumps end
+  return { parts = parts, scale = scale, velocity = velocity, scales = scales, jumps = jumps,
     counts = counts, turn = turn, turned = turned,
     carry = by_factor("carry", counts),
     exp = by_factor("exp", dimensions),
@@ -183,7 +185,8 @@ end
 
 --- What a place is made of (group/place.lua), of a kit: `kit.smooth` where it has closed forms, or
 -- by entries where `matrix` is asked for. Where they are known for angles of any
--- size, turn(a, x) is exp of x along axis a, and turned(a, x, mu) carries mu there.
+-- size, turn(a, x) is exp of x along axis a, and turned(a, x, mu) carries mu there. jumps: may the
+-- coordinates of an element by itself have another sign than those of a run?
 function M.of(kit, matrix)
   local out
   if kit.parts then
@@ -199,6 +202,7 @@ function M.of(kit, matrix)
   if not out.velocity and not kit.parts and N == kit.dimension then
     out.scale, out.velocity, out.scales = without_relation(out, N)
   end
+  out.jumps = out.jumps or not kit.parts and out.follow ~= nil
   out.follow = out.follow or function(list) return list end
   out.tidy = out.tidy or function(list) return list end
   out.mend = out.mend or nothing

@@ -6,6 +6,7 @@ local core = require "dm.core"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local place = require "dm.group.place"
 
 local M = {}
 
@@ -27,8 +28,24 @@ end
 local WHERE = "solver:section"
 local fail = option.failing(WHERE)
 
+-- the same on a group: entries of the element, and flat coordinates where they do not jump
+local function columns_on_group(own)
+  local read, names = { t = function(_, _, t) return t end }, { q = {}, p = {}, also = ", R31" }
+  for i = 1, own.jumps and 0 or own.size do
+    names.q[i] = "q" .. i
+    read[names.q[i]] = function(g) return own.flat(g)[i] end
+  end
+  for i = 1, own.dimension do
+    names.p[i] = "p" .. i
+    read[names.p[i]] = function(_, mu) return mu[i] end
+  end
+  return setmetatable(read, { __index = function(_, name) return place.entry(own, name) end }),
+    names
+end
+
 -- name -> function(q, p, t), and the name a coordinate or momentum prints as
 local function columns_of(system)
+  if system.place then return columns_on_group(system.place) end
   local read, names = { t = function(_, _, t) return t end }, { q = {}, p = {} }
   local given = system.coordinates or {}
   for i = 1, system.Q.dimension do
@@ -45,7 +62,8 @@ local function columns_of(system)
 end
 
 local function known(names)
-  return table.concat(names.q, ", ") .. ", " .. table.concat(names.p, ", ") .. ", t"
+  local all = table.move(names.p, 1, #names.p, #names.q + 1, { table.unpack(names.q) })
+  return table.concat(all, ", ") .. ", t" .. (names.also or "")
 end
 
 -- the function and the label of option x or y
@@ -195,9 +213,9 @@ The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g
 a coordinate, "q1"; period = T in its place: each period of a driven system from t0 on (a
 stroboscope). direction: "up" (g grows; the default), "down" or "both". starts = { {q =, v =}, {q =,
 p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names of
-columns ("q2", "p2", "t") or functions of (q, p, t); left out: another coordinate than g and its
-momentum. Crossings are found by steps of fitting length, with the accuracy of the rule; two within
-one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
+columns ("q2", "p2", "t", on groups "R31") or functions of (q, p, t); left out: another coordinate
+than g and its momentum. Crossings are found by steps of fitting length, with the accuracy of the
+rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
 orbits[i].path.]])
 
 return M

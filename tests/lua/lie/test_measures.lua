@@ -98,7 +98,7 @@ local map = top:stability { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, t = 20
 ok(tostring(map):find "bounded" and tostring(map):find "1 wrong",
   "a map of stability, whose flow is found by two other rules")
 -- what is only for coordinates says so
-raises("reduced by dm.euler_poincare", top.routh, top, { cyclic = { "q1" }, mu = 1 })
+raises("dm.euler_poincare reduces", top.routh, top, { cyclic = { "q1" }, mu = 1 })
 raises("there is no 'q1'; on SO(3)", function()
   dm.scene { top, q = G:identity(), v = { 0, 0, 1 }, watch = { "q1" }, tolerance = 1, until_t = 1 }
 end)
@@ -170,6 +170,15 @@ for _, Q in ipairs { G, dm.SE(3), dm.SL(2) } do
   near(((up.p[4] - down.p[4]) * 5e3 - M:column(2):slice(Q.dimension + 1, 2 * Q.dimension)):norm(),
     0, 1e-7, "and its tangent map is the derivative")
 end
+-- sections by entries of elements; not by quaternions, whose sign jumps
+local crossed = swung:solver { rule = "lobatto(3)", h = 0.05 }:section { q = tilted.q, p = tilted.p,
+  g = "R31", t = 10, x = "R33", y = "p1" }
+ok(#crossed.orbits[1].path.events > 0, "crossings of an entry")
+for _, e in ipairs(crossed.orbits[1].path.events) do near(e.q[3][1], 0, 1e-12, "R31 is zero there") end
+local looking = swung:solver { rule = "lie(1)", h = 0.1 }
+raises("must be one of p1, p2, p3, t, R31", looking.section, looking,
+  { q = tilted.q, p = tilted.p, g = "R31", t = 1, x = "q1", y = "p1" })
+
 -- the mass of a path at an element, of the momenta alone; singularities of a product
 local run = pair:solver { rule = "lie(1)", h = 0.1 }:run { q = both.q, v = both.v, steps = 3 }
 near(run:mass(run.q[2])[5][5], 0.7 + 0.3 * 5, 1e-14, "path:mass of an element")

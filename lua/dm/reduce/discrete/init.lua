@@ -203,6 +203,10 @@ those of the shape, with the multipliers of the unreduced equations (run with re
 
 -- the discrete Lagrangian that was given, or that of a rule in the coordinates (theta, x)
 local function read(info, full, given)
+  if full.place and (type(given) ~= "table" or given.Q ~= nil) then
+    error("shape:discrete: a discrete Lagrangian on a group knows no theta and x: give { rule =, h "
+      .. "= }, a rule for these coordinates", 0)
+  end
   if type(given) == "table" then
     check.places(info, full)
     return check.of_rule(info.full, { rule = given.rule, h = given.h })

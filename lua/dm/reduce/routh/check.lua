@@ -62,9 +62,10 @@ local function at(p)
 end
 M.at = at
 
--- the same in the coordinates that the user has: those which an action moves, where there is one
+-- the same in the coordinates that the user has: those which an action moves, where there is one;
+-- on a group (theta, x)
 local function place(info, p)
-  if not info.ambient then return at(p) end
+  if not info.ambient or info.ambient.on_group then return at(p) end
   local q, v = info.ambient.lift(p.q, p.v)
   return at { q = q, v = v, t = p.t }
 end

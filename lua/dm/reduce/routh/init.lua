@@ -303,17 +303,16 @@ end
 M.routh = blame.caller(function(system, options)
   if is_noncommutative(options) then return system:level(options) end
   option.check(options, KNOWN, "system:routh", "{ cyclic = ..., mu = ... }")
-  if system.place then
-    option.fail("system:routh", "is for systems on coordinates; one on %s is reduced by "
-      .. "dm.euler_poincare, with advected = for what breaks its symmetry", tostring(system.Q))
-  end
   check_kind(options)
-  options = starts.lists(options, system)
-  check_start(options, system.Q.dimension)
+  if not system.place then
+    options = starts.lists(options, system)
+    check_start(options, system.Q.dimension)
+  end
   refuse(system)
   local ambient
-  if options.action then
-    system, options, ambient = require "dm.reduce.routh.section".split(system, options)
+  if options.action or system.place then
+    local way = system.place and "dm.reduce.routh.on_group" or "dm.reduce.routh.section"
+    system, options, ambient = require(way).split(system, options)
   end
   local info = read(system, options)
   info.ambient = ambient
@@ -349,16 +348,19 @@ orbit of `at`, of the start q or of a point that is found comes to such points, 
 there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); where an
 orbit meets a section several times, as at r and, half a turn on, at -r, a point has the shape of
 least norm, of equal norms the one whose first entry is positive, or the one of them where branch(x)
-> 0; names: of theta and x. connection(x): m rows of dim Q - m numbers, in place of the mechanical
-connection. Invariance is checked at a dozen points, and the first that violates it is named: what
-differs nowhere there, such as a force along the group that sets in only beyond some distance, is
-not seen, and the reduced run leaves it out. Constraints and forces that the group keeps are reduced
-too. The params of the system are those of the shape, with the momentum as mu (mu1, mu2, ... of a
-group of more dimensions; mu_theta where a parameter is called mu): ensembles and stability maps
-vary them. A run that jumps over a shape with a singular mass or locked inertia fails, with reason
-"pole" or "collapse". The reduced system also has connection, curvature, locked_inertia,
-amended_potential, lift, start, and its paths have reconstruct. Raises when L is no invariant, a
-force pushes along the group, or the locked inertia is singular.]])
+> 0; names: of theta and x. On a group action(theta, g), of an abelian group, and section(x), which
+has to be given, make elements, for instance a top's turns about the vertical: x are coordinates
+near the section, states and reconstructed paths have elements. connection(x): m rows of dim Q - m
+numbers, in place of the mechanical connection. Invariance is checked at a dozen points, and the
+first that violates it is named: what differs nowhere there, such as a force along the group that
+sets in only beyond some distance, is not seen, and the reduced run leaves it out. Constraints and
+forces that the group keeps are reduced too. The params of the system are those of the shape, with
+the momentum as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is
+called mu): ensembles and stability maps vary them. A run that jumps over a shape with a singular
+mass or locked inertia fails, with reason "pole" or "collapse". The reduced system also has
+connection, curvature, locked_inertia, amended_potential, lift, start, and its paths have
+reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is
+singular.]])
 
 class.method("dm.system", "at_momentum", M.at_momentum, [[
 shape:at_momentum(mu) -> dm.system

@@ -181,7 +181,9 @@ local OF_FULL = "%s must be %d number%s, as in the unreduced system (got %s)"
 
 M.start = blame.caller(function(shape, q, v, t)
   local info = routh.need(shape, "start")
-  q = lists.numbers("start: q", q, info.n, OF_FULL)
+  if not (info.ambient and info.ambient.on_group) then
+    q = lists.numbers("start: q", q, info.n, OF_FULL)
+  end
   v = lists.numbers("start: v", v, info.n, OF_FULL)
   t = time("start", t)
   if info.ambient then q, v = info.ambient.split(q, v) end

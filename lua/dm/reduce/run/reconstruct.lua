@@ -50,13 +50,16 @@ end
 
 -- the same in the coordinates of the points that the action moves
 local function ambient_columns(columns, info)
-  local n, out = info.n, { columns[1] }
-  for c = 2, 2 * n + 1 do out[c] = {} end
+  local n, out, Q, P = info.n, { columns[1] }, nil, nil
   for i = 1, #columns[1] do
     local q, p = {}, {}
     for k = 1, n do q[k], p[k] = columns[1 + k][i], columns[1 + n + k][i] end
-    local Q, P = info.ambient.point(q, p)
-    for k = 1, n do out[1 + k][i], out[1 + n + k][i] = Q[k], P[k] end
+    Q, P = info.ambient.point(q, p, Q)
+    local N = #Q -- flat coordinates of a group are more than its momenta
+    for k = 1, N + #P do
+      out[1 + k] = out[1 + k] or {}
+      if k <= N then out[1 + k][i] = Q[k] else out[1 + k][i] = P[k - N] end
+    end
   end
   return out
 end
