@@ -1,6 +1,7 @@
 --- A system on a group in coordinates about a section, for Routh reduction by an abelian group that
--- acts on it: g = action(theta, section(x)), so that y = (theta, x) are coordinates near the section
--- and the velocity is linear in y', xi = J(y) y'. Moves of theta are then moves of coordinates.
+-- acts on it: g = action(theta, section(x)), so that y = (theta, x) are coordinates near the
+-- section and the velocity is linear in y', xi = J(y) y'. Moves of theta are then moves of
+-- coordinates.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
