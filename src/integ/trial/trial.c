@@ -23,11 +23,11 @@ static const char *check(const dm_rule *rule) {
 }
 
 /* Second derivatives at the points, the velocity of the start for the first guess, and the energy
- * that two scales are to keep. */
+ * that curves are to keep. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned plain = DM_SEPARABLE | DM_CONSTANT_MASS;
-    const int watched = rule->data && row_of(rule)->phases;
-    return DM_WANT_STAGE | (watched ? (unsigned)DM_WANT_ENERGY : 0) |
+    (void)rule;
+    return DM_WANT_STAGE | DM_WANT_ENERGY |
            ((m->structure & plain) == plain ? 0 : (unsigned)DM_WANT_MASS);
 }
 
@@ -239,6 +239,10 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_trial *e = trial_of(s);
     (void)state;
+    if (status == DM_BLOW_UP && !e->row->phases)
+        return "it has moved by more than two fifths of the largest v . L_v: the curves of the "
+               "space do not follow the motion, or others of their roots were found; take other "
+               "functions, another 'start' or a smaller h";
     if (status == DM_BLOW_UP)
         return "it has moved by more than a fifth of the largest v . L_v: the frequency is not "
                "that "

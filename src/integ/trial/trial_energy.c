@@ -1,19 +1,22 @@
-/* trial_energy.c - whether the energy stays with curves of two scales. With the frequency of the
- * motion it swings by a thousandth of the kinetic energy, also where curves miss the momentum at
- * their ends; off by a percent, or beside a second fast one, it grows from step to step until
- * nothing of the start is left. */
+/* trial_energy.c - whether the energy stays with curves that may be others than those of the
+ * motion. Of two scales with the frequency of the motion it swings by a thousandth of the kinetic
+ * energy, also where curves miss the momentum at their ends; off by a percent, or beside a second
+ * fast one, it grows from step to step until nothing of the start is left. Spaces that are not
+ * linear have many roots, and some have none near the motion. */
 #include "integ/trial/trial_inside.h"
 
 #include <math.h>
 #include <string.h>
 
-/* |H - H of the start| over the largest v . L_v so far: above, the motion is lost. Measured: with
- * the right frequency 0.03 and less, where the energy grows 0.2 to 0.8. */
-static const double LOST = 0.2;
+/* |H - H of the start| over the largest v . L_v so far: above, the motion is lost. Measured of two
+ * scales: with the right frequency 0.03 and less, where the energy grows 0.2 to 0.8; where nothing
+ * but motion has been gained it is a half. */
+static const double LOST = 0.2, LOST_CURVE = 0.4;
 
 void dm_trial_watch_begin(dm_trial *e) {
     const int autonomous = (e->m->structure & DM_AUTONOMOUS) && e->m->has & DM_WANT_ENERGY;
-    e->began = e->row->phases && autonomous ? NAN : INFINITY;
+    const int watched = e->row->phases || !e->k->linear;
+    e->began = watched && autonomous ? NAN : INFINITY;
     e->twice = e->drift = 0.0;
 }
 
@@ -38,5 +41,5 @@ dm_status dm_trial_watch(dm_trial *e, const double *q, const double *p) {
     for (uint32_t i = 0; i < e->n; i++) end += e->x[e->n + i] * p[i];
     e->twice = fmax(e->twice, fmax(fabs(end), dm_trial_kinetic(e)));
     if (off > 0.0 && e->twice > 0.0) e->drift = fmax(e->drift, off / e->twice);
-    return e->drift > LOST ? DM_BLOW_UP : DM_OK;
+    return e->drift > (e->row->phases ? LOST : LOST_CURVE) ? DM_BLOW_UP : DM_OK;
 }

@@ -114,4 +114,10 @@ raises("parameters of the curve", run, pendulum, dm.galerkin { curve = function(
   start = function() return { 1 } end, quadrature = "gauss(2)" }, 0.1, 1, { 1 }, { 0 })
 raises("forces", run, dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end, force = function(_, v) return { -v[1] } end }, cubic, 0.1, 1, { 1 }, { 0 })
 raises("dm.galerkin { functions", function() pendulum:solver { rule = "trial", h = 0.1 } end)
+-- a space whose curves cannot speed up: what Newton's method finds there is no motion
+raises("do not follow the motion", function()
+  dm.system({ Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.cos(q[1]) end }):solver { h = 0.2,
+    rule = dm.galerkin { parameters = 3, quadrature = "gauss(6)", start = function(q, v, h) return { q[1], h * v[1], 1 } end,
+      curve = function(t, z, h) return { z[1] + z[2] * dm.tanh(z[3] * t / h) } end } }:run { q = { 1 }, v = { 0 }, steps = 20 }
+end)
 tap.done()
