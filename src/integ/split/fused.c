@@ -9,6 +9,7 @@
 #include "algebra/derive.h"
 #include "code/native/jit.h"
 #include "graph/analyse.h"
+#include "numbers/fma.h"
 
 #include <string.h>
 
@@ -253,24 +254,25 @@ dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_n
     return coordinate < 0 ? (dm_product){hb, f} : (dm_product){f, b->q[coordinate]};
 }
 
+/* what a sum leaves as its low part */
+static dm_node remainder_of(dm_fusion *b, const struct dm_remainder *r) {
+    const dm_node lost = dm_sub(b->graph, r->high, r->sum);
+    const dm_node rest = r->a ? dm_multiply_add(b->graph, r->a, r->b, lost) : lost;
+    return dm_add(b->graph, r->y, rest);
+}
+
 /* the low part of a sum, which nobody waits for, is made later */
-static void leave(dm_fusion *b, dm_node high, dm_node sum, dm_node y, dm_node *low) {
+static void leave(dm_fusion *b, struct dm_remainder r) {
     if (!b->late || b->late_count == 2 * b->model->n) dm_fusion_settle(b);
-    const struct dm_remainder r = {high, sum, y, low};
-    if (b->late) {
+    if (b->late)
         b->late[b->late_count++] = r;
-        return;
-    }
-    *low = dm_add(b->graph, y, dm_sub(b->graph, high, sum));
+    else
+        *r.low = remainder_of(b, &r);
 }
 
 /* In the order in which they were left. */
 void dm_fusion_settle(dm_fusion *b) {
-    for (uint32_t i = 0; i < b->late_count; i++) {
-        const struct dm_remainder *r = b->late + i;
-        const dm_node lost = dm_sub(b->graph, r->high, r->sum);
-        *r->low = dm_add(b->graph, r->y, lost);
-    }
+    for (uint32_t i = 0; i < b->late_count; i++) *b->late[i].low = remainder_of(b, b->late + i);
     b->late_count = 0;
 }
 
@@ -284,14 +286,14 @@ void dm_fusion_add_product(dm_fusion *b, dm_node *high, dm_node *low, dm_product
     const dm_node before = dm_add(b->graph, *high, *low);
     const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
     const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
-    leave(b, *high, sum, y, low);
+    leave(b, (struct dm_remainder){.high = *high, .sum = sum, .y = y, .low = low});
     *high = sum;
 }
 
 /* y has the old low part in it; what the rounding of the sum lost is the new one. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y) {
     const dm_node sum = dm_add(b->graph, *high, y);
-    leave(b, *high, sum, y, low);
+    leave(b, (struct dm_remainder){.high = *high, .sum = sum, .y = y, .low = low});
     *high = sum;
 }
 
@@ -338,22 +340,31 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
     }
 }
 
-/* The product of the drift goes straight into the low part, one rounding. */
+/* high + low += a v. The product is exact in the low part where the processor rounds a b + c once;
+ * else it goes into the low part at once. */
+static void drift_by(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
+    if (b->plain) {
+        *high = dm_multiply_add(b->graph, x.a, x.b, *high);
+    } else if (dm_fma_is_fused()) {
+        const dm_node before = dm_add(b->graph, *high, *low);
+        const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
+        leave(b, (struct dm_remainder){*high, sum, *low, low, x.a, x.b});
+        *high = sum;
+    } else {
+        dm_fusion_sum(b, high, low, dm_multiply_add(b->graph, x.a, x.b, *low));
+    }
+}
+
 void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
     const dm_model *m = b->model;
     const uint32_t n = m->n;
     const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
-    dm_node *y = dm_arena_take(m->source.arena, n * sizeof *y);
-    b->failed |= !y;
-    for (uint32_t i = 0; y && i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         const double *row = m->inverse_mass + (diagonal ? i : i * (size_t)n);
         const dm_node v = diagonal ? p[i] : combine(b, row, p, m->momentum_shift);
         const dm_node a = diagonal ? times(b, *row, ha) : ha;
-        y[i] = dm_multiply_add(b->graph, a, v, b->plain ? b->q[i] : b->low_q[i]);
+        drift_by(b, b->q + i, b->low_q + i, (dm_product){a, v});
     }
-    if (y && b->plain) memcpy(b->q, y, n * sizeof *y);
-    for (uint32_t i = 0; y && !b->plain && i < n; i++)
-        dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
 }
 
 /* What is carried out of a part is the state as it is by now. */

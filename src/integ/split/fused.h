@@ -3,11 +3,14 @@
  * inputs. The same numbers as through a force kernel but for rounding; every backend gives the
  * same bits.
  *
- * Carried: q[n], p[n], the low parts of both, then what a part adds. A sum is y = low + a b (one
- * rounding), high' = high + y, low' = y + (high - high'), so that the next force waits for two
- * operations. Where a force is a coordinate times a factor, as in -q/r^3, it is the factor that
- * is multiplied by h b, as early as can be: one product for all coordinates, and none of them
- * waits for it. */
+ * Carried: q[n], p[n], the low parts of both, then what a part adds. A kick is high' = (high + low)
+ * + a b, low' = (low + a b) + (high - high'), each a b added with one rounding, so that the next
+ * force waits for one operation. A drift is so too, but low' = low + (a b + (high - high')), where
+ * a b is not rounded: by a decimal h its rounding has a mean. (Where a b is rounded before it is
+ * added a drift is y = low + a b, high' = high + y, low' = y + (high - high').)
+ *
+ * Where a force is a coordinate times a factor, as in -q/r^3, it is the factor that is multiplied
+ * by h b, as early as can be: one product for all coordinates, and none of them waits for it. */
 #ifndef DM_FUSED_H
 #define DM_FUSED_H
 
@@ -36,9 +39,9 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, in
 /* Products in the factors are added at once (algebra/contract.h). 0 without memory. */
 int dm_kicks_contract(dm_kicks *k);
 
-/* low = y + (high - sum) */
+/* low = y + (high - sum), or, where there is an a, y + (a b + (high - sum)) */
 struct dm_remainder {
-    dm_node high, sum, y, *low;
+    dm_node high, sum, y, *low, a, b;
 };
 
 /* A part under construction, made as it stands. */
