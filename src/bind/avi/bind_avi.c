@@ -114,10 +114,8 @@ static int avi_limits(lua_State *L) {
 /* cells:resonances(margin), once the steps are known */
 static int avi_resonances(lua_State *L) {
     const avi *k = check(L);
-    double pairs;
-    if (!k->limit) return luaL_error(L, "limits first");
-    need(L, dm_avi_resonances(&k->a, k->limit, luaL_checknumber(L, 2), &pairs, k->arena));
-    lua_pushinteger(L, (lua_Integer)pairs);
+    if (!k->limit || !k->a.near) return luaL_error(L, "limits and a run first");
+    lua_pushinteger(L, (lua_Integer)dm_avi_resonances(&k->a, k->limit, luaL_checknumber(L, 2)));
     return 1;
 }
 
@@ -142,8 +140,8 @@ static int avi_run(lua_State *L) {
     dml_vectorarg(L, 3, "h", k->a.h, k->a.cells);
     dml_vectorarg(L, 4, "times", times, rows);
     dml_path *path = push_path(L, k, rows, times[0]);
-    dm_avi_start(&k->a, times[0], half);
-    dm_status status = DM_OK;
+    dm_status status = dm_avi_start(&k->a, times[0], half, k->arena);
+    need(L, status);
     for (uint32_t i = 0; i < rows && status == DM_OK; i++) {
         double *row = path->data + (size_t)i * path->width;
         if (i) status = dm_avi_run(&k->a, times[i], &dml_stop);

@@ -1,5 +1,5 @@
 /* avi_limits.c - how long the step of a cell may be, and which cells disturb each other. */
-#include "field/avi/avi.h"
+#include "field/avi/avi_inside.h"
 #include "linalg/sparse/symmetric_eigen.h"
 
 #include <math.h>
@@ -11,8 +11,8 @@ static void count_shares(const dm_avi *a, double *share) {
     for (uint32_t k = 0; k < a->sums; k++) {
         const dm_avi_sum *s = a->sum + k;
         for (uint32_t i = 0; i < s->sum->bodies; i++)
-            for (uint32_t o = 0; o < s->loop.outputs; o++)
-                share[dm_sum_entry(s->sum, s->sum->column + s->by[o], i, 0)]++;
+            for (uint32_t j = 0; j < s->kicks; j++)
+                share[s->entry[(size_t)i * s->reads + s->kick[j].entry]]++;
     }
 }
 
@@ -71,48 +71,13 @@ static int is_near(double limit, double h, double margin) {
     return k >= 1.0 && fabs(x - k) < margin;
 }
 
-dm_status dm_avi_resonances(const dm_avi *a, const double *limit, double margin, double *pairs,
-                            dm_arena *arena) {
-    size_t all = 0;
-    for (uint32_t k = 0; k < a->sums; k++)
-        all += (size_t)a->sum[k].sum->bodies * a->sum[k].loop.outputs;
-    uint32_t *start = dm_arena_take(arena, ((size_t)a->n + 2) * sizeof *start);
-    uint32_t *list = dm_arena_take(arena, (all + 1) * sizeof *list);
-    uint32_t *seen = dm_arena_take(arena, ((size_t)a->cells + 1) * sizeof *seen);
-    *pairs = 0;
-    if (!start || !list || !seen) return DM_NO_MEMORY;
-    memset(start, 0, ((size_t)a->n + 2) * sizeof *start);
-    memset(seen, 0, ((size_t)a->cells + 1) * sizeof *seen);
-    for (int fill = 0; fill < 2; fill++) {
-        for (uint32_t k = 0; k < a->sums; k++) {
-            const dm_avi_sum *s = a->sum + k;
-            for (uint32_t i = 0; i < s->sum->bodies; i++)
-                for (uint32_t o = 0; o < s->loop.outputs; o++) {
-                    const size_t at = dm_sum_entry(s->sum, s->sum->column + s->by[o], i, 0);
-                    if (fill)
-                        list[start[at + 1]++] = s->first + i;
-                    else
-                        start[at + 2]++;
-                }
+double dm_avi_resonances(const dm_avi *a, const double *limit, double margin) {
+    double pairs = 0.0;
+    for (uint32_t k = 0; k < a->cells; k++)
+        for (uint32_t j = a->near_start[k]; j < a->near_start[k + 1]; j++) {
+            const uint32_t l = a->near[j];
+            if (l >= k || a->h[k] == a->h[l]) continue;
+            pairs += is_near(limit[k], a->h[l], margin) || is_near(limit[l], a->h[k], margin);
         }
-        for (uint32_t i = 1; !fill && i <= a->n; i++) start[i + 1] += start[i];
-    }
-    for (uint32_t k = 0; k < a->sums; k++) {
-        const dm_avi_sum *s = a->sum + k;
-        for (uint32_t i = 0; i < s->sum->bodies; i++) {
-            const uint32_t own = s->first + i;
-            for (uint32_t o = 0; o < s->loop.outputs; o++) {
-                const size_t at = dm_sum_entry(s->sum, s->sum->column + s->by[o], i, 0);
-                for (uint32_t j = start[at]; j < start[at + 1]; j++) {
-                    const uint32_t other = list[j];
-                    if (other >= own || seen[other] == own + 1) continue;
-                    seen[other] = own + 1;
-                    if (a->h[own] == a->h[other]) continue;
-                    *pairs += is_near(limit[own], a->h[other], margin) ||
-                              is_near(limit[other], a->h[own], margin);
-                }
-            }
-        }
-    }
-    return DM_OK;
+    return pairs;
 }
