@@ -67,7 +67,7 @@ typedef struct {
 dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor, uint32_t count,
                       uint32_t n, dm_compile *compile, dm_arena *arena);
 
-/* From t0 on, with w, x, p and h as they are. DM_NO_MEMORY, or DM_TOO_LARGE: too many neighbours. */
+/* From t0 on, with w, x, p and h as they are. DM_NO_MEMORY, DM_TOO_LARGE: too many neighbours. */
 dm_status dm_avi_start(dm_avi *a, double t0, int half, dm_arena *arena);
 
 /* All kicks up to time t. DM_NOT_FINITE: p is not, DM_STOPPED. */

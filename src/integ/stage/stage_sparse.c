@@ -10,10 +10,12 @@
 #include "linalg/sparse/solvers.h"
 #include "numbers/compensated.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum { MOST = 40 /* iterations */, FIRST = 0, SOLVED, LAST };
+static const double NOISE = 4.0; /* of the rounding of a residual: so large may one be */
 
 typedef struct {
     dm_stage_table table;
@@ -23,9 +25,11 @@ typedef struct {
     dm_factor *factor;
     dm_arena arena;               /* of the factorization */
     double h;                     /* that S was made for; 0: none */
+    int fresh;                    /* forces at Z are there */
     int constant;                 /* second derivatives are numbers, and so are factors */
     double *x, *Z, *base, *u, *F; /* (q, v, t); [r][n] each: Z, what is known of it, M^-1 F, F */
     double *R, *dx, *cg;          /* [solved][n], [4 solved n] */
+    double *diagonal;             /* [n][solved] of S, in the place of cg; NULL: not known */
     double *begin;                /* the table, in the workspace */
 } layout;
 
@@ -170,6 +174,7 @@ static void fill(const dm_stepper *s, layout *l, double h) {
     const dm_sparse *A = &m->curvature->A;
     const uint32_t k = l->solved, r = l->table.r;
     double *value = l->S.value;
+    l->diagonal = s->solvers ? l->cg : NULL;
     for (int32_t j = 0; j < A->columns; j++)
         for (uint32_t b = 0; b < k; b++)
             for (int32_t p = A->start[j]; p < A->start[j + 1]; p++)
@@ -178,6 +183,7 @@ static void fill(const dm_stepper *s, layout *l, double h) {
                     double x = -h * h * dm_weight_double(w) * A->value[p];
                     if (A->row[p] == j && a == b)
                         x += m->held && m->held[j] ? 1.0 : m->mass_matrix[j];
+                    if (A->row[p] == j && a == b && l->diagonal) l->diagonal[(size_t)j * k + a] = x;
                     *value++ = x;
                 }
 }
@@ -229,6 +235,27 @@ static void residual(const dm_stepper *s, layout *l, double h) {
     }
 }
 
+/* Is the residual no more than its own rounding? Forces are rounded by |S - M| |x|, the rest by
+ * |S| |Z|, of which the diagonal stands for a row; another solve would only bring other noise. */
+static int is_noise(const dm_stepper *s, const layout *l) {
+    const dm_model *m = s->model;
+    const uint32_t n = m->n, k = l->solved;
+    double position = 0.0, size = 0.0;
+    if (!l->diagonal) return 0;
+    for (uint32_t i = 0; i < n; i++) position = fmax(position, fabs(l->x[i]));
+    for (uint32_t a = 0; a < k; a++)
+        for (uint32_t i = 0; i < n; i++) size = fmax(size, fabs(l->Z[(size_t)l->at[a] * n + i]));
+    for (uint32_t j = 0; j < n; j++) {
+        const double mass = m->held && m->held[j] ? 1.0 : m->mass_matrix[j];
+        for (uint32_t a = 0; a < k; a++) {
+            const double S = l->diagonal[(size_t)j * k + a];
+            const double noise = fabs(S - mass) * position + fabs(S) * size;
+            if (!(fabs(l->R[(size_t)j * k + a]) <= NOISE * DBL_EPSILON * noise)) return 0;
+        }
+    }
+    return 1;
+}
+
 /* Z of the points that are solved for */
 static dm_status newton(dm_stepper *s, layout *l, const double *q, double t, double h) {
     const uint32_t n = s->model->n, k = l->solved;
@@ -238,6 +265,8 @@ static dm_status newton(dm_stepper *s, layout *l, const double *q, double t, dou
         double step = 0.0, size = 0.0;
         for (uint32_t a = 0; a < k; a++) evaluate(s, l, q, l->at[a], t, h);
         residual(s, l, h);
+        l->fresh = pass > 1 && is_noise(s, l);
+        if (l->fresh) break;
         status = solve(s, l, l->dx, l->R);
         if (status != DM_OK) return status;
         for (uint32_t a = 0; a < k; a++)
@@ -308,7 +337,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
             double *Z = l->Z + (size_t)m * n;
             add_forces(l, n, Z, m, SOLVED, h);
         }
-        evaluate(s, l, state, m, t, h);
+        if (l->kind[m] == LAST || !l->fresh) evaluate(s, l, state, m, t, h);
     }
     for (uint32_t i = 0; i < r * n; i++)
         if (!isfinite(l->F[i])) return DM_NOT_FINITE;
