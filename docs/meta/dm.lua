@@ -4642,7 +4642,7 @@ function dm_system_class:lift(x, v, theta, t) end
 ---relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
 ---anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
 ---step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
----dp); on a group the changes are (g^-1 dg, dxi).
+---dp); on a group the changes are (g^-1 dg, dxi), and there may be a force.
 ---@param options? table
 ---@return table
 function dm_system_class:linearize(options) end

@@ -60,7 +60,7 @@ end
 local function check_plain(system, what)
   local given = system.given
   if not (given and (given.L or given.H)) then error(what .. " needs a dm.system", 0) end
-  if given.constraint or given.rolling or given.force then
+  if given.constraint or given.rolling or given.force and not system.place then
     error(what .. ": for systems without constraints and forces; solver:multipliers has the "
       .. "tangent map of any", 0)
   end
@@ -166,7 +166,7 @@ real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an e
 relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
 anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
 step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
-dp); on a group the changes are (g^-1 dg, dxi).]])
+dp); on a group the changes are (g^-1 dg, dxi), and there may be a force.]])
 
 class.method("dm.solver", "multipliers", M.multipliers, [[
 solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}

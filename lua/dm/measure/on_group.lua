@@ -13,13 +13,17 @@ local M = {}
 local abs, max = math.abs, math.max
 
 -- L(g, xi, t) with params bound; this file needs the body velocity and nothing but L
-local function lagrangian(system, what)
+local function lagrangian(system, what, forced)
   local given = system.given
   if system.place.right then
     error(what .. ": on groups with the left trivialization only", 0)
   end
-  if given.constraint or given.rolling or given.force then
-    error(what .. ": on groups without constraints and forces only", 0)
+  if given.constraint or given.rolling then
+    error(what .. ": on groups without constraints only", 0)
+  end
+  if given.force and not forced or given.control then
+    error(what .. ": by rules of the chart on groups without forces only; gauss(s), lobatto(s) and "
+      .. "other rules of coordinates take forces, but no controls", 0)
   end
   if not given.L then
     error(what .. ": this H has no Lagrangian; rules that go by the lift, gauss(s) and midpoint, "
@@ -68,10 +72,22 @@ local function matrix_of(f, d)
   return out
 end
 
+-- derivatives of a torque f(g near(a), xi, t) by a and by xi; nothing without one
+local function torque_slopes(system, g, xi, t)
+  local given, d = system.given, system.place.dimension
+  if not given.force then return end
+  local P, f = entries_of(system), bound(given.force, given.params)
+  local q = P.flat(g)
+  local J = core.derivative(function(a, x)
+    return core.vector(f(P.element(P.carry(q, P.near(a))), x, t))
+  end, d, d)(core.zeros(d), xi)
+  return block(J, 0, 0, d), block(J, 0, d, d)
+end
+
 --- The matrix of d(u, dxi)/dt at (g, xi): u' = dxi - ad_xi u and the change of d/dt L_xi =
--- coad(xi, L_xi) + L_g along (u, dxi), with coefficients frozen there.
+-- coad(xi, L_xi) + L_g + f along (u, dxi), with coefficients frozen there.
 function M.field(system, q, v, t, what)
-  local L, kit, d = lagrangian(system, what), system.place.kit, system.place.dimension
+  local L, kit, d = lagrangian(system, what, true), system.place.kit, system.place.dimension
   local g, xi = kit.element(q), core.vector(v)
   local p = system:legendre(g, xi, t)
   local H = hessian(system, L, g, xi, t)
@@ -81,6 +97,8 @@ function M.field(system, q, v, t, what)
   local turned = matrix_of(function(x) return kit.coad(x, p) end, d)
   local of_u = gg + coad * xg + xg * ad
   local of_x = turned + coad * xx + xg:transpose() - xg
+  local fu, fx = torque_slopes(system, g, xi, t)
+  if fu then of_u, of_x = of_u + fu, of_x + fx end
   local su, sx, out = xx:solve(of_u), xx:solve(of_x), core.matrix(2 * d, 2 * d)
   for i = 1, d do
     for k = 1, d do

@@ -170,6 +170,20 @@ for _, Q in ipairs { G, dm.SE(3), dm.SL(2) } do
   near(((up.p[4] - down.p[4]) * 5e3 - M:column(2):slice(Q.dimension + 1, 2 * Q.dimension)):norm(),
     0, 1e-7, "and its tangent map is the derivative")
 end
+-- friction: at rest a hanging ball swings as s^2 + c s + 1 = 0 has it
+local c = 0.3
+local damped = dm.system { Q = G, L = function(R, w) return w:dot(w) / 2 - R[3][3] end,
+  force = function(_, w) return -c * w end }
+local rest = damped:linearize { q = G:exp { math.pi, 0, 0 } }
+near(rest.rates[2], -c / 2, 1e-14, "the rate of a damped swing, linearized on a group")
+near(rest.fastest, math.sqrt(1 - c * c / 4), 1e-14, "and its frequency")
+local T = damped:solver { rule = "lobatto(3)", h = 0.02 }:tangent { q = G:exp { math.pi, 0, 0 },
+  v = { 0, 0, 0 }, steps = 50 }
+near(T:det(), math.exp(-3 * c), 1e-9, "volumes shrink with friction, by the lift")
+raises("take forces", function()
+  damped:solver { rule = "lie(1)", h = 0.1 }:tangent { q = G:identity(), v = { 1, 0, 0 }, steps = 1 }
+end)
+
 -- sections by entries of elements; not by quaternions, whose sign jumps
 local crossed = swung:solver { rule = "lobatto(3)", h = 0.05 }:section { q = tilted.q, p = tilted.p,
   g = "R31", t = 10, x = "R33", y = "p1" }
