@@ -23,7 +23,7 @@ typedef struct {
     double h;                /* that S was made for; 0: none */
     int constant, symmetric; /* S is made of numbers; it is symmetric */
     double *x, *u, *F;       /* (q, v, t); [r][n] each */
-    double *f, *f_q, *f_v;   /* [n], [n][values] */
+    double *f, *f_q, *f_v;   /* [n], [r][n][values] */
     double *R, *dx, *cg;     /* [n r], [4 n r] */
     double *scratch, *begin; /* of the forces; the table */
 } layout;
@@ -61,8 +61,9 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_stage_basis(&g, rule, m);
     const size_t n = m->n, r = (size_t)g.q.r, v = m->work ? m->work->values : 1;
     const size_t all = m->curvature && m->work ? entries(m, r) : 0;
-    return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 2 * r * n + n + 2 * n * v +
-           6 * r * n + (m->work ? m->work->room : 0) + all + (all + r * n + 4) / 2 + 8;
+    return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 2 * r * n + n +
+           2 * r * n * v + 6 * r * n + (m->work ? m->work->room : 0) + all + (all + r * n + 4) / 2 +
+           8;
 }
 
 /* ---- the pattern of S ---- */
@@ -119,8 +120,8 @@ static dm_status open(dm_stepper *s) {
     l->F = l->u + r * n;
     l->f = l->F + r * n;
     l->f_q = l->f + n;
-    l->f_v = l->f_q + n * v;
-    l->R = l->f_v + n * v;
+    l->f_v = l->f_q + r * n * v;
+    l->R = l->f_v + r * n * v;
     l->dx = l->R + r * n;
     l->cg = l->dx + r * n;
     l->scratch = l->cg + 4 * r * n;
@@ -174,15 +175,17 @@ static void place(const dm_stepper *s, layout *l, const double *q, const double 
 static void evaluate(dm_stepper *s, layout *l, uint32_t m, int anew) {
     const uint32_t n = s->model->n;
     double *F = l->F + (size_t)m * n;
+    const size_t at = (size_t)m * n * s->model->work->values;
     dm_kernel_eval(&s->model->force, l->x, F);
-    dm_work_force(s->model->work, l->f, anew ? l->f_q : NULL, anew ? l->f_v : NULL, l->x, 0, n,
-                  l->scratch);
+    dm_work_force(s->model->work, l->f, anew ? l->f_q + at : NULL, anew ? l->f_v + at : NULL, l->x,
+                  0, n, l->scratch);
     for (uint32_t k = 0; k < n; k++) F[k] += l->f[k];
     s->report.evaluations++;
 }
 
 /* The values of S in the order of lay_pattern: column j of point b has the rows of L_qq and of the
- * block of its cell, each once for every point a; rows of entries that are held are those of 1 */
+ * block of its cell, each once for every point a, where the derivatives of its force are taken;
+ * rows of entries that are held are those of 1 */
 static void fill(const dm_stepper *s, layout *l, double h) {
     const dm_model *m = s->model;
     const dm_sparse *A = &m->curvature->A;
@@ -199,11 +202,10 @@ static void fill(const dm_stepper *s, layout *l, double h) {
                     const int own = i / v == (uint32_t)j / v;
                     const double w = dm_weight_double(l->table.A[a * r + b]);
                     double curve = place[k] >= 0 ? A->value[place[k]] : 0.0;
-                    if (own) curve += l->f_q[(size_t)i * v + (uint32_t)j % v];
+                    const size_t at = ((size_t)a * m->n + i) * v + (uint32_t)j % v;
+                    if (own) curve += l->f_q[at];
                     double x = -h * h * w * curve;
-                    if (own)
-                        x -= h * dm_weight_double(l->table.rate[a * r + b]) *
-                             l->f_v[(size_t)i * v + (uint32_t)j % v];
+                    if (own) x -= h * dm_weight_double(l->table.rate[a * r + b]) * l->f_v[at];
                     if (i == (uint32_t)j && a == b)
                         x += m->held && m->held[j] ? 1.0 : m->mass_matrix[j];
                     *value++ = x;
@@ -212,16 +214,31 @@ static void fill(const dm_stepper *s, layout *l, double h) {
     }
 }
 
-/* derivatives at the middle point, and the factors of the matrix */
+/* Derivatives of the forces, and L_qq at the middle point: at the start of a step they are those of
+ * the middle everywhere, anew each point has its own. */
+static void differentiate(dm_stepper *s, layout *l, const double *q, const double *p, double t,
+                          double h, int anew) {
+    const uint32_t r = l->table.r, middle = r / 2;
+    const size_t block = (size_t)s->model->n * s->model->work->values;
+    for (uint32_t m = 0; anew && m < r; m++)
+        if (m != middle) place(s, l, q, p, t, h, m), evaluate(s, l, m, 1);
+    place(s, l, q, p, t, h, middle);
+    evaluate(s, l, middle, 1);
+    for (uint32_t m = 0; !anew && m < r; m++) {
+        if (m == middle) continue;
+        memcpy(l->f_q + m * block, l->f_q + middle * block, block * sizeof *l->f_q);
+        memcpy(l->f_v + m * block, l->f_v + middle * block, block * sizeof *l->f_v);
+    }
+    dm_curvature_at(s->model->curvature, dm_loops_factors(&s->model->force, l->x), l->x);
+}
+
+/* the matrix and its factors */
 static dm_status prepare(dm_stepper *s, layout *l, const double *q, const double *p, double t,
                          double h, int anew) {
-    const dm_model *m = s->model;
     double condition;
     if (l->h == h && l->constant && !anew) return DM_OK;
     drop(s, l);
-    place(s, l, q, p, t, h, l->table.r / 2);
-    evaluate(s, l, l->table.r / 2, 1);
-    dm_curvature_at(m->curvature, dm_loops_factors(&m->force, l->x), l->x);
+    differentiate(s, l, q, p, t, h, anew);
     fill(s, l, h);
     l->h = h;
     if (!s->solvers) return DM_OK;

@@ -147,6 +147,21 @@ end
 tap.near(errors[1] / errors[2], 4, 0.1, "forces beside values without mass: order 2 towards the equations by hand")
 below(errors[2], 1e-3, "and near them")
 
+---- drag that is strong within a step, by rules of several stages: v' = -30 v^3, so 1/v^2 = 1/v0^2 + 60 t ----
+
+local sphere = dm.mesh { icosphere = 1 }
+local braked = sphere:field { form = 0, L = function(_, rate) return rate:dot(rate) / 2 end, force = function(_, V) return -30 * V:map(function(x) return x ^ 3 end) end }
+for rule, bound in pairs { ["gauss(2)"] = 5e-4, ["gauss(3)"] = 8e-5, ["gauss(4)"] = 1.5e-5 } do
+  local path = braked:solver { rule = rule, h = 0.02 }:run { q = function() return 0 end, v = function(x1) return 2 + x1 end, t = 1 }
+  local where, rates, worst = sphere:points(), path:form(#path, "p").values, 0
+  for i = 1, #rates do
+    local v0 = 2 + where[i][1]
+    worst = max(worst, abs(rates[i] / braked.field.masses[i] - v0 / math.sqrt(1 + 60 * v0 ^ 2)))
+  end
+  below(worst, bound, rule .. ": strong drag is solved for")
+  ok(#braked:solver { rule = rule, h = 0.2 }:run { q = function() return 0 end, v = function() return 2 end, t = 1 } == 6, "by long steps, too")
+end
+
 ---- ensembles: forces with params that differ, by rules that factorize, are the runs one by one ----
 
 local ball = dm.mesh { icosphere = 1 }
