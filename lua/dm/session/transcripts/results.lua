@@ -214,10 +214,12 @@ M["dm.resume"] = [=[
 > whole = solver:run { q = {1}, v = {0}, steps = 100 }
 > dm.resume(half):run({ steps = 50 }).q[51] == whole.q[101]
 true
-> u = dm.field { x = {0, 1, 10}, fixed = "ends", L = function(u, ut, ux) return ut^2/2 - ux^2/2 end }
+> u = dm.field { x = {0, 1, 10}, fixed = "ends",
+>>   L = function(u, ut, ux) return ut^2/2 - ux^2/2 end }
 > cable = u:solver { h = 0.05 }
 > half = cable:run { u = function(x) return x - x^2 end, steps = 5 }
-> dm.resume(half):run({ steps = 5 }).u[6] == cable:run({ u = function(x) return x - x^2 end, steps = 10 }).u[11]
+> whole = cable:run { u = function(x) return x - x^2 end, steps = 10 }
+> dm.resume(half):run({ steps = 5 }).u[6] == whole.u[11]
 true]=]
 
 M["dm.path"] = [=[
