@@ -277,6 +277,7 @@ int dm_sem_sweep(dm_sem_sweeps *w, const double *state, const double *z, double 
     memcpy(out + n + 1, w->force, n * sizeof *out);
     memcpy(out + 2 * n + 1, w->R, n * sizeof *out);
     numbers[0] = w->twice, numbers[1] = w->energy;
-    numbers[2] = moves ? w->inverse_slope : 0.0;
+    /* where any h has the energy, as without a potential, it stays as it was guessed */
+    numbers[2] = moves && isfinite(w->inverse_slope) ? w->inverse_slope : 0.0;
     return count;
 }

@@ -68,6 +68,11 @@ path = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 end }
 near(path.t[21], 2, 1e-14, "free: any h has the energy, and it stays")
 path = sem(1, 1, 0.1, oscillator):run { q = { 0 }, p = { 0 }, steps = 20 }
 near(path.t[21], 2, 1e-14, "at rest too")
+local zeros, ones = {}, {}
+for i = 1, 10 do zeros[i], ones[i] = 0, 1 end
+path = dm.system { Q = dm.R(10), L = function(q, v) return v:dot(v) / 2 end }
+  :solver { rule = "sem(1, gauss(1))", h = 0.1 }:run { q = zeros, v = ones, steps = 20 }
+ok(abs(path.t[21] - 2) < 1e-14 and path.sem.conditioning == 0, "ten free coordinates", path.sem.conditioning)
 -- 1e5 steps: what is left of every step has no sign
 path = sem(1, 1, 0.05):run(with { steps = 1e5, every = 1000 })
 ok(path:drift(path:momentum(dm.SO(2))).largest < 1e-13 and path.sem.defect < 1e-13, "100,000 steps: momentum and E_d", path.sem.defect)
