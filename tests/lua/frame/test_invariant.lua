@@ -334,4 +334,22 @@ do
   near(free:solve { points = { 0 }, momentum = 0.3, n = 5 }.points[5][1], 1.2, 1e-14,
     "a start from a momentum that is a number")
 end
+-- a group of one's own has the sequences of the built-in one that it is
+local matrices = dm.group { name = "motions", basis = { { { 0, 0, 1 }, { 0, 0, 0 }, { 0, 0, 0 } },
+  { { 0, 0, 0 }, { 0, 0, 1 }, { 0, 0, 0 } }, { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } } } }
+local ends = {}
+for k, G in ipairs { dm.SE(2), matrices } do
+  local rho = dm.moving_frame { action = dm.action { group = G, on = dm.R(2),
+    map = k == 2 and function(g, z)
+      local w = g * dm.vector { z[1], z[2], 1 }
+      return { w[1], w[2] }
+    end or nil }, points = 2, cross_section = function(a, b) return { a[1], a[2], b[2] } end,
+    branch = function(_, b) return b[1] end }
+  ends[k] = dm.invariant_problem { frame = rho, points = 3, L = function(I)
+    local r = I[2][1]
+    return (r - 1) ^ 2 / 2 + 0.3 * (I[3][1] - 2) ^ 2 + 0.7 * I[3][2] ^ 2 + 0.2 * I[3][1] * r
+  end }:solve({ points = { { 0, 0 }, { 1, 0.1 }, { 2, 0.1 }, { 3, 0.05 } }, n = 10 }).points:row(10)
+end
+near((ends[1] - ends[2]):norm(), 0, 1e-10, "a group of one's own in the second way")
+
 tap.done()
