@@ -133,16 +133,17 @@ local function integral(f, a, b)
   return refined(a, b, whole, size, HALVINGS)
 end
 
--- where g is finite: q of zeros or ones, t = 0 or 1
+-- where g is finite: q of zeros, of ones or at random, apart as bodies are; t = 0 or 1
 local function origin_of(g, n)
-  for _, t in ipairs { 0, 1 } do
-    for _, x in ipairs { 0, 1 } do
-      local q = core.zeros(n):map(function() return x end)
-      local fine, value = pcall(g, q, core.zeros(n), t)
+  local zero, stream = core.zeros(n), core.random(17)
+  for i = 0, SAMPLES do
+    local q = i < 2 and zero:map(function() return i end) or kits.normals(stream, i, n, 1)
+    for t = 0, 1 do
+      local fine, value = pcall(g, q, zero, t)
       if fine and type(value) == "number" and value - value == 0 then return q, t end
     end
   end
-  return core.zeros(n), 0
+  return zero, 0
 end
 
 -- B(q, t) of g = B_q v + B_t, from a point where it is finite

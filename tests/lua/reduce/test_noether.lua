@@ -71,6 +71,15 @@ local forced = divergence_of(function(q, v, t) return v[1] ^ 2 / 2 + q[1] * dm.c
 near(forced({ 0.2 }, 20), math.sin(500) / 25, 1e-12, "B = sin(25 t)/25")
 local late = divergence_of(function(q, v, t) return v[1] ^ 2 / 2 + q[1] / t end)
 near(late({ 0.2 }, 3) - late({ 0.2 }, 2), math.log(1.5), 1e-13, "B = log t, which 0 has not")
+local bodies = dm.system { Q = dm.R(4), L = function(q, v)
+  local d = dm.vector { q[1] - q[3], q[2] - q[4] }
+  return (2 * (v[1] ^ 2 + v[2] ^ 2) + 3 * (v[3] ^ 2 + v[4] ^ 2)) / 2 + 1 / d:norm()
+end }
+local push = select(3, dm.action { group = dm.R(1), on = dm.R(5), map = function(a, z)
+  return { z[1] + a[1] * z[5], z[2], z[3] + a[1] * z[5], z[4], z[5] }
+end }:invariant(bodies)).divergence
+near(push({ 1, 2, 3, 4 }, 0.7) - push({ 0, 2, 5, 1 }, 0), 2 - 6, 1e-12,
+  "Galilei's boost of two bodies, which are not to meet")
 local pole = divergence_of(function(q, v) return v[1] ^ 2 / 2 - v[1] / q[1] ^ 2 end)
 raises("no finite integral from q = [1], t = 0 to q = [-2]", function() pole({ -2 }, 0) end)
 
