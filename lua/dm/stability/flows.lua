@@ -177,12 +177,11 @@ function M.prepare(map, system)
       .. "the system: nothing is called wrong"
     return nil
   end
-  local t0, keys = map.options.t0 or 0, setmetatable({}, { __mode = "k" })
+  local t0 = map.options.t0 or 0
   local function flow_key(cell)
     local text = {}
     for i, name in ipairs(map.names) do text[i] = ("%a"):format(cell.values[name]) end
-    keys[cell.values] = keys[cell.values] or table.concat(text, "/")
-    return keys[cell.values]
+    return table.concat(text, "/")
   end
   return { accuracy = accuracy, observed = observables.read(map.options, system), t0 = t0,
     horizon = t0 + map.options.t, flows = {}, flow_key = flow_key }

@@ -70,13 +70,14 @@ typedef struct dml_given {
 
 typedef struct {
     const void *metatable[DML_CLASSES];
-    dml_given *given;  /* or NULL */
-    dml_frame *frames; /* newest first */
-    uint32_t serial;   /* of the newest trace */
-    double roots;      /* serial number of the newest implicit function */
-    int depth;         /* callbacks inside callbacks */
-    int spare;         /* an arena waits to be used again */
-    int closing;       /* its Lua is about to go */
+    dml_given *given;              /* or NULL */
+    dml_frame *frames;             /* newest first */
+    uint32_t serial;               /* of the newest trace */
+    double roots;                  /* serial number of the newest implicit function */
+    int depth;                     /* callbacks inside callbacks */
+    int spare;                     /* an arena waits to be used again */
+    int memory_least, memory_seen; /* KB of Lua: since they last shrank, when last looked at */
+    int closing;                   /* its Lua is about to go */
 } dml_state;
 
 dml_state *dml_getstate(lua_State *L);
