@@ -1,5 +1,6 @@
 --- Linear models: L to second order about an equilibrium near the start, in its modes, of which
--- those that the start does not excite, or nothing watched feels, are left out.
+-- those that the start does not excite, or nothing watched feels, are left out. They are solved in
+-- closed form.
 local core = require "dm.core"
 local model_of = require "dm.scene.model"
 local pilot = require "dm.scene.pilot"
@@ -28,6 +29,27 @@ local function blocks(H, n)
   return core.matrix(K), core.matrix(mass)
 end
 
+local FREE = 1e-13  -- of the largest square: a mode without a spring
+
+-- K^-1 slope by the modes; nil where something pulls along one that has no spring
+local function newton_step(K, mass, slope)
+  local squares, vectors = K:modes(mass)
+  local n, largest = #squares, 0
+  local step = core.zeros(n)
+  for k = 1, n do largest = max(largest, abs(squares[k])) end
+  for k = 1, n do
+    local x = core.zeros(n)
+    for i = 1, n do x[i] = vectors[i][k] end
+    local along = x:dot(slope)
+    if abs(squares[k]) > FREE * largest then
+      step = step + x * (along / squares[k])
+    elseif abs(along) > FREE * x:norm() * slope:norm() then
+      return nil
+    end
+  end
+  return step
+end
+
 -- the equilibrium that Newton's method finds from the start, and the blocks there
 local function equilibrium(problem, L)
   local n, q, rest, last = problem.n, problem.q + 0, core.zeros(problem.n), math.huge
@@ -37,7 +59,8 @@ local function equilibrium(problem, L)
     if not K then return nil end
     local slope = core.zeros(n)
     for i = 1, n do slope[i] = g[i] end
-    local step = K:solve(slope)
+    local step = newton_step(K, mass, slope)
+    if not step then return nil end
     local length = step:norm()
     if not (length <= last) and length <= 1e-9 * (1 + q:norm()) then return q, K, mass end
     q, last = q + step, length
@@ -147,6 +170,43 @@ local function model_with(problem, options, q, modes, all)
   return out
 end
 
+-- y and its rate at a time after the start: solutions of y'' = -square y
+local function exact_mode(mode, after)
+  local c, s, root = nil, nil, sqrt(abs(mode.square))
+  if mode.square > 0 then
+    c, s = core.cos(root * after), core.sin(root * after) / root
+  elseif mode.square < 0 then
+    c, s = core.cosh(root * after), core.sinh(root * after) / root
+  else
+    c, s = 1, after
+  end
+  return c * mode.y + s * mode.w, c * mode.w - mode.square * s * mode.y
+end
+
+-- The same solved: what is watched becomes functions of time. What is stepped, with any rule and
+-- any step, is a system of as many coordinates that rests.
+local function solved_model(problem, options, q, modes, all)
+  local of_modes, watch, rest = lifted(problem, q, modes), {}, {}
+  for name, f in pairs(of_modes) do
+    watch[name] = function(_, _, t)
+      local y, w = {}, {}
+      for k, mode in ipairs(modes) do y[k], w[k] = exact_mode(mode, t - problem.t0) end
+      return f(y, w, t)
+    end
+  end
+  for k = 1, #modes do rest[k] = 0 end
+  local system = core.system { Q = core.R(#modes), L = function(x, v)
+    return (v:dot(v) - x:dot(x)) / 2
+  end }
+  local other = model_of.problem(system, { q = rest, v = rest, t0 = problem.t0,
+    until_t = options.until_t, watch = watch, tolerance = problem.tolerance })
+  other.parent = problem
+  local out = model_of.given(other)
+  out.steps = { ("linear about an equilibrium, %d of %d modes, solved"):format(#modes, all) }
+  out.is_solved = true
+  return out
+end
+
 -- the least number of modes: the others add up to less than is seen
 local function excited(problem, q, modes)
   local size, order, left, out = seen(problem, q, modes), {}, 0, {}
@@ -169,8 +229,9 @@ local function is_plain(problem)
     and problem.system:structure().autonomous and not problem.system:structure().linear_in_v
 end
 
---- Linear models of a problem: with the modes that are seen. None where there is no equilibrium
--- near the start, or forces, constraints, couplings of q and v.
+--- Linear models of a problem, with the modes that are seen: solved, or, where rules are named, to
+-- be stepped by these. None where there is no equilibrium near the start, or forces, constraints,
+-- couplings of q and v.
 function M.models(problem, options)
   local fine, out = pcall(function()
     if not is_plain(problem) then return {} end
@@ -179,7 +240,9 @@ function M.models(problem, options)
     local q, K, mass = equilibrium(problem, L)
     if not q then return {} end
     local modes = modes_of(problem, q, K, mass)
-    return { model_with(problem, options, q, excited(problem, q, modes), n) }
+    local left = excited(problem, q, modes)
+    local stepped = options.rules or options.frame
+    return { (stepped and model_with or solved_model)(problem, options, q, left, n) }
   end)
   if not fine then pilot.pass_stop(out) end
   return fine and out or {}

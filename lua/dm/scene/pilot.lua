@@ -54,6 +54,11 @@ function M.controlled(rule) return rule:match "^controlled%((.*)%)$" end
 
 local function has_own_time(rule) return rule:find "^log%-hamiltonian" ~= nil end
 
+--- The rule of models that are solved: what is watched is a function of time there, and any step is
+-- as good as another one.
+M.EXACT = "exact"
+local AT_REST = "verlet"  -- steps what rests there
+
 --- Steps of a rule are of one length, by the time.
 function M.is_even(rule) return not (M.controlled(rule) or has_own_time(rule)) end
 
@@ -89,7 +94,8 @@ end
 local function solver_of(model, rule, N)
   local problem = model.problem
   if M.is_even(rule) then
-    return model:ready().system:solver { rule = rule, h = problem.T / N }
+    return model:ready().system:solver { rule = rule == M.EXACT and AT_REST or rule,
+      h = problem.T / N }
   end
   local scale = scale_of(model, rule)
   if scale.length then

@@ -2,6 +2,7 @@
 -- saved, read again.
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
+local weights = require "dm.scene.weights"
 
 local M = {}
 M.__index = M
@@ -39,18 +40,11 @@ end
 --- ns of a run by the clock, set-up apart.
 function M.time(model, rule, N) return (measure(model, rule, N, N, LONG_ENOUGH)) * N end
 
--- operations of a run, as far as counters tell: of the kernels, of the equations solved, and what
--- surrounds them
-local function work_of(report, n)
-  return max(report.evaluations, report.steps) * (report.operations + 8 * n)
-    + report.newton * n * n
-end
-
 -- work of a step, over so many of the N steps; the same in every run
 local function count(model, rule, N, steps)
   local _, report = pilot.go(model, rule, N, { steps = steps })
   local all = pilot.is_even(rule) and steps or N
-  return work_of(report, model.system.Q.dimension) / all, report
+  return weights.work(report, model, rule) / all, report
 end
 
 local function key_of(model, rule) return model:fingerprint() .. " " .. rule end
@@ -85,7 +79,7 @@ function M:cost(model, rule, N)
     return self.guessed[place]
   end
   local ns, report = (self.counts and count or measure)(model, rule, N, N, LONG_ENOUGH)
-  row[N] = { ns = ns * N, least = ns * N, work = work_of(report, model.system.Q.dimension) }
+  row[N] = { ns = ns * N, least = ns * N, work = weights.work(report, model, rule) }
   self.rows[key] = row
   return ns * N
 end

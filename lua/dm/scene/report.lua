@@ -94,8 +94,10 @@ function M.choice(scene)
   for _, c in ipairs(scene.finalists) do
     if c ~= b and not next_best then next_best = c end
   end
-  return ("%s, %s with h = %.4g (%d steps): %s%s")
-    :format(b.model:words(), b.rule, b.h, b.N, cost_text(scene, b),
+  local how = b.model.is_solved and b.rule or ("%s with h = %.4g (%d steps)")
+    :format(b.rule, b.h, b.N)
+  return ("%s, %s: %s%s")
+    :format(b.model:words(), how, cost_text(scene, b),
     next_best and ("; next %s on %s, %s"):format(next_best.rule, next_best.model == b.model
       and "the same model" or next_best.model:words(),
       cost_text(scene, next_best)) or "")

@@ -246,9 +246,19 @@ local function try_rule(search, model, row)
   if found.cost < search.bound then search.bound, search.guess = found.cost, N * row.stages end
 end
 
+-- a model that is solved: there is nothing to be chosen
+local function take_solved(search, model)
+  local row = { rule = pilot.EXACT, order = 1, stages = 1 }
+  local err, why = error_of(search, model, row.rule, FEWEST)
+  if err > TARGET then return give_up(search, model, row, why or "beyond the tolerance", FEWEST, err) end
+  local found = candidate(search, model, row, FEWEST, err, "reaches the tolerance", true)
+  if found.cost < search.bound then search.bound, search.guess = found.cost, FEWEST end
+end
+
 --- Look at all rules for a model; adds candidates to the search.
 function M.model(search, model)
   search.refused = search.refused or {}
+  if model.is_solved then return take_solved(search, model) end
   for _, row in ipairs(search.rules) do
     if core.cpu() > search.deadline then
       search.cut = true

@@ -188,6 +188,33 @@ end
 ok(bend < 1.3, "with rows so close that straight lines between them are as good as the tolerance", bend)
 ok(all.problem.tolerance.theta < 0.1 and all.problem.tolerance.theta > 1e-4, "to a pixel of its size", all.problem.tolerance.theta)
 
+-- linear models are solved: a chain in two of its modes, free ends, a hill, t0
+local masses = dm.system { Q = dm.R(12), L = function(q, v)
+  local U = 0
+  for i = 1, 11 do U = U + (q[i + 1] - q[i]) ^ 2 end
+  return (v:dot(v) - U) / 2
+end }
+local pi, x0, v0 = math.pi, {}, {}
+for i = 1, 12 do x0[i], v0[i] = 0.3 + cos(3 * pi * (i - 0.5) / 12), 0.1 + 0.2 * cos(5 * pi * (i - 0.5) / 12) end
+local solved = dm.scene { masses, q = x0, v = v0, watch = { "q2", "p7" }, tolerance = 1e-9, t0 = 2, until_t = 102 }
+local function w(k) return 2 * math.sin(k * pi / 24) end
+local times, worst = {}, 0
+for i = 1, 500 do times[i] = 2 + 0.2 * i end
+local run = solved:run { at = times }
+for i, t in ipairs(times) do
+  local s = t - 2
+  local q2 = 0.3 + 0.1 * s + cos(3 * pi * 1.5 / 12) * cos(w(3) * s) + 0.2 * cos(5 * pi * 1.5 / 12) * math.sin(w(5) * s) / w(5)
+  local p7 = 0.1 - w(3) * cos(3 * pi * 6.5 / 12) * math.sin(w(3) * s) + 0.2 * cos(5 * pi * 6.5 / 12) * cos(w(5) * s)
+  worst = math.max(worst, math.abs(run:column "q2"[i] - q2), math.abs(run:column "p7"[i] - p7))
+end
+ok(worst < 2e-12 and worst <= run.error_estimate + 1e-12, "three of twelve modes, solved in closed form", worst)
+ok(solved.best.n == 3 and solved.best.rule == "exact" and tostring(solved):find "solved, exact:", "and nothing is stepped", tostring(solved))
+local hill = dm.scene { dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 + 4 * q[1] ^ 2) / 2 end }, q = { 1e-3 }, v = { 0 }, watch = { "q1" },
+  tolerance = 1e-8, until_t = 3 }
+local top = hill:run { at = { 1, 3 } }
+tap.near(top:column "q1"[2], 1e-3 * (math.exp(6) + math.exp(-6)) / 2, 1e-12, "a hill: cosh")
+ok(hill.best.rule == "exact", "solved, too", hill.best.rule)
+
 -- L linear in v, forces, time, constraints as they are given
 words, all = newton("first order", function(q, v) return q[2] * v[1] - (q[1] ^ 2 + q[2] ^ 2) / 2 end,
   { q = { 1, 0 }, v = { 0, -1 }, watch = { "q1" }, tolerance = 1e-6, until_t = 10, rules = { "gauss(2)", "degenerate(2)" } })
