@@ -6176,11 +6176,12 @@ function dm.scaling(options) end
 ---feels; in the plane of motion where turns change nothing; cyclic coordinates reduced away (Routh),
 ---also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear,
 ---in the modes that are seen, solved in closed form (scene.best.rule is "exact"); stiff terms of L as
----constraints; coordinates at rest held; terms left out where that stays inside the tolerance. Rules: all of dm.rules(), log-hamiltonian(...) and
----"controlled(rk8)", whose steps are as long as their error allows, or a list `rules`. All of it is
----measured against two unlike methods with controlled steps that jump over nothing hidden in the
----forces, and checked at other times and between them; where the tolerance cannot be promised,
----scene:run() raises with everything that was measured (docs/theory/trust.md). Costs are counted
+---constraints; coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
+---all of dm.rules(), log-hamiltonian(...) and "controlled(rk8)", whose steps are as long as their
+---error allows, or a list `rules`. All of it is measured against two unlike methods with controlled
+---steps that jump over nothing hidden in the forces, and checked at other times and between them;
+---where the tolerance cannot be promised, scene:run() raises with everything that was measured
+---(docs/theory/trust.md). Costs are counted
 ---operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
 ---a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 ---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step

@@ -250,7 +250,9 @@ end
 local function take_solved(search, model)
   local row = { rule = pilot.EXACT, order = 1, stages = 1 }
   local err, why = error_of(search, model, row.rule, FEWEST)
-  if err > TARGET then return give_up(search, model, row, why or "beyond the tolerance", FEWEST, err) end
+  if err > TARGET then
+    return give_up(search, model, row, why or "beyond the tolerance", FEWEST, err)
+  end
   local found = candidate(search, model, row, FEWEST, err, "reaches the tolerance", true)
   if found.cost < search.bound then search.bound, search.guess = found.cost, FEWEST end
 end
