@@ -181,7 +181,13 @@ end
 local function candidate(search, model, row, N, err, words, kept)
   local out = { model = model, rule = row.rule, order = row.order, N = N, h = model.problem.T / N,
     error = err, why = words, kept = kept }
-  if err < huge and kept then out.cost = search.profile:cost(model, row.rule, N) end
+  if err < huge and kept then
+    local fine, cost = pcall(search.profile.cost, search.profile, model, row.rule, N)
+    if not fine then pilot.pass_stop(cost) end
+    -- the time for rules was over while it was counted
+    out.cost = fine and cost or nil
+    if not fine then out.kept, out.why, search.cut = false, "no time left", true end
+  end
   search.candidates[#search.candidates + 1] = out
   return out
 end
@@ -243,7 +249,9 @@ local function try_rule(search, model, row)
   N, err = shrink(search, model, row, N, err)
   if not search.profile.counts then N, err = cheaper(search, model, row.rule, N, err) end
   local found = candidate(search, model, row, N, err, "reaches the tolerance", true)
-  if found.cost < search.bound then search.bound, search.guess = found.cost, N * row.stages end
+  if found.kept and found.cost < search.bound then
+    search.bound, search.guess = found.cost, N * row.stages
+  end
 end
 
 -- a model that is solved: there is nothing to be chosen
@@ -254,7 +262,9 @@ local function take_solved(search, model)
     return give_up(search, model, row, why or "beyond the tolerance", FEWEST, err)
   end
   local found = candidate(search, model, row, FEWEST, err, "reaches the tolerance", true)
-  if found.cost < search.bound then search.bound, search.guess = found.cost, FEWEST end
+  if found.kept and found.cost < search.bound then
+    search.bound, search.guess = found.cost, FEWEST
+  end
 end
 
 --- Look at all rules for a model; adds candidates to the search.
@@ -303,7 +313,24 @@ local function near(search)
   return out, least
 end
 
---- What is close to the best: of equal cost the smaller model first, then by cost.
+-- what was kept but costs more, for the case that nothing close to the best stands the check
+local function add_dearer(search, out)
+  local close, dearer = {}, {}
+  for _, c in ipairs(out) do close[c] = true end
+  for _, c in ipairs(search.candidates) do
+    if c.kept and not close[c] then
+      c.n, c.operations = c.model:size()
+      dearer[#dearer + 1] = c
+    end
+  end
+  table.sort(dearer, function(a, b)
+    return a.cost < b.cost or (a.cost == b.cost and a.rule < b.rule)
+  end)
+  table.move(dearer, 1, #dearer, #out + 1, out)
+  return out
+end
+
+--- What is close to the best: of equal cost the smaller model first, then by cost; then the rest.
 function M.finalists(search)
   local out, least = near(search)
   for _, c in ipairs(out) do
@@ -316,7 +343,7 @@ function M.finalists(search)
     if a.class == 0 and a.operations ~= b.operations then return a.operations < b.operations end
     return a.cost < b.cost or (a.cost == b.cost and a.rule < b.rule)
   end)
-  return out
+  return add_dearer(search, out)
 end
 
 return M

@@ -289,4 +289,11 @@ do
       ("lines between rows of %s until %.0f"):format(case[2], case[1]), worst)
   end
 end
+-- what stands the check may cost more than what is near to the best
+local stub = { size = function() return 1, 1 end }
+local function found(rule, cost, kept) return { rule = rule, model = stub, N = cost, cost = cost, kept = kept } end
+local order = require "dm.scene.search".finalists { bound = 1, seconds = 1, candidates = { found("dear", 9, true), found("out", 2, false), found("best", 1, true),
+  found("dearer", 30, true) }, profile = { again = function() end, least = function(_, _, _, N) return N end } }
+ok(#order == 3 and order[1].rule == "best" and order[2].rule == "dear" and order[3].rule == "dearer", "dearer ones are tried last", #order)
+
 tap.done()
