@@ -18,12 +18,17 @@ local CURVE, SOLVE = 3.5, 80 -- of an evaluation and an iteration where a whole 
 
 local known
 
--- { stages, explicit } of the instances in the table of rules
+-- { stages, explicit, whole (its unknowns are ends, whatever its stages are) } of the instances in
+-- the table of rules
 local function facts_of(rule)
   if not known then
     known = {}
     for _, method in ipairs(core.rules()) do
-      for _, instance in ipairs(method.instances) do known[instance.rule] = instance end
+      local whole = method.cost:find "^2 n unknowns" ~= nil
+      for _, instance in ipairs(method.instances) do
+        known[instance.rule] = { stages = instance.stages, explicit = instance.explicit,
+          whole = whole }
+      end
     end
   end
   return known[rule:match "^controlled%((.*)%)$" or rule] or {}
@@ -52,11 +57,9 @@ function M.work(report, model, rule)
     return SWEEP * (report.newton + SWEEPS * steps) * unit
   end
   local bound = s.constraints + s.rolling
-  if report.evaluations < report.newton or report.evaluations == report.newton
-    and s.separable and bound == 0 then
-    return plain + report.newton * n * n
-  end
-  if s.separable and bound == 0 then return CURVE * plain + SOLVE * report.newton end
+  if facts.whole and bound == 0 then return CURVE * plain + SOLVE * report.newton end
+  local is_small = s.separable and not s.forced and bound == 0 -- written out, or a composition
+  if is_small or report.evaluations < report.newton then return plain + report.newton * n * n end
   return of_newton(report, unit, n + bound)
 end
 
