@@ -62,11 +62,13 @@ dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *
     return dm_graph_status(j->g);
 }
 
-/* xi = a V with a for an extra input and V for the rate; exp(a V) has the velocity V */
-static dm_status open_line(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau) {
-    const dm_status status = begin(j, group, m, tau, 1);
+/* What stands for xi are products. */
+dm_status dm_joining_open_line(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
+                               uint32_t extras, uint32_t a) {
+    const dm_status status = begin(j, group, m, tau, extras);
     if (status != DM_OK) return status;
-    for (uint32_t a = 0; a < j->d; a++) j->xi[a] = dm_mul(j->g, j->extra[0], j->rate[a]);
+    j->a = dm_input(j->g, a);
+    for (uint32_t i = 0; i < j->d; i++) j->xi[i] = dm_mul(j->g, j->a, j->rate[i]);
     join_chart(j);
     if (tau == DM_TAU_EXP) memcpy(j->place + j->n, j->rate, j->d * sizeof *j->rate);
     return dm_graph_status(j->g);
@@ -185,19 +187,19 @@ static dm_status make_slopes(dm_joining *j, dm_group *out, dm_compile *compile) 
     return status;
 }
 
-/* L of the element into j->slope: L_e, 0, dL/dV of a line; forces added */
-static int line_slopes(dm_joining *j) {
+/* That of a force along V is a times its work on xi. */
+int dm_joining_line_slopes(dm_joining *j) {
     const uint32_t n = j->n, d = j->d;
     dm_graph *from = dm_group_graph(j->m);
     dm_node L, *with = dm_joining_at_element(j, dm_graph_inputs(from));
     if (!with) return 0;
     dm_transplant(j->g, from, &j->m->source.lagrangian, 1, with, &L);
-    dm_gradient(j->g, L, n + 2 * d + 2, d, j->slope);
+    dm_gradient(j->g, L, n + 2 * d + 1 + j->extras, d, j->slope);
     memset(j->slope + d, 0, d * sizeof *j->slope);
     dm_gradient(j->g, L, n + d, d, j->slope + 2 * d);
     if (!add_force(j)) return 0;
     for (uint32_t a = 0; a < d; a++) {
-        const dm_node work = dm_mul(j->g, j->extra[0], j->slope[d + a]);
+        const dm_node work = dm_mul(j->g, j->a, j->slope[d + a]);
         j->slope[d + a] = dm_add(j->g, j->slope[2 * d + a], work);
     }
     return 1;
@@ -206,13 +208,13 @@ static int line_slopes(dm_joining *j) {
 /* in a graph without e */
 static dm_status make_lines(const dm_model *m, dm_group *out, dm_tau tau, dm_compile *compile) {
     dm_joining j;
-    dm_status status = open_line(&j, out, m, tau);
+    const uint32_t n = m->n, d = out->momenta, inputs = n + 2 * d + 2;
+    dm_status status = dm_joining_open_line(&j, out, m, tau, 1, n + 2 * d + 1);
     if (status != DM_OK) return status;
-    const uint32_t n = j.n, d = j.d, inputs = n + 2 * d + 2;
     dm_graph *g = dm_graph_new(j.arena, inputs);
     dm_node *with = dm_joining_take(&j, inputs + (size_t)d),
             *roots = dm_joining_take(&j, 2 * (size_t)d * (d + 1));
-    if (!g || !with || !roots || !line_slopes(&j)) return DM_NO_MEMORY;
+    if (!g || !with || !roots || !dm_joining_line_slopes(&j)) return DM_NO_MEMORY;
     dm_inputs(g, with, 0, inputs);
     memset(with + inputs, 0, d * sizeof *with);
     dm_transplant(g, j.g, j.slope, 2 * d, with, roots);

@@ -47,7 +47,11 @@ typedef struct {
 typedef struct {
     int ready; /* kernels are made, of: */
     dm_tau tau;
-    dm_group_entries slope;    /* L_e[d], L_xi[d], L_rate[d], forces added */
+    int curved, straight;   /* and slope; line */
+    dm_group_entries slope; /* L_e[d], L_xi[d], L_rate[d], forces added */
+    /* the same of curves tau(a V), velocity V where tau is exp: L_e[d], zeros, dL/dV[d], with a in
+     * the place of xi[1] and V in that of the rate; columns V alone */
+    dm_group_entries line;
     dm_group_entries reaction; /* g[k], I_e[d], I_xi[d]: what I does to e and to xi */
     dm_group_entries rolling;  /* phi[l] */
     dm_group_entries pull;     /* as dm_group.pull, columns (xi, mu) */
@@ -117,8 +121,9 @@ dm_graph *dm_group_graph(const dm_model *m);
 dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, int straight,
                         dm_compile *compile);
 
-/* The same of its joints. */
-dm_status dm_group_want_joints(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+/* The same of its joints, `straight`: with line in the place of slope. */
+dm_status dm_group_want_joints(dm_group *out, const dm_model *m, dm_tau tau, int straight,
+                               dm_compile *compile);
 
 /* Doubles of `out` for one: values, entries, room for both as the kernels leave them. */
 static inline size_t dm_group_entries_size(const dm_group_entries *f) {

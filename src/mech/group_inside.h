@@ -13,7 +13,7 @@ typedef struct {
     dm_graph *g;
     uint32_t n, d, extras;
     dm_node *q0, *xi, *rate, *extra, *e; /* inputs */
-    dm_node t;
+    dm_node t, a;                        /* a: of a straight curve */
     dm_node *place; /* [n] coordinates of the element g0 near(e) tau(xi), [d] its velocity */
     dm_node *slope; /* [3d] L_e, L_xi, L_rate */
 } dm_joining;
@@ -21,6 +21,11 @@ typedef struct {
 /* Inputs, the element and its velocity, in the arena of a model that was built. */
 dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
                           uint32_t extras);
+
+/* The same of a curve xi = a V, with V for the rate and a for the input of that number: exp(a V) has
+ * the velocity V. Of other tau the chart tells it. */
+dm_status dm_joining_open_line(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
+                               uint32_t extras, uint32_t a);
 
 /* Nodes in the arena, one more than asked for: none is empty. NULL: no memory. */
 dm_node *dm_joining_take(const dm_joining *j, size_t count);
@@ -32,6 +37,9 @@ dm_node *dm_joining_at_element(const dm_joining *j, uint32_t inputs);
 /* L_e, L_xi, L_rate, forces added, with e still an input; the last extra inputs are the controls
  * of the force. 0: no memory. */
 int dm_joining_slopes(dm_joining *j);
+
+/* Of a straight curve: L_e[d] and dL/dV[d], forces added. 0: no memory. */
+int dm_joining_line_slopes(dm_joining *j);
 
 /* Adds what a body covector f[d] at the element does: on e by way of the adjoint action of
  * 1/tau(xi), on xi by dtau. 0: no memory. */

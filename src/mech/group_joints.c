@@ -14,9 +14,10 @@ typedef struct {
     dm_compile *compile;
 } making;
 
-/* the inputs of a graph that derivatives are taken in; nobody asks for those in the one at gap */
+/* the inputs of a graph that derivatives are taken in; nobody asks for those in the first ones and
+ * in the one at gap */
 typedef struct {
-    uint32_t first, count, gap;
+    uint32_t first, count, gap, unasked;
 } columns;
 
 /* rows, columns of slope[values * in.count] that are not zero */
@@ -67,7 +68,10 @@ static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const
     uint32_t *key = dm_joining_take(&b->j, count), *order = dm_joining_take(&b->j, 2 * count + all);
     if (!slope || !roots || !key || !order) return DM_NO_MEMORY;
     dm_jacobian(g, values, count, in.first, in.count, slope);
-    for (uint32_t i = 0; i < count && in.gap < in.count; i++) slope[i * in.count + in.gap] = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        memset(slope + (size_t)i * in.count, 0, in.unasked * sizeof *slope);
+        if (in.gap < in.count) slope[i * in.count + in.gap] = 0;
+    }
     *out = (dm_group_entries){.values = count, .plain_order = order, .order = order + count};
     if (!list_entries(out, b, slope, in)) return DM_NO_MEMORY;
     find_keys(key, out, b->j.d, in);
@@ -102,7 +106,7 @@ void dm_group_entries_eval(const dm_group_entries *f, const double *in, double *
 
 /* nodes[count] of the joined graph at e = 0, in a graph without e, by their entries */
 static dm_status make_at_g0(dm_group_entries *out, const making *b, const dm_node *nodes,
-                            uint32_t count) {
+                            uint32_t count, uint32_t unasked) {
     const dm_joining *j = &b->j;
     const uint32_t inputs = j->n + 2 * j->d + 1 + j->extras;
     dm_graph *g = dm_graph_new(j->arena, inputs);
@@ -113,7 +117,10 @@ static dm_status make_at_g0(dm_group_entries *out, const making *b, const dm_nod
     memset(with + inputs, 0, j->d * sizeof *with);
     dm_transplant(g, j->g, nodes, count, with, values);
     return make(out, b, g, values, count,
-                (columns){.first = j->n, .count = 2 * j->d + 1 + b->m, .gap = 2 * j->d});
+                (columns){.first = j->n,
+                          .count = 2 * j->d + 1 + b->m,
+                          .gap = 2 * j->d,
+                          .unasked = unasked});
 }
 
 /* sum_c lambda_c rows_c[d] with the multipliers from number `first` on */
@@ -146,7 +153,7 @@ static dm_status make_reaction(dm_group_joints *out, making *b) {
     memset(f, 0, d * sizeof *f);
     add_rows(b, f, rows, l, k);
     if (l && !dm_joining_covector(j, f, nodes + k, nodes + k + d)) return DM_NO_MEMORY;
-    return make_at_g0(&out->reaction, b, nodes, k + 2 * d);
+    return make_at_g0(&out->reaction, b, nodes, k + 2 * d, 0);
 }
 
 /* phi */
@@ -157,7 +164,7 @@ static dm_status make_rolling(dm_group_joints *out, making *b) {
     dm_node *with = dm_joining_at_element(j, dm_graph_inputs(c->graph));
     if (!phi || !with) return DM_NO_MEMORY;
     dm_transplant(j->g, c->graph, c->phi, b->l, with, phi);
-    return make_at_g0(&out->rolling, b, phi, b->l);
+    return make_at_g0(&out->rolling, b, phi, b->l, 0);
 }
 
 /* nodes of the functions of (q, v, t) of a graph, in that of the hidden constraints */
@@ -226,28 +233,54 @@ static dm_status make_pull(dm_group_joints *out, making *b) {
                : status;
 }
 
+/* multipliers, velocities where reactions turn with them, controls */
+static uint32_t extras_of(const making *b, const dm_group *group, const dm_model *m) {
+    return b->m + group->momenta + (m->constraints ? m->constraints->controls : 0);
+}
+
 /* Constraints that are not there have no kernels. */
-dm_status dm_group_want_joints(dm_group *group, const dm_model *m, dm_tau tau,
+static dm_status make_others(dm_group_joints *out, making *b) {
+    dm_status status = DM_OK;
+    out->ready = out->curved = out->straight = 0;
+    if (b->m) status = make_reaction(out, b);
+    if (status == DM_OK && b->l) status = make_rolling(out, b);
+    if (status == DM_OK && b->m) status = make_hidden(out, b);
+    if (status == DM_OK) status = make_pull(out, b);
+    if (status == DM_OK) status = dm_joining_finish(&b->j, &out->finish, b->compile);
+    out->arcs = b->j.trace->arcs;
+    out->ready = status == DM_OK;
+    return status;
+}
+
+/* L along a curve of one velocity, in a joined graph of its own */
+static dm_status make_line(dm_group *group, making *b, const dm_model *m, dm_tau tau) {
+    const uint32_t d = group->momenta;
+    dm_status status = dm_joining_open_line(&b->j, group, m, tau, extras_of(b, group, m), m->n);
+    if (status != DM_OK) return status;
+    if (!dm_joining_line_slopes(&b->j)) return DM_NO_MEMORY;
+    memcpy(b->j.slope + 2 * d, b->j.slope + d, d * sizeof *b->j.slope);
+    memset(b->j.slope + d, 0, d * sizeof *b->j.slope);
+    status = make_at_g0(&group->joints.line, b, b->j.slope, 3 * d, d);
+    group->joints.straight = status == DM_OK;
+    return status;
+}
+
+/* What is there already stays. */
+dm_status dm_group_want_joints(dm_group *group, const dm_model *m, dm_tau tau, int straight,
                                dm_compile *compile) {
     const dm_constraints *c = m->constraints;
     dm_group_joints *out = &group->joints;
     making b = {.k = c ? c->holonomic : 0, .l = c ? c->rolling : 0, .compile = compile};
-    if (out->ready && out->tau == tau) return DM_OK;
-    out->ready = 0;
+    const int others = out->ready && out->tau == tau;
+    if (others && (straight ? out->straight : out->curved)) return DM_OK;
     b.m = b.k + b.l;
-    dm_status status =
-        dm_joining_open(&b.j, group, m, tau, b.m + group->momenta + (c ? c->controls : 0));
+    dm_status status = dm_joining_open(&b.j, group, m, tau, extras_of(&b, group, m));
+    if (status == DM_OK && !others) status = make_others(out, &b);
     if (status != DM_OK) return status;
-    if (!dm_joining_slopes(&b.j)) return DM_NO_MEMORY;
-    status = make_at_g0(&out->slope, &b, b.j.slope, 3 * b.j.d);
-    if (status == DM_OK && b.m) status = make_reaction(out, &b);
-    if (status == DM_OK && b.l) status = make_rolling(out, &b);
-    if (status == DM_OK && b.m) status = make_hidden(out, &b);
-    if (status == DM_OK) status = make_pull(out, &b);
-    if (status == DM_OK) status = dm_joining_finish(&b.j, &out->finish, compile);
-    if (status != DM_OK) return status;
-    out->arcs = b.j.trace->arcs;
     out->tau = tau;
-    out->ready = 1;
-    return DM_OK;
+    if (straight) return make_line(group, &b, m, tau);
+    if (!dm_joining_slopes(&b.j)) return DM_NO_MEMORY;
+    status = make_at_g0(&out->slope, &b, b.j.slope, 3 * b.j.d, 0);
+    out->curved = status == DM_OK;
+    return status;
 }

@@ -376,10 +376,10 @@ void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *comp
     if (!m->group.trace[tau].chart)
         luaL_error(L, "this group has no %s that stays on it; take \"exp\"",
                    tau == DM_TAU_CAYLEY ? "Cayley map" : "Pade approximant of exp");
+    const int straight = (chart & DM_WANT_STRAIGHT) != 0;
     const dm_status status =
-        chart & DM_WANT_JOINTS
-            ? dm_group_want_joints(&m->group, &m->model, tau, compile)
-            : dm_group_want(&m->group, &m->model, tau, (chart & DM_WANT_STRAIGHT) != 0, compile);
+        chart & DM_WANT_JOINTS ? dm_group_want_joints(&m->group, &m->model, tau, straight, compile)
+                               : dm_group_want(&m->group, &m->model, tau, straight, compile);
     if (status == DM_TOO_LARGE)
         luaL_error(L, "the chart of this group has more than %d operations: too many to trace%s",
                    DM_GRAPH_LIMIT,

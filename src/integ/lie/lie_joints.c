@@ -24,8 +24,11 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const dm_constraints *c = m->constraints;
     const unsigned mass = m->structure & DM_CONSTANT_MASS ? 0 : DM_WANT_MASS;
+    dm_galerkin g;
+    dm_stage_basis(&g, rule, m);
     return (unsigned)DM_WANT_CHART << dm_lie_tau(rule) | DM_WANT_JOINTS | mass |
-           (c && c->holonomic ? DM_WANT_HOLONOMIC : 0) | (c && c->rolling ? DM_WANT_ROLLING : 0) |
+           (g.s == 1 ? DM_WANT_STRAIGHT : 0) | (c && c->holonomic ? DM_WANT_HOLONOMIC : 0) |
+           (c && c->rolling ? DM_WANT_ROLLING : 0) |
            (c && c->controls ? DM_WANT_CONSTRAINT_FORCE : 0);
 }
 
@@ -52,7 +55,7 @@ static double unit(double mass, double size) {
 
 /* the largest entry of d2L/dv2 at the start: that of L_rate by the rate where the chart begins */
 static double find_mass(dm_lie_joints *e) {
-    const dm_group_entries *f = &e->joints->slope;
+    const dm_group_entries *f = e->along;
     const uint32_t d = e->d;
     double most = 0.0;
     memset(e->x + e->n, 0, 2 * d * sizeof *e->x);
@@ -150,6 +153,7 @@ dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_
                                        .band = dm_step_matrix_band(&e->step),
                                        .place = &angle,
                                        .places = 1,
+                                       .exact = 1,
                                        .shared = e->N - e->s * e->d,
                                        .over = e->h,
                                        .tolerance = s->tolerance,

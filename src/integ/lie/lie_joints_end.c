@@ -94,6 +94,7 @@ static dm_status close(dm_lie_joints *e, const dm_stepper *s) {
                                        .band = dm_step_matrix_band(&e->closing),
                                        .place = &angle,
                                        .places = 1,
+                                       .exact = 1,
                                        .shared = e->m,
                                        .over = e->h,
                                        .tolerance = s->tolerance,

@@ -138,13 +138,14 @@ static void add_slope(dm_lie_joints *e, double *R, double *J, uint32_t i, const 
                 {.first = d, .length = d, .count = s, .stride = d, .w = w.of_xi},
                 {.first = 2 * d, .length = d, .count = s, .stride = d, .w = w.of_rate}}};
     place(e, &e->at, i, V);
-    if (R) dm_group_entries_eval(&e->joints->slope, e->x, e->slope, J != NULL);
+    if (e->s == 1) e->x[e->n] = e->h * e->at.a[i];
+    if (R) dm_group_entries_eval(e->along, e->x, e->slope, J != NULL);
     if (R) add_values(e, R, e->slope, &rows);
     if (R) keep_for_w(e, i, e->slope);
     if (!J) return;
     weigh_columns(&w, e, &e->at, i);
     const blocks columns = columns_of(e, &w);
-    add_entries(e, J, &e->joints->slope, e->slope, &rows, &columns);
+    add_entries(e, J, e->along, e->slope, &rows, &columns);
 }
 
 /* g and the impulse at constraint point i: g stands in the rows of the point before */
@@ -258,7 +259,7 @@ static void scatter(const dm_group_entries *f, double *out) {
 }
 
 void dm_lie_joints_pattern(dm_lie_joints *e, double *J) {
-    scatter(&e->joints->slope, e->slope);
+    scatter(e->along, e->slope);
     scatter(&e->joints->pull, e->pull);
     if (e->m) scatter(&e->joints->reaction, e->reaction);
     if (e->l) scatter(&e->joints->rolling, e->phi);

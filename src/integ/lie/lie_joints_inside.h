@@ -22,6 +22,7 @@ typedef struct {
 typedef struct {
     const dm_model *model;
     const dm_group_joints *joints;
+    const dm_group_entries *along;     /* L along the curve; s = 1: line */
     const dm_constraints *constraints; /* NULL: none */
     uint32_t n, d, s, K, k, l, m, N;
     double h, t;                    /* of this step */

@@ -87,6 +87,7 @@ static dm_lie_joints sizes(const dm_galerkin *g, const dm_model *m) {
                        .n = m->n,
                        .d = dm_momenta(m),
                        .s = (uint32_t)g->s};
+    e.along = e.s == 1 ? &e.joints->line : &e.joints->slope;
     e.k = c ? c->holonomic : 0;
     e.l = c ? c->rolling : 0;
     e.m = e.k + e.l;
@@ -102,7 +103,7 @@ size_t dm_lie_joints_memory_size(const dm_lie_joints *e) {
 
 static void lay_out_outputs(dm_lie_joints *e, layout *to) {
     const size_t n = e->n;
-    e->slope = take(to, dm_group_entries_size(&e->joints->slope));
+    e->slope = take(to, dm_group_entries_size(e->along));
     e->reaction = take(to, dm_group_entries_size(&e->joints->reaction));
     e->phi = take(to, dm_group_entries_size(&e->joints->rolling));
     e->pull = take(to, dm_group_entries_size(&e->joints->pull));
@@ -166,7 +167,7 @@ size_t dm_lie_joints_work(const dm_rule *rule, const dm_model *m) {
 /* constant outputs of the kernels, once */
 static void prepare(dm_lie_joints *e) {
     const dm_group_joints *j = e->joints;
-    dm_group_entries_prepare(&j->slope, e->slope);
+    dm_group_entries_prepare(e->along, e->slope);
     dm_group_entries_prepare(&j->pull, e->pull);
     dm_kernel_prepare(&j->finish, e->end);
     if (e->m) dm_group_entries_prepare(&j->reaction, e->reaction);
@@ -214,6 +215,6 @@ dm_status dm_lie_joints_open(dm_stepper *s) {
     open_matrices(e, matrices);
     prepare(e);
     memset(e->memory, 0, dm_lie_joints_memory_size(e) * sizeof *e->memory);
-    s->report.operations = e->joints->slope.kernel.operations;
+    s->report.operations = e->along->kernel.operations;
     return DM_OK;
 }

@@ -39,6 +39,7 @@ INLINE dm_status evaluate_at(solver *s, const double *x, int with_jacobian, uint
     it->terms = s->p->size ? *s->p->size : -1.0;
     if (!with_jacobian) return DM_OK;
     it->factored = 1;
+    it->age = 0;
     s->report->jacobians++;
     if (s->p->band) return dm_band_factor(s->J, s->pivot, s->p->band);
     return dm_lu_factor(s->J, s->pivot, m);
@@ -182,7 +183,11 @@ dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
                     dm_newton_report *report) {
     const uint32_t m = problem->m;
     solver s = {.p = problem, .report = report};
-    s.it = (chord){.x = x, .dx = work, .r = work + m, .tolerance = problem->tolerance};
+    s.it = (chord){.x = x,
+                   .dx = work,
+                   .r = work + m,
+                   .tolerance = problem->tolerance,
+                   .exact = problem->exact};
     s.it.own.place = problem->place;
     s.it.own.places = problem->places;
     s.it.own.over = problem->over;

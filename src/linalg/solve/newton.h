@@ -35,6 +35,9 @@ typedef struct {
     uint32_t places, shared;
     const double *place;
     double over;
+    /* J is exact: where increments of a new one do not shrink any more they are noise, and the
+     * smaller unknowns are not waited for. Not for what lanes solve, too. */
+    int exact;
 } dm_newton_problem;
 
 typedef struct {

@@ -8,6 +8,8 @@
 #include "linalg/solve/newton_limits.h"
 #include "numbers/lanes_text.h"
 
+enum { NEW = 2 }; /* iterations with a matrix that is no worse than that of the iterate */
+
 /* how increments shrink, absolute or relative to what they are compared with */
 typedef struct {
     V step, last; /* |dx| of this iteration and of the one before */
@@ -37,6 +39,7 @@ typedef struct {
     double tolerance; /* of it, relative */
     int factored;     /* a matrix was made; before that it is 1 */
     int count;        /* iterations */
+    int exact, age;   /* is the matrix exact? Iterations with it */
     I todo;           /* lanes that go on */
     I fresh;          /* of them, those that take a new matrix */
     V residual;       /* max |r| */
@@ -83,6 +86,7 @@ INLINE void find_increment(chord *it, chord_solve *solve, void *ctx, uint32_t m)
     for (uint32_t i = 0; i < m && W > 1; i++) put_where(it->todo, it->dx + i * W, load(dx + i * W));
     note_step(&it->all, norm_of(it->dx, m));
     it->count++;
+    it->age++;
 }
 
 /* The lanes where x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does
@@ -135,13 +139,15 @@ INLINE V own_step(const chord *it, uint32_t m) {
 
 /* Of the lanes that have settled by the largest unknown and are `apart`, those that wait for a
  * smaller one, each judged by its own size. One that is the noise of larger ones never settles so:
- * lanes wait no longer than DM_NEWTON_PATIENCE. The iteration is a copy, so that it itself may stay
+ * lanes wait no longer than DM_NEWTON_PATIENCE, and not at all for what a new exact matrix leaves
+ * as large as it was. The iteration is a copy, so that it itself may stay
  * in registers. */
 HOW static __attribute__((noinline)) I find_waiting(chord it, waiting *w, uint32_t m, I apart) {
     if (!w->begun) *w = (waiting){1, (V){0}, {same(INFINITY), same(INFINITY), same(1.0)}};
     shrinking now = w->each;
     note_step(&now, own_step(&it, m));
-    const V left = DM_NEWTON_PATIENCE - w->waited; /* iterations */
+    const V all = DM_NEWTON_PATIENCE - w->waited; /* iterations */
+    const V left = it.exact && it.age <= NEW ? (V){0} : all;
     const I waits = apart & not_of(has_settled(&it, &now, same(1.0), left, (V){0}));
     w->waited += pick(waits, same(1.0), (V){0});
     w->each.step = pick(waits, now.step, w->each.step);
