@@ -22,8 +22,8 @@ typedef struct {
 dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
                           uint32_t extras);
 
-/* The same of a curve xi = a V, with V for the rate and a for the input of that number: exp(a V) has
- * the velocity V. Of other tau the chart tells it. */
+/* The same of a curve xi = a V, with V for the rate and a for the input of that number: exp(a V)
+ * has the velocity V. Of other tau the chart tells it. */
 dm_status dm_joining_open_line(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
                                uint32_t extras, uint32_t a);
 
