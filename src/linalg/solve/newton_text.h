@@ -146,8 +146,8 @@ HOW static __attribute__((noinline)) I find_waiting(chord it, waiting *w, uint32
     if (!w->begun) *w = (waiting){1, (V){0}, {same(INFINITY), same(INFINITY), same(1.0)}};
     shrinking now = w->each;
     note_step(&now, own_step(&it, m));
-    const V all = DM_NEWTON_PATIENCE - w->waited; /* iterations */
-    const V left = it.exact && it.age <= NEW ? (V){0} : all;
+    V left = DM_NEWTON_PATIENCE - w->waited; /* iterations */
+    if (it.exact && it.age <= NEW) left = (V){0};
     const I waits = apart & not_of(has_settled(&it, &now, same(1.0), left, (V){0}));
     w->waited += pick(waits, same(1.0), (V){0});
     w->each.step = pick(waits, now.step, w->each.step);
