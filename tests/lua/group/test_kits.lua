@@ -45,4 +45,22 @@ ok(#upside == 1 and upside[1][1][1] == 0 and upside[1][2]:det() == -1, "an eleme
 ok(not pcall(function() return dm.GL(3):log(upside[1][2]) end), "which has no logarithm")
 ok(#kits.of(dm.semidirect(dm.GL(2), dm.R(2))).others() == 1 and #kits.of(dm.SO(4)).others() == 0,
   "of a semidirect product, and of a connected group")
+
+-- rotations of quaternions that are numbers, symbols or both, and back
+local core = require "dm.core"
+local function corner(q)
+  local R = core.rotation(q)
+  return R[1][2] * R[3][1] + R[2][2]
+end
+local slope, e = dm.derivative(function(x) return corner { 1, x[1], 0.5, x[2] } end, 2), 1e-5
+local central = (corner { 1, 0.3 + e, 0.5, 0.7 } - corner { 1, 0.3 - e, 0.5, 0.7 }) / (2 * e)
+ok(math.abs(slope { 0.3, 0.7 }[1] - central) < 1e-9, "a quaternion of numbers and symbols")
+local worst = 0
+for i = 1, 50 do
+  local R = dm.SO(3):random(stream, i, 3)
+  worst = math.max(worst, difference(core.rotation(core.quaternion(R)), R), core.orthonormality(R, 3))
+end
+ok(worst < 1e-14, "a rotation, its quaternion, and back")
+local bent = dm.matrix { { 1, 0.25, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
+ok(core.orthonormality(bent, 3) == 0.25 and core.orthonormality(bent, 1) == 0, "off orthonormal columns")
 tap.done()
