@@ -195,9 +195,9 @@ function M:refine(job)
     self.rule, self.tolerance or TOLERANCES[1], self.distance)
 end
 
---- The path at other times.
-function M:path(at)
-  self.deadline = max(self.deadline, core.cpu() + 1)
+--- The path at other times, in so many seconds of CPU; without them in what is left, one at least.
+function M:path(at, seconds)
+  self.deadline = seconds and core.cpu() + seconds or max(self.deadline, core.cpu() + 1)
   return run(self, 2, self.rule, self.tolerance * UNLIKE, { at = at })
 end
 

@@ -9,6 +9,8 @@ local M = {}
 
 local max, min = math.max, math.min
 
+local LEAST = 0.02  -- s for a look behind what is narrow
+
 -- what a candidate errs by at times, and between them, beside the reference there
 local function error_beside(scene, c, N, times, reference)
   local record, report = pilot.run(c.model, c.rule, N, times)
@@ -23,8 +25,13 @@ local function error_behind(scene, c, N)
     narrow.even(scene.problem, N), N)
   if not times then return math.huge end
   if #times == 0 then return 0 end
-  return error_beside(scene, c, N, times, pilot.record(scene.problem,
-    scene.reference:path(times)))
+  local left = scene.began + scene.allowed - core.cpu()
+  local fine, path = pcall(scene.reference.path, scene.reference, times, max(LEAST, left / 2))
+  if not fine then
+    pilot.pass_stop(path)
+    return math.huge
+  end
+  return error_beside(scene, c, N, times, pilot.record(scene.problem, path))
 end
 
 -- what a candidate errs by at the times of the check and between them
