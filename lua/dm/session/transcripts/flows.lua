@@ -178,6 +178,7 @@ M["avi_cells.resonances"] = [=[
 > cells = core.avi(field, dm.vector { 0, 0.1 }, 0)
 > cells:limits()
 [0.70710678118655]
+> path, status = cells:run(dm.vector { 0, 0 }, dm.vector { 0.1 }, dm.vector { 0, 0.1 }, false)
 > cells:resonances(0.05)
 0]=]
 

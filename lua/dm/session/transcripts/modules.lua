@@ -22,6 +22,23 @@ M["core.cell_action"] = [=[
 > action:value { 0, 1, 1, 3 }
 9.5]=]
 
+M["core.orthonormality"] = [=[
+> core = require "dm.core"
+> core.orthonormality(dm.matrix { { 1, 0 }, { 0, 2 } }, 1), core.orthonormality(dm.matrix { { 1, 0 }, { 0, 2 } }, 2)
+0	3]=]
+
+M["core.quaternion"] = [=[
+> core = require "dm.core"
+> core.quaternion(dm.matrix { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } })[4]^2
+0.5]=]
+
+M["core.rotation"] = [=[
+> core = require "dm.core"
+> core.rotation { 0, 1, 0, 0 }
+[[ 1,  0,  0],
+ [ 0, -1,  0],
+ [ 0,  0, -1]]]=]
+
 M["dm.cell_action"] = [=[
 > core = require "dm.core"
 > K = dm.mesh { grid = 1 }
