@@ -24,7 +24,8 @@ M["core.cell_action"] = [=[
 
 M["core.orthonormality"] = [=[
 > core = require "dm.core"
-> core.orthonormality(dm.matrix { { 1, 0 }, { 0, 2 } }, 1), core.orthonormality(dm.matrix { { 1, 0 }, { 0, 2 } }, 2)
+> R = dm.matrix { { 1, 0 }, { 0, 2 } }
+> core.orthonormality(R, 1), core.orthonormality(R, 2)
 0	3]=]
 
 M["core.quaternion"] = [=[
