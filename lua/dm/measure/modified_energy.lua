@@ -200,6 +200,10 @@ local function check(solver, options)
   end
   local k = option.whole(options, "points", what, 1, 10, 6)
   option.whole(options, "steps", what, 2 * k + 3, 2 ^ 24) -- all rows are kept
+  option.need(options, "q", what, "the start is q and v, or q and p")
+  if not (options.v or options.p) then
+    error(what .. ": give the start as q and v or as q and p", 0)
+  end
   option.need(options, "steps", what, ("at least %d"):format(2 * k + 3))
   return system, k
 end

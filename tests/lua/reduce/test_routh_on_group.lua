@@ -87,6 +87,10 @@ raises("crosses the section", top.routh, top, { action = turn, mu = 0.3,
   section = function(y) return G:exp(e3 * y[1]) end })
 raises("has no cyclic coordinates", top.routh, top, { cyclic = { 1 }, mu = 1 })
 raises("'section' must be function(x)", top.routh, top, { action = turn, mu = 1 })
+raises("option 'v' must be 3 numbers", top.routh, top, { action = turn, section = lean,
+  q = start.q, v = { 1, 2 } })
+raises("on a group give 'section'", top.routh, top, { action = turn, section = lean, mu = 1,
+  at = start.q })
 raises("knows no theta and x", shape.discrete, shape,
   dm.discrete_lagrangian(top, { rule = "lie(1)", h = 0.1 }))
 raises("no theta and shape were found", top.routh, top, { action = turn, q = G:exp { 0, 3.1, 3 },

@@ -154,6 +154,12 @@ function M.split(system, options)
       .. "section = function(x) ... end; dm.euler_poincare reduces by the whole group",
       tostring(system.Q))
   end
+  for _, key in ipairs { "at", "branch" } do
+    if options[key] ~= nil then
+      option.fail(WHERE, "option '%s' is for systems on coordinates; on a group give 'section'",
+        key)
+    end
+  end
   local element = read_chart(system, options, m, n)
   local velocity = velocity_of(system, element, n)
   check_chart(velocity, n)
@@ -164,7 +170,9 @@ function M.split(system, options)
   for i = m + 1, n do names[i] = "x" .. i - m end
   local T = transfer(system, element, velocity, n)
   if options.q ~= nil then
-    other.q, other.v = T.split(options.q, option.need(options, "v", WHERE, "the velocity at q"))
+    local xi = option.need(options, "v", WHERE, "the velocity at q")
+    other.q, other.v = T.split(options.q, lists.numbers("system:routh: option 'v'", xi, n,
+      "%s must be %d number%s (got %s)"))
   end
   return pulled_back(system, element, velocity, n, options.names or names), other, T
 end
