@@ -20,23 +20,37 @@ static cholmod_sparse view(const dm_sparse *A) {
                             .packed = 1};
 }
 
-/* analysis and numbers */
-static dm_status factorize(dm_factor *f, cholmod_sparse *A) {
+/* analysis, where none is known, and numbers */
+static dm_status factorize(dm_factor *f, cholmod_sparse *A, const dm_analysis *known) {
     cholmod_common *c = &f->common;
-    f->L = cholmod_analyze(A, c);
+    f->L = known ? cholmod_copy_factor(known->f.L, c) : cholmod_analyze(A, c);
     if (!f->L) return DM_NO_MEMORY;
     cholmod_factorize(A, f->L, c);
     if (c->status == CHOLMOD_NOT_POSDEF) return DM_SINGULAR;
     return c->status == CHOLMOD_OK ? DM_OK : DM_NO_MEMORY;
 }
 
-dm_status dm_cholesky_factor(dm_factor *f, double *condition) {
-    cholmod_sparse A = view(f->A);
-    dm_library_enter(f);
+/* between dm_library_enter and dm_library_leave */
+static void begin(dm_factor *f) {
     cholmod_start(&f->common);
     f->common.print = 0;
     f->common.final_ll = 1;
-    const dm_status status = factorize(f, &A);
+}
+
+dm_status dm_cholesky_analyse(dm_factor *f) {
+    cholmod_sparse A = view(f->A);
+    dm_library_enter(f);
+    begin(f);
+    f->L = cholmod_analyze(&A, &f->common);
+    dm_library_leave();
+    return f->L ? DM_OK : DM_NO_MEMORY;
+}
+
+dm_status dm_cholesky_factor(dm_factor *f, const dm_analysis *known, double *condition) {
+    cholmod_sparse A = view(f->A);
+    dm_library_enter(f);
+    begin(f);
+    const dm_status status = factorize(f, &A, known);
     *condition = status == DM_OK ? cholmod_rcond(f->L, &f->common) : 0.0;
     dm_library_leave();
     return status;
@@ -79,7 +93,7 @@ dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena) {
     f.common.print = 0;
     f.common.supernodal = CHOLMOD_SIMPLICIAL;
     f.common.final_ll = 0;
-    const dm_status status = factorize(&f, &symmetric);
+    const dm_status status = factorize(&f, &symmetric, NULL);
     if (status == DM_OK) *negatives = negatives_of(f.L);
     dm_library_leave();
     dm_library_release(&f);

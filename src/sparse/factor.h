@@ -20,7 +20,12 @@ struct dm_factor {
     cholmod_common common;
     cholmod_factor *L;
     cholmod_dense *x, *y, *e; /* of solves: kept for the next */
-    void *numeric;            /* LU */
+    void *numeric, *symbolic; /* LU; of an analysis */
+};
+
+/* L, or symbolic, without numbers */
+struct dm_analysis {
+    dm_factor f;
 };
 
 /* Between these two the allocation functions of SuiteSparse are ours and give to f. They nest
@@ -31,12 +36,14 @@ void dm_library_leave(void);
 /* All blocks back to the allocator. */
 void dm_library_release(dm_factor *f);
 
-/* Both of one factorization: Cholesky's is of the symmetric matrix in the upper triangle. */
-dm_status dm_cholesky_factor(dm_factor *f, double *condition);
+/* known: of the pattern, or NULL. Both of one factorization: Cholesky's is of the symmetric matrix in the upper triangle. */
+dm_status dm_cholesky_analyse(dm_factor *f);
+dm_status dm_cholesky_factor(dm_factor *f, const dm_analysis *known, double *condition);
 dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b);
 dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena);
 /* LU of the whole matrix; its solves refine until rounding. */
-dm_status dm_umfpack_factor(dm_factor *f, double *condition);
+dm_status dm_umfpack_analyse(dm_factor *f);
+dm_status dm_umfpack_factor(dm_factor *f, const dm_analysis *known, double *condition);
 dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b);
 /* eigen of the table */
 dm_status dm_lanczos(dm_eigen_problem *problem, dm_arena *arena);

@@ -9,17 +9,30 @@ static dm_status status_of(int status) {
     return status == UMFPACK_WARNING_singular_matrix ? DM_SINGULAR : DM_NO_MEMORY;
 }
 
-/* symbolic factors are only needed for the numbers */
-dm_status dm_umfpack_factor(dm_factor *f, double *condition) {
+/* Of the numbers it is only asked which pivots are there: those of a step equation all are. */
+dm_status dm_umfpack_analyse(dm_factor *f) {
+    const dm_sparse *A = f->A;
+    dm_library_enter(f);
+    const int status = umfpack_di_symbolic(A->rows, A->columns, A->start, A->row, A->value,
+                                           &f->symbolic, NULL, NULL);
+    dm_library_leave();
+    return status_of(status);
+}
+
+/* symbolic factors that are not known are only needed for the numbers */
+dm_status dm_umfpack_factor(dm_factor *f, const dm_analysis *known, double *condition) {
     const dm_sparse *A = f->A;
     double info[UMFPACK_INFO];
-    void *symbolic = NULL;
+    void *own = NULL;
+    int status = UMFPACK_OK;
     dm_library_enter(f);
-    int status =
-        umfpack_di_symbolic(A->rows, A->columns, A->start, A->row, A->value, &symbolic, NULL, info);
+    if (!known)
+        status =
+            umfpack_di_symbolic(A->rows, A->columns, A->start, A->row, A->value, &own, NULL, info);
     if (status == UMFPACK_OK)
-        status = umfpack_di_numeric(A->start, A->row, A->value, symbolic, &f->numeric, NULL, info);
-    umfpack_di_free_symbolic(&symbolic);
+        status = umfpack_di_numeric(A->start, A->row, A->value, known ? known->f.symbolic : own,
+                                    &f->numeric, NULL, info);
+    umfpack_di_free_symbolic(&own);
     dm_library_leave();
     *condition = status == UMFPACK_OK ? info[UMFPACK_RCOND] : 0.0;
     return status_of(status);

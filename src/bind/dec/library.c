@@ -13,7 +13,9 @@ static const dm_solvers *loaded;
 typedef struct {
     dm_factorization kind;
     const dm_sparse *A;
+    const dm_analysis *known; /* or NULL */
     /* set */
+    dm_analysis *analysis;
     dm_factor *factor;
     double condition;
     int64_t negatives;
@@ -21,7 +23,12 @@ typedef struct {
 
 static dm_status factorize(void *given, dm_arena *arena) {
     job *j = given;
-    return loaded->factor(&j->factor, j->kind, j->A, arena, &j->condition);
+    return loaded->factor_by(&j->factor, j->kind, j->A, j->known, arena, &j->condition);
+}
+
+static dm_status find_analysis(void *given, dm_arena *arena) {
+    job *j = given;
+    return loaded->analyse(&j->analysis, j->kind, j->A, arena);
 }
 
 static dm_status count_negatives(void *given, dm_arena *arena) {
@@ -34,12 +41,25 @@ static dm_status run(dml_work *work, job *j, dm_arena *arena) {
     return dml_child(work, j, sizeof *j, arena, &dml_stop);
 }
 
-static dm_status factor(dm_factor **out, dm_factorization kind, const dm_sparse *A, dm_arena *arena,
-                        double *condition) {
-    job j = {.kind = kind, .A = A};
+static dm_status factor_by(dm_factor **out, dm_factorization kind, const dm_sparse *A,
+                           const dm_analysis *known, dm_arena *arena, double *condition) {
+    job j = {.kind = kind, .A = A, .known = known};
     const dm_status status = run(factorize, &j, arena);
     *out = status == DM_OK ? j.factor : NULL;
     *condition = j.condition;
+    return status;
+}
+
+static dm_status factor(dm_factor **out, dm_factorization kind, const dm_sparse *A, dm_arena *arena,
+                        double *condition) {
+    return factor_by(out, kind, A, NULL, arena, condition);
+}
+
+static dm_status analyse(dm_analysis **out, dm_factorization kind, const dm_sparse *A,
+                         dm_arena *arena) {
+    job j = {.kind = kind, .A = A};
+    const dm_status status = run(find_analysis, &j, arena);
+    *out = status == DM_OK ? j.analysis : NULL;
     return status;
 }
 
@@ -59,6 +79,8 @@ const dm_solvers *dml_solvers(const char **why) {
             dml_module("sparse", DM_SOLVERS_SYMBOL, "libsuitesparse-dev, libarpack2-dev", reason);
         if (loaded) solvers = *loaded;
         solvers.factor = factor;
+        solvers.factor_by = factor_by;
+        solvers.analyse = analyse;
         solvers.inertia = inertia;
     }
     *why = loaded ? NULL : reason;

@@ -6,8 +6,8 @@
 #include "chain/curvature.h"
 #include "chain/loops.h"
 #include "integ/method/hamilton.h"
+#include "integ/stage/stage_factor.h"
 #include "linalg/sparse/conjugate_gradient.h"
-#include "linalg/sparse/solvers.h"
 #include "numbers/compensated.h"
 
 #include <float.h>
@@ -22,8 +22,7 @@ typedef struct {
     uint32_t solved, at[DM_QUADRATURE_NODES]; /* points that are solved for */
     uint8_t kind[DM_QUADRATURE_NODES];
     dm_sparse S; /* [n solved]^2: unknown k of solved point i is k solved + i */
-    dm_factor *factor;
-    dm_arena arena;               /* of the factorization */
+    dm_stage_factor factors;
     double h;                     /* that S was made for; 0: none */
     int fresh;                    /* forces at Z are there */
     int constant;                 /* second derivatives are numbers, and so are factors */
@@ -124,7 +123,7 @@ static dm_status open(dm_stepper *s) {
     l->S.row = (int32_t *)(void *)(l->S.value + all + 1);
     l->S.start = (int32_t *)(void *)(l->S.value + all + 1 + (all + 1) / 2 + 1);
     lay_pattern(l, &m->curvature->A);
-    dm_arena_init(&l->arena, m->source.arena->allocate, m->source.arena->ud);
+    dm_stage_factor_open(&l->factors, m->source.arena);
     memset(l->x, 0, (2 * n + 1) * sizeof *l->x);
     dm_kernel_prepare(&m->force, l->F);
     l->constant = m->curvature->constant && dm_loops_constant(&m->force);
@@ -134,14 +133,12 @@ static dm_status open(dm_stepper *s) {
 
 /* The factorization goes. */
 static void drop(dm_stepper *s, layout *l) {
-    if (l->factor) s->solvers->release(l->factor);
-    l->factor = NULL;
-    dm_arena_release(&l->arena);
+    dm_stage_factor_drop(&l->factors, s->solvers);
     l->h = 0.0;
 }
 
 static void close(dm_stepper *s) {
-    drop(s, (layout *)(void *)s->work);
+    dm_stage_factor_close(&((layout *)(void *)s->work)->factors, s->solvers);
 }
 
 /* ---- one step ---- */
@@ -191,7 +188,6 @@ static void fill(const dm_stepper *s, layout *l, double h) {
 /* second derivatives at q0 + the mean of Z, and the factors of the matrix */
 static dm_status prepare(dm_stepper *s, layout *l, const double *q, double t, double h, int anew) {
     const dm_model *m = s->model;
-    double condition;
     if (l->h == h && l->constant && !anew) return DM_OK;
     drop(s, l);
     for (uint32_t i = 0; i < m->n; i++) {
@@ -204,16 +200,11 @@ static dm_status prepare(dm_stepper *s, layout *l, const double *q, double t, do
     fill(s, l, h);
     l->h = h;
     if (!s->solvers) return DM_OK;
-    dm_status status = DM_SINGULAR;
-    if (l->solved == 1)
-        status = s->solvers->factor(&l->factor, DM_CHOLESKY, &l->S, &l->arena, &condition);
-    if (status == DM_SINGULAR)
-        status = s->solvers->factor(&l->factor, DM_LU, &l->S, &l->arena, &condition);
-    return status;
+    return dm_stage_factor_make(&l->factors, s->solvers, &l->S, l->solved == 1, l->constant);
 }
 
 static dm_status solve(dm_stepper *s, layout *l, double *dx, const double *R) {
-    if (l->factor) return s->solvers->solve(l->factor, dx, R);
+    if (l->factors.factor) return s->solvers->solve(l->factors.factor, dx, R);
     dm_cg how = {.tolerance = 1e-13, .most = 20 * l->S.rows + 100};
     memset(dx, 0, (size_t)l->S.rows * sizeof *dx);
     return dm_conjugate_gradient(dx, &l->S, R, l->cg, &how);

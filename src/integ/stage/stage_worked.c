@@ -6,8 +6,8 @@
 #include "chain/loops.h"
 #include "chain/virtual_work.h"
 #include "integ/method/stage_table.h"
+#include "integ/stage/stage_factor.h"
 #include "linalg/sparse/conjugate_gradient.h"
-#include "linalg/sparse/solvers.h"
 #include "numbers/compensated.h"
 
 #include <math.h>
@@ -18,8 +18,7 @@ enum { MOST = 40 /* iterations */ };
 typedef struct {
     dm_stage_table table;
     dm_sparse S; /* [n r]^2: unknown k of point m is k r + m */
-    dm_factor *factor;
-    dm_arena arena;          /* of the factorization */
+    dm_stage_factor factors;
     double h;                /* that S was made for; 0: none */
     int constant, symmetric; /* S is made of numbers; it is symmetric */
     double *x, *u, *F;       /* (q, v, t); [r][n] each */
@@ -129,7 +128,7 @@ static dm_status open(dm_stepper *s) {
     l->S.start = (int32_t *)(void *)(l->S.value + all);
     l->S.row = l->S.start + r * n + 1;
     lay_pattern(l, m);
-    dm_arena_init(&l->arena, m->source.arena->allocate, m->source.arena->ud);
+    dm_stage_factor_open(&l->factors, m->source.arena);
     memset(l->x, 0, (2 * n + 1) * sizeof *l->x);
     dm_kernel_prepare(&m->force, l->F);
     l->constant = m->curvature->constant && dm_loops_constant(&m->force) && m->work->constant;
@@ -140,14 +139,12 @@ static dm_status open(dm_stepper *s) {
 
 /* The factorization goes. */
 static void drop(dm_stepper *s, layout *l) {
-    if (l->factor) s->solvers->release(l->factor);
-    l->factor = NULL;
-    dm_arena_release(&l->arena);
+    dm_stage_factor_drop(&l->factors, s->solvers);
     l->h = 0.0;
 }
 
 static void close(dm_stepper *s) {
-    drop(s, (layout *)(void *)s->work);
+    dm_stage_factor_close(&((layout *)(void *)s->work)->factors, s->solvers);
 }
 
 /* ---- one step ---- */
@@ -235,24 +232,18 @@ static void differentiate(dm_stepper *s, layout *l, const double *q, const doubl
 /* the matrix and its factors */
 static dm_status prepare(dm_stepper *s, layout *l, const double *q, const double *p, double t,
                          double h, int anew) {
-    double condition;
     if (l->h == h && l->constant && !anew) return DM_OK;
     drop(s, l);
     differentiate(s, l, q, p, t, h, anew);
     fill(s, l, h);
     l->h = h;
     if (!s->solvers) return DM_OK;
-    dm_status status = DM_SINGULAR;
-    if (l->symmetric)
-        status = s->solvers->factor(&l->factor, DM_CHOLESKY, &l->S, &l->arena, &condition);
-    if (status == DM_SINGULAR)
-        status = s->solvers->factor(&l->factor, DM_LU, &l->S, &l->arena, &condition);
-    return status;
+    return dm_stage_factor_make(&l->factors, s->solvers, &l->S, l->symmetric, l->constant);
 }
 
 /* dx of the Newton step, by the factors or by conjugate gradients */
 static dm_status solve(dm_stepper *s, layout *l) {
-    if (l->factor) return s->solvers->solve(l->factor, l->dx, l->R);
+    if (l->factors.factor) return s->solvers->solve(l->factors.factor, l->dx, l->R);
     dm_cg how = {.tolerance = 1e-13, .most = 20 * l->S.rows + 100};
     memset(l->dx, 0, (size_t)l->S.rows * sizeof *l->dx);
     return dm_conjugate_gradient(l->dx, &l->S, l->R, l->cg, &how);

@@ -11,6 +11,9 @@ typedef struct dm_factor dm_factor;
 
 typedef enum { DM_CHOLESKY, DM_LU } dm_factorization;
 
+/* Of a pattern: the ordering and what else of a factorization depends on no number. */
+typedef struct dm_analysis dm_analysis;
+
 /* Eigenpairs S x = lambda M x, S symmetric, M = diag(mass) with mass >= 0, those with the largest
  * 1 / (lambda - shift) (`above`) or the largest modulus of it. */
 typedef struct {
@@ -36,10 +39,16 @@ typedef struct dm_solvers {
      * pivots. */
     dm_status (*factor)(dm_factor **out, dm_factorization kind, const dm_sparse *A, dm_arena *arena,
                         double *condition);
+    /* For several matrices of one pattern: its analysis, found once, and factors by it. */
+    dm_status (*analyse)(dm_analysis **out, dm_factorization kind, const dm_sparse *A,
+                         dm_arena *arena);
+    dm_status (*factor_by)(dm_factor **out, dm_factorization kind, const dm_sparse *A,
+                           const dm_analysis *known, dm_arena *arena, double *condition);
     /* x[n] = A^-1 b[n] */
     dm_status (*solve)(const dm_factor *f, double *x, const double *b);
     /* Gives the memory back, where that is not a collector's task. */
     void (*release)(dm_factor *f);
+    void (*release_analysis)(dm_analysis *a);
     /* Work arrays come from the arena. DM_NO_CONVERGENCE, DM_NO_MEMORY, DM_STOPPED. */
     dm_status (*eigen)(dm_eigen_problem *problem, dm_arena *arena);
     /* How many eigenvalues of a symmetric matrix are negative, by L D L^T without exchanges.
