@@ -36,7 +36,8 @@ void dm_library_leave(void);
 /* All blocks back to the allocator. */
 void dm_library_release(dm_factor *f);
 
-/* known: of the pattern, or NULL. Both of one factorization: Cholesky's is of the symmetric matrix in the upper triangle. */
+/* Both of one factorization: Cholesky's is of the symmetric matrix in the upper triangle. known: of
+ * the pattern, or NULL. */
 dm_status dm_cholesky_analyse(dm_factor *f);
 dm_status dm_cholesky_factor(dm_factor *f, const dm_analysis *known, double *condition);
 dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b);

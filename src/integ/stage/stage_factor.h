@@ -14,8 +14,8 @@ typedef struct {
 /* Memory from the allocator of `from`. */
 void dm_stage_factor_open(dm_stage_factor *f, const dm_arena *from);
 
-/* The factors of S, by Cholesky where it is symmetric and positive definite, else LU. once: no other
- * matrix will come, so that nothing is kept for it. */
+/* The factors of S, by Cholesky where it is symmetric and positive definite, else LU. once: no
+ * other matrix will come, so that nothing is kept for it. */
 dm_status dm_stage_factor_make(dm_stage_factor *f, const dm_solvers *solvers, const dm_sparse *S,
                                int symmetric, int once);
 
