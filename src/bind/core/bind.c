@@ -18,6 +18,11 @@ int dml_try(lua_State *L, int arguments, int results) {
     return 0;
 }
 
+void dml_cut(lua_State *L, int top) {
+    luaL_checkstack(L, 3 * LUA_MINSTACK, NULL);
+    lua_settop(L, top);
+}
+
 void dml_callone(lua_State *L, int arguments, const char *what) {
     const int before = lua_gettop(L) - arguments - 1;
     lua_call(L, arguments, LUA_MULTRET);

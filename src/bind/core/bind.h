@@ -105,6 +105,10 @@ void dml_callone(lua_State *L, int arguments, const char *what);
  * instructions of Lua, and want of memory are passed on. */
 int dml_try(lua_State *L, int arguments, int results);
 
+/* lua_settop for a stack with values to be closed above `top`. Lua 5.4.0 to 5.4.4 keeps the old
+ * address of a stack that the call of a __close made larger: here there is room for that call. */
+void dml_cut(lua_State *L, int top);
+
 /* require "dm.core" */
 int luaopen_dm_core(lua_State *L);
 

@@ -376,7 +376,7 @@ static void check_model(lua_State *L, int arg, dml_model *m, const double *x, in
         dml_trace_check_start(L, fn, &sig, kernel, at);
     else
         dml_trace_check(L, fn, &sig, kernel, at);
-    lua_settop(L, fn - 1);
+    dml_cut(L, fn - 1);
     dml_checkconstraints(L, arg, m, x);
     m->checked = 1;
 }

@@ -59,8 +59,9 @@ static int has_changed(lua_State *L, const dml_root_shape *s) {
     memcpy(block, s->y, s->unknowns * sizeof *block);
     memcpy(block + s->unknowns, s->x, s->inputs * sizeof *block);
     dml_call_numbers(L, -1, &s->s, block, out, m);
-    lua_settop(L, top);
-    return dml_rootdiffers(s, out);
+    const int differs = dml_rootdiffers(s, out);
+    dml_cut(L, top);
+    return differs;
 }
 
 /* of all arguments those that the root depends on */

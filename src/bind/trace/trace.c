@@ -258,7 +258,7 @@ static int trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
     const int top = lua_gettop(L) - 1;
     if (!call_with_symbols(L, fn, &(tracing){s, frame, out})) {
         dml_dropsymbols(frame);
-        lua_settop(L, top);
+        dml_cut(L, top);
         return 0;
     }
     dml_checkgraph(L, frame);
@@ -271,7 +271,7 @@ static int trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
         out->graph = is_too_large(L, frame, s->may_grow) ? NULL : frame->own;
         out->inputs = dml_signature_inputs(s);
     }
-    lua_settop(L, top);
+    dml_cut(L, top);
     return 1;
 }
 

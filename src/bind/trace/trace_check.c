@@ -362,7 +362,7 @@ static void check_points(lua_State *L, int fn, const dml_signature *s, const dm_
     if (at && where != BESIDE) check_at(L, &c);
     if (where == AROUND) check_around(L, &c, at);
     if (where == BESIDE) check_beside(L, &c, at, moved);
-    lua_settop(L, top);
+    dml_cut(L, top);
 }
 
 void dml_trace_check(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
