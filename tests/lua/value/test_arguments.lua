@@ -41,6 +41,7 @@ local asynchronous = require "dm.core".avi(ends:field { form = 0, L = function(u
 end }, dm.vector { 0, 0.1 }, 0)
 asynchronous:limits()
 local nought_of_ends, one_of_ends = dm.vector { 0, 0 }, dm.vector { 1 }
+asynchronous:run(nought_of_ends, one_of_ends, one_of_ends * 0, false) -- whose steps resonances are about
 local plate, levels = dm.mesh { triangle = 2 }, dm.multigrid { dm.mesh { triangle = 1 }, dm.mesh { triangle = 2 } }
 local flow = dm.mesh { icosphere = 0 }:euler { vorticity = function(_, _, z) return z end }:solver { h = 0.1 }:run { steps = 3 }
 local K0 = flow.mesh
