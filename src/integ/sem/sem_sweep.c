@@ -103,14 +103,14 @@ void dm_sem_sweep_open(dm_sem_sweeps *w, const dm_model *m, double *memory) {
 /* ---- a sweep ---- */
 
 /* The entries of a vector, pairwise. */
-static inline double total(dm_sem_wide x) {
-    return (x[0] + x[2]) + (x[1] + x[3]);
+static inline double total(const dm_sem_wide *x) {
+    return ((*x)[0] + (*x)[2]) + ((*x)[1] + (*x)[3]);
 }
 
 static double dot(const dm_sem_sweeps *w, const dm_sem_wide *a, const dm_sem_wide *b) {
     dm_sem_wide sum = {0};
     for (uint32_t k = 0; k < w->wide; k++) sum += a[k] * b[k];
-    return total(sum);
+    return total(&sum);
 }
 
 /* out = M^-1 a */
@@ -167,7 +167,7 @@ INLINE sums compare(const dm_sem_sweeps *w, int full) {
         twice += P * u, gap += f * left;
         rest += left * left, square += u * u;
     }
-    return (sums){total(twice), total(gap), total(rest), total(square)};
+    return (sums){total(&twice), total(&gap), total(&rest), total(&square)};
 }
 
 /* The same whatever the mass. */
