@@ -16,7 +16,7 @@ static const double NEAR = 1e-3; /* |F| beside a root, of that at the ends of th
 static double end_of(const dm_root_solver *s, int m, double side) {
     const double start = s->from[0];
     if (s->angles & 1) return start + side * HALF_TURN * m / TO_A_SIDE;
-    return m ? start + side * (1.0 + fabs(start)) * pow(2.0, 0.5 * (m - FINEST)) : start;
+    return m ? start + side * (1.0 + fabs(start)) * sqrt(ldexp(1.0, m - FINEST)) : start;
 }
 
 /* F at y; NaN where it has no value */
