@@ -78,7 +78,8 @@ local PROBLEMS = {
   { "five coordinates", dm.system { Q = dm.R(5), L = function(q, v)
     return v:dot(v) / 2 - q:dot(q) / 2 - q:dot(q) ^ 2 / 4
   end }, { 0.5, 0.3, 0.1, 0, 0.2 }, { 0, 0.2, 0.4, 0.1, 0.3 }, 0.05 },
-  { "outer solar system", planets.system, planets.q, planets.v, 40 }, chain(16), chain(128),
+  { "outer solar system", planets.system, planets.q, planets.v, 40 },
+  chain(8), chain(13), chain(16), chain(20), chain(32), chain(128),
 }
 
 local function runner(problem, rule)

@@ -27,7 +27,7 @@ typedef struct {
     dm_node matrix[SIZE * SIZE]; /* of (R, energy) by (v, h); then its factors */
 } writing;
 
-enum { GENERAL = 8, LONGEST = 2000 }; /* coordinates with a mass that varies; operations */
+enum { GENERAL = 8, MANY = 5, LONGEST = 2000 }; /* coordinates: a mass that varies; operations */
 
 static int is_simple(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
@@ -299,15 +299,29 @@ static void solve(const writing *x, dm_node *y) {
     }
 }
 
-/* z[n+1] -= A^-1 (R, E_d - E), as if h^2 were the unknown, since E_d - H = C h^2 + O(h^3). */
-static int advance(writing *x, dm_node *z) {
+/* Does the matrix of the first iteration serve the second? Where L_qq is constant it changes with h
+ * alone; and where there are many coordinates a new one costs more than the steps, rough motion's,
+ * that then need another two iterations. */
+static int serves_twice(const writing *x) {
+    int constant = x->simple;
+    double value;
+    for (uint32_t k = 0; k < x->n * x->n; k++)
+        constant = constant && dm_is_constant(x->g, x->L.qq[k], &value);
+    return constant || x->n >= MANY;
+}
+
+/* z[n+1] -= A^-1 (R, E_d - E), as if h^2 were the unknown, since E_d - H = C h^2 + O(h^3); of a
+ * fresh A, or of the one before. */
+static int advance(writing *x, dm_node *z, int fresh) {
     dm_graph *g = x->g;
     dm_node y[SIZE];
     const dm_node part = dm_div(g, x->half, z[x->n]);
-    evaluate(x, z, 1);
+    evaluate(x, z, fresh);
     find_residual(x, y, z);
-    (x->simple ? find_simple_matrix : find_matrix)(x, z);
-    if (!factor(x)) return 0;
+    if (fresh) {
+        (x->simple ? find_simple_matrix : find_matrix)(x, z);
+        if (!factor(x)) return 0;
+    }
     solve(x, y);
     const dm_node more = dm_mul(g, dm_mul(g, y[x->n], y[x->n]), part);
     for (uint32_t k = 0; k <= x->n; k++) z[k] = dm_sub(g, z[k], y[k]);
@@ -362,7 +376,7 @@ static int write_out(writing *x, dm_node *out) {
     const uint32_t n = x->n;
     dm_node z[SIZE], right[SIZE] = {0};
     read_inputs(x, z);
-    if (!advance(x, z) || !advance(x, z)) return 0;
+    if (!advance(x, z, 1) || !advance(x, z, !serves_twice(x))) return 0;
     const dm_node slope = find_slope(x);
     evaluate(x, z, 0);
     find_residual(x, right, z);
