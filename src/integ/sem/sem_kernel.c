@@ -1,5 +1,6 @@
 /* sem_kernel.c - the nodes of a step of one point whose energy chooses its length. */
 #include "integ/sem/sem_kernel.h"
+#include "integ/sem/sem_factor.h"
 
 #include "algebra/compact.h"
 #include "algebra/derive.h"
@@ -199,106 +200,6 @@ static void find_simple_matrix(writing *x, const dm_node *v) {
     }
 }
 
-/* x -= a y */
-static void subtract(dm_graph *g, dm_node *x, dm_node a, dm_node y) {
-    *x = dm_sub(g, *x, dm_mul(g, a, y));
-}
-
-/* a c - b d */
-static dm_node cross(dm_graph *g, dm_node a, dm_node c, dm_node b, dm_node d) {
-    dm_node x = dm_mul(g, a, c);
-    subtract(g, &x, b, d);
-    return x;
-}
-
-/* Rows of the block at j. */
-static uint32_t rows_at(uint32_t j, uint32_t size) {
-    return j + 1 < size ? 2 : 1;
-}
-
-/* The block at j, [2][2] or a number, becomes its inverse; 0: it is singular everywhere. */
-static int invert(dm_graph *g, dm_node *A, uint32_t size, uint32_t wide) {
-    const dm_node one = dm_constant(g, 1.0);
-    if (wide == 1) {
-        if (!A[0]) return 0;
-        A[0] = dm_div(g, one, A[0]);
-        return 1;
-    }
-    const dm_node a = A[0], b = A[1], c = A[size], d = A[size + 1];
-    const dm_node det = cross(g, a, d, b, c);
-    if (!det) return 0;
-    const dm_node over = dm_div(g, one, det);
-    A[0] = dm_mul(g, d, over), A[1] = dm_neg(g, dm_mul(g, b, over));
-    A[size] = dm_neg(g, dm_mul(g, c, over)), A[size + 1] = dm_mul(g, a, over);
-    return 1;
-}
-
-/* (y[0], y[1]) = (x[0], x[1]) B of the inverse B of a block, entries of x `apart`; transposed: B x
- */
-static void times_block(dm_graph *g, dm_node *y, const dm_node *B, uint32_t size, uint32_t wide,
-                        int transposed) {
-    if (wide == 1) {
-        y[0] = dm_mul(g, y[0], B[0]);
-        return;
-    }
-    const dm_node u = y[0], v = y[1], b = B[transposed ? 1 : size], c = B[transposed ? size : 1];
-    y[0] = dm_add(g, dm_mul(g, u, B[0]), dm_mul(g, v, b));
-    y[1] = dm_add(g, dm_mul(g, u, c), dm_mul(g, v, B[size + 1]));
-}
-
-/* The block of two at 0 and the row behind it, the last: its pivot is det A / det B, so that both
- * divisions go side by side. */
-static int factor_three(writing *x) {
-    dm_graph *g = x->g;
-    dm_node *A = x->matrix;
-    const dm_node det = cross(g, A[0], A[4], A[1], A[3]), first = cross(g, A[3], A[7], A[4], A[6]),
-                  second = cross(g, A[1], A[6], A[0], A[7]);
-    dm_node whole = dm_mul(g, det, A[8]);
-    whole = dm_add(g, whole, dm_mul(g, first, A[2]));
-    whole = dm_add(g, whole, dm_mul(g, second, A[5]));
-    if (!whole || !invert(g, A, 3, 2)) return 0;
-    times_block(g, A + 6, A, 3, 2, 0);
-    A[8] = dm_div(g, det, whole);
-    return 1;
-}
-
-/* A = l D u by blocks of two without pivots: inverses of the blocks, l below and u above them, as
- * A leaves them. */
-static int factor(writing *x) {
-    const uint32_t size = x->n + 1;
-    dm_node *A = x->matrix;
-    if (size == 3) return factor_three(x);
-    for (uint32_t j = 0; j < size; j += 2) {
-        const uint32_t wide = rows_at(j, size);
-        dm_node *B = A + j * size + j;
-        if (!invert(x->g, B, size, wide)) return 0;
-        for (uint32_t i = j + wide; i < size; i++) {
-            dm_node *l = A + i * size + j;
-            times_block(x->g, l, B, size, wide, 0);
-            for (uint32_t k = j + wide; k < size; k++)
-                for (uint32_t w = 0; w < wide; w++)
-                    subtract(x->g, A + i * size + k, l[w], A[(j + w) * size + k]);
-        }
-    }
-    return 1;
-}
-
-/* y = A^-1 y */
-static void solve(const writing *x, dm_node *y) {
-    const uint32_t size = x->n + 1;
-    const dm_node *A = x->matrix;
-    for (uint32_t i = 2; i < size; i++)
-        for (uint32_t k = 0; k < (i & ~1u); k++) subtract(x->g, y + i, A[i * size + k], y[k]);
-    for (uint32_t j = (size - 1) & ~1u;; j -= 2) {
-        const uint32_t wide = rows_at(j, size);
-        for (uint32_t w = 0; w < wide; w++)
-            for (uint32_t k = j + wide; k < size; k++)
-                subtract(x->g, y + j + w, A[(j + w) * size + k], y[k]);
-        times_block(x->g, y + j, A + j * size + j, size, wide, 1);
-        if (j == 0) break;
-    }
-}
-
 /* Does the matrix of the first iteration serve the second? Where L_qq is constant it changes with h
  * alone; and where there are many coordinates a new one costs more than the steps, rough motion's,
  * that then need another two iterations. */
@@ -320,9 +221,9 @@ static int advance(writing *x, dm_node *z, int fresh) {
     find_residual(x, y, z);
     if (fresh) {
         (x->simple ? find_simple_matrix : find_matrix)(x, z);
-        if (!factor(x)) return 0;
+        if (!dm_sem_factor(x->g, x->matrix, x->n + 1)) return 0;
     }
-    solve(x, y);
+    dm_sem_solve_factored(x->g, x->matrix, x->n + 1, y);
     const dm_node more = dm_mul(g, dm_mul(g, y[x->n], y[x->n]), part);
     for (uint32_t k = 0; k <= x->n; k++) z[k] = dm_sub(g, z[k], y[k]);
     z[x->n] = dm_sub(g, z[x->n], more);
@@ -333,7 +234,7 @@ static int advance(writing *x, dm_node *z, int fresh) {
 static dm_node find_slope(const writing *x) {
     dm_node y[SIZE] = {0};
     y[x->n] = dm_constant(x->g, 1.0);
-    solve(x, y);
+    dm_sem_solve_factored(x->g, x->matrix, x->n + 1, y);
     return y[x->n];
 }
 
@@ -359,7 +260,7 @@ static void settle(const writing *x, dm_node *z, dm_node *force, const dm_node *
     dm_node y[SIZE], moved[N];
     for (uint32_t k = 0; k < n; k++) y[k] = right[k];
     y[n] = x->simple ? 0 : right[n];
-    if (!x->simple) solve(x, y);
+    if (!x->simple) dm_sem_solve_factored(x->g, x->matrix, x->n + 1, y);
     const dm_node half = dm_mul(g, x->half, y[n]);
     for (uint32_t k = 0; k < n; k++)
         moved[k] = dm_add(g, dm_mul(g, x->half_h, y[k]), dm_mul(g, half, z[k]));
