@@ -84,6 +84,12 @@ int dml_mul(lua_State *L);
 int dml_div(lua_State *L);
 int dml_pow(lua_State *L);
 int dml_unm(lua_State *L);
+/* Their rows. */
+/* clang-format off */
+#define DML_ARITHMETIC                                                                             \
+    {"__add", dml_add, NULL}, {"__sub", dml_sub, NULL}, {"__mul", dml_mul, NULL},                  \
+    {"__div", dml_div, NULL}, {"__pow", dml_pow, NULL}, {"__unm", dml_unm, NULL}
+/* clang-format on */
 
 /* __eq of vectors and matrices. */
 int dml_equal(lua_State *L);

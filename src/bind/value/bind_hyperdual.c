@@ -101,12 +101,14 @@ static int hyper_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] =
-    {{"__add", dml_add, NULL},   {"__sub", dml_sub, NULL},     {"__mul", dml_mul, NULL},
-     {"__div", dml_div, NULL},   {"__pow", dml_pow, NULL},     {"__unm", dml_unm, NULL},
-     {"__lt", hyper_lt, NULL},   {"__le", hyper_le, NULL},     {"__eq", hyper_eq, NULL},
-     {"__mod", hyper_mod, NULL}, {"__idiv", hyper_idiv, NULL}, {"__tostring", hyper_tostring, NULL},
-     {NULL, NULL, NULL}};
+static const dml_row meta[] = {DML_ARITHMETIC,
+                               {"__lt", hyper_lt, NULL},
+                               {"__le", hyper_le, NULL},
+                               {"__eq", hyper_eq, NULL},
+                               {"__mod", hyper_mod, NULL},
+                               {"__idiv", hyper_idiv, NULL},
+                               {"__tostring", hyper_tostring, NULL},
+                               {NULL, NULL, NULL}};
 static const dml_row functions[] = {{"hyperdual", hyper_new,
                                      "dm.hyperdual(f [, a, b, ab]) -> dm.hyperdual\n"
                                      "The number f with the derivatives a, b along two directions "

@@ -252,12 +252,7 @@ static int matrix_modes(lua_State *L) {
     return 2;
 }
 
-static const dml_row meta[] = {{"__add", dml_add, NULL},
-                               {"__sub", dml_sub, NULL},
-                               {"__mul", dml_mul, NULL},
-                               {"__div", dml_div, NULL},
-                               {"__pow", dml_pow, NULL},
-                               {"__unm", dml_unm, NULL},
+static const dml_row meta[] = {DML_ARITHMETIC,
                                {"__eq", dml_equal, NULL},
                                {"__len", matrix_len, NULL},
                                {"__newindex", matrix_set, NULL},

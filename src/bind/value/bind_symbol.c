@@ -80,12 +80,7 @@ static int symbol_tostring(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] = {{"__add", dml_add, NULL},
-                               {"__sub", dml_sub, NULL},
-                               {"__mul", dml_mul, NULL},
-                               {"__div", dml_div, NULL},
-                               {"__pow", dml_pow, NULL},
-                               {"__unm", dml_unm, NULL},
+static const dml_row meta[] = {DML_ARITHMETIC,
                                {"__lt", refuse_lt, NULL},
                                {"__le", refuse_le, NULL},
                                {"__eq", refuse_eq, NULL},

@@ -266,12 +266,7 @@ int dml_equal(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] = {{"__add", dml_add, NULL},
-                               {"__sub", dml_sub, NULL},
-                               {"__mul", dml_mul, NULL},
-                               {"__div", dml_div, NULL},
-                               {"__pow", dml_pow, NULL},
-                               {"__unm", dml_unm, NULL},
+static const dml_row meta[] = {DML_ARITHMETIC,
                                {"__eq", dml_equal, NULL},
                                {"__len", vector_len, NULL},
                                {"__newindex", vector_set, NULL},

@@ -26,4 +26,10 @@ const char *dm_composition_check(const dm_rule *rule);
 int dm_composition_order(const dm_rule *rule);
 int dm_composition_splitting(dm_splitting *out, const dm_rule *rule);
 
+/* What the rows of compositions have alike. */
+#define DM_COMPOSED(schemes)                                                                       \
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS, .engine = &dm_engine_composition,     \
+    .table = schemes, .check = dm_composition_check, .order = dm_composition_order,                \
+    .splitting = dm_composition_splitting
+
 #endif

@@ -26,10 +26,5 @@ const dm_method dm_method_kahan_li = {
     .stages = "9, 17",
     .cost = "9, 17 forces; else steps of the base",
     .instances = "kahan-li(6):9:9; kahan-li(8):17:17; kahan-li(6, midpoint):9:0",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS,
-    .engine = &dm_engine_composition,
-    .table = schemes,
-    .check = dm_composition_check,
-    .order = dm_composition_order,
-    .splitting = dm_composition_splitting,
+    DM_COMPOSED(schemes),
 };

@@ -15,10 +15,5 @@ const dm_method dm_method_mclachlan = {
     .stages = "5",
     .cost = "5 forces; else steps of the base",
     .instances = "mclachlan(4):5:5",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS,
-    .engine = &dm_engine_composition,
-    .table = schemes,
-    .check = dm_composition_check,
-    .order = dm_composition_order,
-    .splitting = dm_composition_splitting,
+    DM_COMPOSED(schemes),
 };

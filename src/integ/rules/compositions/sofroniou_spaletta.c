@@ -22,10 +22,5 @@ const dm_method dm_method_sofroniou_spaletta = {
     .stages = "35",
     .cost = "35 forces; else steps of the base",
     .instances = "sofroniou-spaletta(10):35:35",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS,
-    .engine = &dm_engine_composition,
-    .table = schemes,
-    .check = dm_composition_check,
-    .order = dm_composition_order,
-    .splitting = dm_composition_splitting,
+    DM_COMPOSED(schemes),
 };

@@ -19,10 +19,5 @@ const dm_method dm_method_suzuki_umeno = {
     .stages = "15",
     .cost = "15 forces; else steps of the base",
     .instances = "suzuki-umeno(8):15:15",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS,
-    .engine = &dm_engine_composition,
-    .table = schemes,
-    .check = dm_composition_check,
-    .order = dm_composition_order,
-    .splitting = dm_composition_splitting,
+    DM_COMPOSED(schemes),
 };

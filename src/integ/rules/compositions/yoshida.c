@@ -18,10 +18,5 @@ const dm_method dm_method_yoshida = {
     .stages = "3, 7",
     .cost = "3, 7 forces; else steps of the base",
     .instances = "yoshida(4):3:3; yoshida(6):7:7; yoshida(4, midpoint):3:0",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS,
-    .engine = &dm_engine_composition,
-    .table = schemes,
-    .check = dm_composition_check,
-    .order = dm_composition_order,
-    .splitting = dm_composition_splitting,
+    DM_COMPOSED(schemes),
 };
