@@ -3891,7 +3891,8 @@ function dm_solver_class:symplecticity(options) end
 ---dim Q, not a difference: the rule steps the prolonged Lagrangian dL . (u, w), whose step is the
 ---tangent of the step. Also the end of the run. With constraints the start must lie on them, and so
 ---must each column: use tangent vectors of solver:lyapunov instead. On a group the changes are g^-1 dg
----and that of the body momentum.
+---and that of the body momentum (right trivialization: dg g^-1, of the spatial one); with constraints
+---or rolling it is the derivative of the step after the nearest changes that these allow.
 ---@param options? table
 ---@return dm.matrix
 ---@return any
@@ -4642,7 +4643,9 @@ function dm_system_class:lift(x, v, theta, t) end
 ---relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
 ---anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
 ---step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
----dp); on a group the changes are (g^-1 dg, dxi), and there may be a force.
+---dp). On a group the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1; of an H without L
+---dmu), and there may be forces, controls, constraints and rolling: the matrix is then on an
+---orthonormal basis of the changes that these allow.
 ---@param options? table
 ---@return table
 function dm_system_class:linearize(options) end

@@ -6,6 +6,7 @@ local core = require "dm.core"
 local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
+local tangent_space = require "dm.measure.tangent_space"
 
 local M = {}
 
@@ -60,7 +61,8 @@ end
 local function check_plain(system, what)
   local given = system.given
   if not (given and (given.L or given.H)) then error(what .. " needs a dm.system", 0) end
-  if given.constraint or given.rolling or given.force and not system.place then
+  local bound = given.constraint or given.rolling or given.force or given.control
+  if bound and not system.place then
     error(what .. ": for systems without constraints and forces; solver:multipliers has the "
       .. "tangent map of any", 0)
   end
@@ -99,10 +101,27 @@ local function result_of(A)
     matrix = A }
 end
 
--- of changes (g^-1 dg, dxi)
+-- what the constraints leave of a matrix of changes
+local function restricted(A, basis)
+  local out = core.matrix(#basis, #basis)
+  for k, y in ipairs(basis) do
+    local moved = A * y
+    for i, x in ipairs(basis) do out[i][k] = x:dot(moved) end
+  end
+  return out
+end
+
+-- of changes (g^-1 dg, dxi); of an H alone (g^-1 dg, dmu)
 local function of_group(system, options, what)
-  local v = options.v or core.zeros(system.place.dimension)
-  local A = on_group.field(system, options.q, v, options.t or 0, what)
+  local place, t = system.place, options.t or 0
+  local g, x = place.kit.element(options.q), options.v and core.vector(options.v)
+  if not system.given.L then
+    x = options.p and core.vector(options.p) or x and system:legendre(g, x, t)
+  end
+  x = x or core.zeros(place.dimension)
+  local A = on_group.field(system, g, x, t)
+  local rows = tangent_space.of_velocity(system, g, x, t)
+  if #rows > 0 then A = restricted(A, tangent_space.basis(rows, place.dimension)) end
   check_matrix(A, what)
   return result_of(A)
 end
@@ -166,7 +185,9 @@ real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an e
 relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
 anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
 step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
-dp); on a group the changes are (g^-1 dg, dxi), and there may be a force.]])
+dp). On a group the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1; of an H without L
+dmu), and there may be forces, controls, constraints and rolling: the matrix is then on an
+orthonormal basis of the changes that these allow.]])
 
 class.method("dm.solver", "multipliers", M.multipliers, [[
 solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}

@@ -86,15 +86,18 @@ local function orthonormal(vectors)
   return out, growth
 end
 
--- k vectors: the first, then unit vectors that are not in their span
-local function frame(first, k)
-  local out, size = orthonormal { first }, #first
+-- k vectors: the first, then unit vectors that are not in their span; of each what `allowed` leaves
+local function frame(first, k, allowed)
+  local out, size = orthonormal { allowed(first) }, #first
   for i = 1, size do
-    if #out == k then break end
-    local more, unit = table.move(out, 1, #out, 1, {}), lists.zeros(size)
+    if out and #out == k then break end
+    local more, unit = table.move(out or {}, 1, out and #out or 0, 1, {}), lists.zeros(size)
     unit[i] = 1
-    more[#more + 1] = unit
-    out = orthonormal(more) or out
+    more[#more + 1] = allowed(unit)
+    if largest(more[#more]) > 1e-8 then out = orthonormal(more) or out end
+  end
+  if #out < k then
+    option.fail(WHERE, "constraints leave %d independent tangent vectors: fewer exponents", #out)
   end
   return out
 end
@@ -272,7 +275,9 @@ M.lyapunov = blame.caller(function(solver, options)
   local every = option.whole(options, "every", WHERE, 1, steps, max(1, steps // 1000))
   local k = option.whole(options, "exponents", WHERE, 1, 2 * n, 1)
   local s, record = state_of(solver, options, n), nil
-  s.vectors = frame(first_vector(options, n), k)
+  local first = first_vector(options, n)
+  local function all(x) return x end
+  s.vectors = frame(first, k, own and on_group.allowed(solver.system, s) or all)
   for j = 1, k do s.sums[j] = 0 end
   if own then
     record = follow_on_group(on_group.map(solver, WHERE), s, steps, every, solver.h)

@@ -12,7 +12,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
-local on_group = require "dm.measure.on_group"
+local lifts = require "dm.measure.lifts"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
@@ -252,7 +252,7 @@ end
 
 -- a rule that does not see multiples of coordinates keeps what it keeps on R^N
 local function by_coordinates(solver, options)
-  local own, system, to = solver.system.place, on_group.lifted(solver)
+  local own, system, to = solver.system.place, lifts.lifted(solver)
   local q = core.vector(own.flat(own.kit.element(options.q)))
   local p = options.p or solver.system:legendre(options.q, options.v)
   return system:solver { rule = solver.rule, h = solver.h,

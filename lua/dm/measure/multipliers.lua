@@ -9,7 +9,7 @@ local bound = require "dm.base.bound"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
-local on_group = require "dm.measure.on_group"
+local tangent_group = require "dm.measure.tangent_group"
 
 local M = {}
 
@@ -24,7 +24,7 @@ local function functions_of(system)
     bound(given.force, p)
   local control, E = bound(given.control, p), bound(given.reaction, p)
   return {
-    place = system.place and on_group.entries_of(system),
+    place = system.place and tangent_group.entries_of(system),
     L = function(q, v, t) return L(q, v, t) end,
     g = g and function(q, t) return core.vector(entries(g(q, t))) end,
     phi = phi and function(q, v, t) return core.vector(entries(phi(q, v, t))) end,
@@ -129,6 +129,30 @@ local function equations_of(f, n, k, l)
     if J then push(reactions(f, J, l, n, q, v, t), l, n + k) end
     if k > 0 then enforce(speed(q, v, t), k) end
     if J then enforce(J, l) end
+    return out
+  end
+end
+
+--- What constraints ask of a change (u, dv) of a state, as a function of (q, v, t): rows of 2 n
+-- numbers, the derivatives of g, G v + g_t and phi in (q, v); on a group u is g^-1 dg (right:
+-- dg g^-1).
+function M.conditions(system)
+  local f = functions_of(system)
+  local n = system.place and system.place.dimension or system.Q.dimension
+  local of, out = {}, nil
+  if f.g then
+    local _, speed = of_constraint(f, n)
+    of = { derivative(f, function(q, _, t) return f.g(q, t) end, n), speed }
+  end
+  if f.phi then of[#of + 1] = derivative(f, f.phi, n) end
+  return function(q, v, t)
+    out = {}
+    for _, J in ipairs(of) do
+      local slope = J(q, v, t)
+      for i = 1, f.place and #slope or slope.rows do
+        out[#out + 1] = lists.part(slope[i], 0, 2 * n)
+      end
+    end
     return out
   end
 end

@@ -12,20 +12,25 @@ local M = {}
 
 local part, joined, entries = lists.part, lists.joined, lists.entries
 
--- f and its change along (u, w), as two lists: of a function of (q, v, t), or, holonomic, of (q, t)
-local function with_change(f, n, holonomic)
+-- f and its change along (u, w [, changes of the numbers]), as two lists: of a function of (q, v, t
+-- [, `more` numbers]), or, holonomic, of (q, t)
+local function with_change(f, n, holonomic, more)
   local core = require "dm.core"
-  local function all(q, v, t)
+  local function all(q, v, t, ...)
     if holonomic then return core.vector(entries(f(q, t))) end
-    return core.vector(entries(f(q, v, t)))
+    return core.vector(entries(f(q, v, t, ...)))
   end
-  local value, slope = core.trace(all, n, n, "number"), core.derivative(all, n, n, "number")
-  return function(x, y, t)
+  local lengths = { n, n, "number", more }
+  local value = core.trace(all, table.unpack(lengths))
+  local slope = core.derivative(all, table.unpack(lengths))
+  return function(x, y, t, given)
     local q, u, v, w = part(x, 0, n), part(x, n, n), part(y, 0, n), part(y, n, n)
-    local f0, J, change = value(q, v, t), slope(q, v, t), {}
+    local state, change = { q, v, t, more and part(given, 0, more) }, {}
+    local f0, J = value(table.unpack(state)), slope(table.unpack(state))
     for i = 1, #f0 do
       local sum = 0
       for k = 1, n do sum = sum + J[i][k] * u[k] + J[i][n + k] * w[k] end
+      for k = 1, more or 0 do sum = sum + J[i][2 * n + 1 + k] * given[more + k] end
       change[i] = sum
     end
     return f0, change
@@ -117,6 +122,17 @@ local function lift_hamiltonian(H, n)
   end
 end
 
+-- a force, and a control that is held over a step, with its change
+local function add_forces(out, f, control, n)
+  local lifted, held = nil, control and with_change(control, n)
+  out.control = held and function(x, y, t) return joined(held(x, y, t)) end
+  out.force = f and function(x, y, t, u)
+    lifted = lifted or with_change(f, n, false, control and #u // 2)
+    local value, change = lifted(x, y, t, u)
+    return joined(change, value)
+  end
+end
+
 --- The prolonged system of a dm.system, on R^(2n). names: parameters that it has, too, where L
 -- alone makes the system; all others are the numbers that they are.
 function M.system(system, names)
@@ -147,13 +163,7 @@ function M.system(system, names)
     local rows = reaction_rows(given.reaction and bound(given.reaction, params), phi, n)
     out.reaction = lift_reaction(rows, n)
   end
-  if given.force then
-    local lifted = with_change(bound(given.force, params), n)
-    out.force = function(x, y, t)
-      local value, change = lifted(x, y, t)
-      return joined(change, value)
-    end
-  end
+  add_forces(out, bound(given.force, params), bound(given.control, params), n)
   return core.system(out)
 end
 

@@ -34,10 +34,6 @@ function M.refuse(solver, what)
   if not (given and (given.L or given.H)) then
     error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
   end
-  if solver.system.given.control then
-    error(what .. ": a control held over a step is not part of the prolonged system; put it into "
-      .. "'force' to see its tangent", 0)
-  end
   if rule:find "^log%-hamiltonian" then
     error(what .. ": '" .. rule
       .. "' changes the time with the state, so the prolonged system runs on another time: "

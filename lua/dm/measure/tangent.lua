@@ -73,7 +73,8 @@ The exact derivative of the flow of the rule, d(q, p at the end)/d(q, p at the s
 dim Q, not a difference: the rule steps the prolonged Lagrangian dL . (u, w), whose step is the
 tangent of the step. Also the end of the run. With constraints the start must lie on them, and so
 must each column: use tangent vectors of solver:lyapunov instead. On a group the changes are g^-1 dg
-and that of the body momentum.]]
+and that of the body momentum (right trivialization: dg g^-1, of the spatial one); with constraints
+or rolling it is the derivative of the step after the nearest changes that these allow.]]
 
 -- the start of a run on a group: an element stays one
 local function start_on_group(solver, options)

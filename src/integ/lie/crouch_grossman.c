@@ -4,6 +4,7 @@
  *   g1 = g0 exp(h b_1 xi_1) exp(h b_2 xi_2) exp(h b_3 xi_3). */
 #include "integ/lie/group_field.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { STAGES = 3 };
@@ -68,7 +69,7 @@ static dm_status place(layout *l, const double *state, int i, double h) {
     }
     dm_status status = DM_OK;
     for (int j = 0; j < i && status == DM_OK; j++)
-        status = dm_group_field_move(&l->field, l->q, l->mu, factor(l, i, j, h));
+        status = dm_group_field_move(&l->field, l->q, l->mu, factor(l, i, j, h), fabs(a[i][j]));
     return status;
 }
 

@@ -101,24 +101,41 @@ static double turn_of(const dm_group_field *f) {
     return sqrt(most);
 }
 
-dm_status dm_group_field_move(dm_group_field *f, double *q, double *mu, const double *xi) {
-    static const double pi = 3.14159265358979323846;
+static const double pi = 3.14159265358979323846;
+
+/* of how many equal parts exp(xi), which is in f->end, is made, each within its chart */
+static int parts_of(const dm_group_field *f) {
+    const double turn = turn_of(f);
+    return turn < 1e3 ? 1 + (int)(turn / pi) : 1;
+}
+
+/* (q, mu) taken along exp(sign xi), which is in f->end */
+static void take(dm_group_field *f, double *q, double *mu, const double *xi, double sign) {
+    const int parts = parts_of(f);
+    for (int i = 0; i < parts; i++) {
+        if (parts > 1) find_end(f, q, xi, sign / parts, mu);
+        memcpy(q, f->end, f->n * sizeof *q);
+        memcpy(mu, f->end + f->n, f->d * sizeof *mu);
+    }
+}
+
+dm_status dm_group_field_move(dm_group_field *f, double *q, double *mu, const double *xi,
+                              double share) {
     double bad = 0.0; /* 0 * infinity is NaN */
     find_end(f, q, xi, 1.0, mu);
-    const double turn = turn_of(f);
+    const double turn = turn_of(f) / share;
     f->turn = turn >= pi ? turn : 0.0;
     if (f->turn > 0.0) return DM_NO_CONVERGENCE;
     for (uint32_t i = 0; i < f->n + f->d; i++) bad += 0.0 * f->end[i];
     if (bad != 0.0) return DM_NOT_FINITE;
-    memcpy(q, f->end, f->n * sizeof *q);
-    memcpy(mu, f->end + f->n, f->d * sizeof *mu);
+    take(f, q, mu, xi, 1.0);
     return DM_OK;
 }
 
-/* The element that goes with it does not matter: that of x. */
+/* The element that goes with it does not matter: that of x, which is set anew at every stage. */
 void dm_group_field_carry_back(dm_group_field *f, double *mu, const double *xi) {
     find_end(f, f->x, xi, -1.0, mu);
-    memcpy(mu, f->end + f->n, f->d * sizeof *mu);
+    take(f, f->x, mu, xi, -1.0);
 }
 
 /* xi = D u' with D = dtau_L(u) = dtau_R(-u), whose transpose is the derivative of `pull` by mu */

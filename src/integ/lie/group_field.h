@@ -24,7 +24,7 @@ typedef struct {
     double *pull;  /* [d (2d + 1)] the differential of the chart, and derivatives */
     double *A;     /* [d*d] then [d] pivots: it as a matrix */
     double *work;  /* of the Legendre transform */
-    double turn;   /* rad, of a chart that went past pi, else 0 */
+    double turn;   /* rad, of a step that went past pi, else 0 */
     char text[DM_FIELD_TEXT];
 } dm_group_field;
 
@@ -40,8 +40,10 @@ void dm_group_field_open(dm_group_field *f, const dm_model *m, double *memory);
 dm_status dm_group_field_at(dm_group_field *f, double *xi, double *torque, const double *q,
                             const double *mu, double t);
 
-/* q[n] times exp(xi) and mu[d] carried there, in place; DM_NO_CONVERGENCE past half a turn. */
-dm_status dm_group_field_move(dm_group_field *f, double *q, double *mu, const double *xi);
+/* q[n] times exp(xi) and mu[d] carried there, in place, where xi is `share` > 0 of a step;
+ * DM_NO_CONVERGENCE where that is half a turn or more. */
+dm_status dm_group_field_move(dm_group_field *f, double *q, double *mu, const double *xi,
+                              double share);
 
 /* mu[d] carried back along exp(xi), in place. */
 void dm_group_field_carry_back(dm_group_field *f, double *mu, const double *xi);

@@ -53,7 +53,7 @@ static dm_status place(layout *l, const double *state) {
     const dm_group_field *f = &l->field;
     memcpy(l->q, state, f->n * sizeof *state);
     memcpy(l->mu, l->pi, f->d * sizeof *state);
-    return dm_group_field_move(&l->field, l->q, l->mu, l->u);
+    return dm_group_field_move(&l->field, l->q, l->mu, l->u, 1.0);
 }
 
 /* u = h a u'_before, pi alike, and the derivatives there */

@@ -77,6 +77,14 @@ for _, rule in ipairs { "rkmk4", "crouch-grossman3" } do
   local E = path:column "energy"
   ok(math.abs(E[#path] - E[1]) > 1.5 * math.abs(E[#path // 2] - E[1]), "and its energy drifts")
 end
+-- a step may turn by up to pi, whatever the coefficients of its stages
+local one = dm.SO(3):identity()
+for _, rule in ipairs { "rkmk4", "crouch-grossman3" } do
+  local solver = free:solver { rule = rule, h = 1 }
+  local path = solver:run { q = one, v = { 0, 0, 3 }, steps = 5 }
+  near(dm.SO(3):distance(path.q[6], dm.SO(3):exp { 0, 0, 15 }), 0, 1e-13, rule .. ": 3 rad a step")
+  raises("h turns the body by 4 rad", solver.run, solver, { q = one, v = { 0, 0, 4 }, steps = 1 })
+end
 for _, rule in ipairs(dm.rules()) do
   if rule.name == "rkmk4" or rule.name == "crouch-grossman3" then
     ok(not rule.symplectic and rule.explicit, rule.name .. " says that it is not symplectic")

@@ -1,0 +1,172 @@
+-- tangent maps of runs with forces, controls, constraints and rolling on groups, beside differences
+-- of runs and motions that are known
+local tap = require "tap"
+local dm = require "dm"
+local ok, near = tap.ok, tap.near
+
+local G = dm.SO(3)
+local SE = dm.SE(3)
+
+-- d(end)/d(eps) of a family of starts {q =, p = | v =}, as (u, dp), by differences to order 4
+local function change_of(system, run, family)
+  local Q, right = system.Q, system.place.right
+  local function apart(a, b)
+    return dm.vector(Q:log(right and Q:compose(a, Q:inverse(b)) or Q:compose(Q:inverse(b), a)))
+  end
+  local function slope(eps)
+    local a, b = run(family(eps)), run(family(-eps))
+    local u, dp = apart(a.q, b.q), a.p - b.p
+    local out = u:totable()
+    for i = 1, #dp do out[#out + 1] = dp[i] end
+    return dm.vector(out) * (0.5 / eps)
+  end
+  return (4 * slope(5e-4) - slope(1e-3)) * (1 / 3)
+end
+
+local function runner(solver, steps)
+  return function(start)
+    local path = solver:run { q = start.q, p = start.p, v = start.v, steps = steps, every = steps }
+    return { q = path.q[#path], p = path.p[#path] }
+  end
+end
+
+local function begin(system)
+  return function(start)
+    return { q = start.q, p = dm.vector(start.p or system:legendre(start.q, start.v)) }
+  end
+end
+
+-- the largest difference between M w and the differences of the run
+local function gap(system, rule, h, steps, families)
+  local solver, worst = system:solver { rule = rule, h = h }, 0
+  local s = families[1](0)
+  local M = solver:tangent { q = s.q, v = s.v, p = s.p, steps = steps }
+  for _, family in ipairs(families) do
+    local w = change_of(system, begin(system), family)
+    local moved = change_of(system, runner(solver, steps), family)
+    worst = math.max(worst, (M * w - moved):norm())
+  end
+  return worst
+end
+
+-- free changes: of the element and of the momentum
+local function free(Q, g, p, right)
+  local out = {}
+  for i = 1, 2 * #p do
+    out[i] = function(eps)
+      local u, dp = {}, {}
+      for k = 1, #p do
+        u[k], dp[k] = k == i and eps or 0, p[k] + (k + #p == i and eps or 0)
+      end
+      return { q = right and Q:compose(Q:exp(u), g) or Q:compose(g, Q:exp(u)), p = dp }
+    end
+  end
+  return out
+end
+
+local function torque(R, w)
+  return { -0.1 * w[1] + 0.05 * R[1][2], -0.2 * w[2] * w[1], 0.1 * R[3][1] - 0.1 * w[3] }
+end
+local function top(R, w) return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 - R[3][3] end
+local g0, p0 = G:exp { 0.4, 0.1, 0 }, { 0.2, 0.1, 0.8 }
+
+local forced = dm.system { Q = G, L = top, force = torque }
+for _, rule in ipairs { "lie(1)", "lie(2, lobatto(3))", "lie(2, gauss(2), pade(2))", "gauss(2)" } do
+  local e = gap(forced, rule, 0.1, 6, free(G, g0, p0))
+  ok(e < 1e-10, rule .. ": the tangent map with a torque", e)
+end
+local held = dm.system { Q = G, L = top,
+  control = function(R, w) return { R[1][2] - w[1], w[2] } end,
+  force = function(_, w, _, u) return { 0.3 * u[1], -0.2 * w[2] * u[2], u[1] * u[2] } end }
+for _, rule in ipairs { "lie(2)", "lobatto(2)" } do
+  local e = gap(held, rule, 0.1, 6, free(G, g0, p0))
+  ok(e < 1e-10, rule .. ": and with a control that is held", e)
+end
+local spatial = dm.system { Q = G, trivialization = "right", force = torque,
+  L = function(R, w) return top(R, R:transpose() * w) end }
+local e = gap(spatial, "lie(2)", 0.1, 6, free(G, g0, p0, true))
+ok(e < 1e-10, "in the right trivialization", e)
+local turn = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 4 end,
+  control = function(_, v) return v[1] end, force = function(_, _, _, u) return -0.4 * u[1] end }
+local T = turn:solver { rule = "gauss(1)", h = 0.1 }:tangent { q = 0, p = 0, steps = 1 }
+near(T[2][2], 1 - 0.04, 1e-15, "on the line: a step keeps 1 - c h of a momentum at rest")
+
+-- a top hung on its joint: the same motion on SE(3) and on SO(3) x R^3, as T* SO(3)
+local function joint_of(place)
+  return function(g) local R, x = place(g) return x - R * dm.vector { 0, 0, 1 } end
+end
+local function of_pair(g) return g[1], g[2] end
+local function of_pose(g)
+  return dm.matrix { { g[1][1], g[1][2], g[1][3] }, { g[2][1], g[2][2], g[2][3] },
+    { g[3][1], g[3][2], g[3][3] } }, dm.vector { g[1][4], g[2][4], g[3][4] }
+end
+local function energy(w, v, z)
+  return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2 + v:dot(v)) / 2 - z
+end
+local function three(v, first) return dm.vector { v[first], v[first + 1], v[first + 2] } end
+local hung = {
+  { "SO(3) x R^3", dm.system { Q = dm.product(G, dm.R(3)), constraint = joint_of(of_pair),
+    L = function(g, v) return energy(three(v, 1), three(v, 4), g[2][3]) end },
+    function(R, w)
+      return { R, R * dm.vector { 0, 0, 1 } }, w, R * dm.vector { w[2], -w[1], 0 }
+    end },
+  { "SE(3)", dm.system { Q = SE, constraint = joint_of(of_pose),
+    L = function(g, v) return energy(three(v, 4), three(v, 1), g[3][4]) end },
+    function(R, w)
+      local x = R * dm.vector { 0, 0, 1 }
+      return SE:compose(SE:exp { x[1], x[2], x[3], 0, 0, 0 }, dm.matrix {
+        { R[1][1], R[1][2], R[1][3], 0 }, { R[2][1], R[2][2], R[2][3], 0 },
+        { R[3][1], R[3][2], R[3][3], 0 }, { 0, 0, 0, 1 } }), { w[2], -w[1], 0 }, w
+    end },
+}
+for _, case in ipairs(hung) do
+  local name, system, place, families = case[1], case[2], case[3], {}
+  for i = 1, 6 do
+    families[i] = function(eps)
+      local e, w = { 0, 0, 0 }, { 0.2, 0.1, 1.5 }
+      if i <= 3 then e[i] = eps else w[i - 3] = w[i - 3] + eps end
+      local q, a, b = place(g0 * G:exp(e), w)
+      return { q = q, v = { a[1], a[2], a[3], b[1], b[2], b[3] } }
+    end
+  end
+  for _, rule in ipairs { "lie(1)", "lie(2)", name == "SE(3)" and "lobatto(2)" or nil } do
+    e = gap(system, rule, 0.05, 6, families)
+    ok(e < 1e-9, rule .. ": the tangent map of a joint on " .. name, e)
+    local s = families[1](0)
+    e = system:solver { rule = rule, h = 0.05 }:symplecticity { q = s.q, v = s.v, steps = 6 }
+    ok(e < 1e-14, rule .. ": symplectic with a joint on " .. name, e)
+  end
+end
+
+-- the sleeping top, w3 = 4: small changes grow as sqrt(mgl/I - (I3 w3/(2 I))^2), held by a joint
+local sleeping = dm.system { Q = SE, constraint = joint_of(of_pose), L = function(g, v)
+  return (v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + 0.6 * v[6] ^ 2) / 2 - g[3][4]
+end }
+local upright = { q = SE:exp { 0, 0, 1, 0, 0, 0 }, v = { 0, 0, 0, 0, 0, 4 } }
+local rate = math.sqrt(0.5 - 0.36)
+local linear = sleeping:linearize(upright)
+near(math.max(table.unpack(linear.rates:totable())), rate, 1e-12, "linearized on its constraints")
+ok(#linear.rates == 6, "as many rates as the joint leaves")
+local step = sleeping:solver { rule = "lie(3)", h = 0.1 }
+  :multipliers { q = upright.q, v = upright.v, steps = 1 }
+near(math.log(step.largest) / 0.1, rate, 1e-8, "and the multiplier of a step")
+local grown = sleeping:solver { rule = "lie(2)", h = 0.1 }
+  :lyapunov { q = upright.q, v = upright.v, t = 6, exponents = 6 }
+near(grown.sum, 0, 1e-10, "volumes on T* of the joint stay")
+
+-- Suslov's body loses volume: about w = (0, w2, 0) the rate of w1 is -I13 w2/I11 times w2's sign
+local suslov = dm.system { Q = G, rolling = function(_, w) return { w[3] } end, L = function(_, w)
+  return (w[1] ^ 2 + 2 * w[2] ^ 2 + 1.5 * w[3] ^ 2) / 2 + 0.5 * w[1] * w[3]
+end }
+near(suslov:linearize { q = G:identity(), v = { 0, 1, 0 } }.rates[1], -0.5, 1e-14,
+  "Suslov's problem linearized")
+local all = suslov:solver { rule = "lie(2)", h = 0.05 }
+  :lyapunov { q = G:identity(), v = { 0, 1, 0 }, t = 1, exponents = 5 }
+near(all.sum, -0.5, 1e-6, "the volume on its constraints shrinks at that rate")
+
+-- an H that no Lagrangian has, linearized on a group: turns about axis 1 at a constant rate
+local singular = dm.system { Q = G, H = function(_, p) return 3 * p[1] end }
+near(singular:linearize { q = G:identity(), p = { 0, 1, 0 } }.fastest, 3, 1e-14,
+  "H = 3 mu1 linearized")
+
+tap.done()
