@@ -8,15 +8,17 @@
 
 enum { DM_LIE_KEPT = 5, DM_LIE_TEXT = 128 };
 
-/* Sizes: n flat coordinates, d dimension of the group, s velocities, r points, m = s d unknowns. */
+/* Of one member, or of W of them side by side, every number [W] then but for coefficients and t.
+ * Sizes: n flat coordinates, d dimension of the group, s velocities, r points, m = s d unknowns. */
 typedef struct {
     const dm_model *model;
     const dm_group *group;
     uint32_t n, d, s, r, m;
-    double h, t;                  /* of this step */
+    double t, *h;                 /* of this step; h [1] */
     double *a, *D, *b, *c, *beta; /* [r*s], [r*s], [r], [r], [s]: coefficients */
     double *state;                /* of the run: q[n], p[n] ... */
     const dm_kernel *at, *around; /* slope and curve of the group; s = 1: line and line_curve */
+    const dm_kernel *last;        /* its change, where that is known, else its finish */
     double *x;                    /* [n + 2d + 2] inputs of a point */
     double *slope;                /* [3d] at a point */
     double *curve;                /* [3d (2d + 1)] at a point, then */
@@ -26,7 +28,8 @@ typedef struct {
     double *mu;                   /* [d] p0 + P */
     double *mu_V;                 /* [d * m] its derivative */
     double *row;                  /* [m] a row of the matrix of b */
-    uint32_t *seeing;             /* [d] entries of mu that see V */
+    uint32_t *seeing;             /* [d] entries of mu that see V in some lane, */
+    double *sees;                 /* [d] and in which: not 0 */
     double *in;                   /* [n + 2d] inputs of pull and finish */
     double *pull;                 /* [d (2d + 1)] */
     double *pulled;               /* [d] */
@@ -37,11 +40,23 @@ typedef struct {
     /* what steps leave to the next: how many there are, their h, V of the last ones, newest first:
      * [2 + DM_LIE_KEPT m] */
     double *memory;
-    double turn;            /* rad, of a step that left the chart, else 0 */
-    char text[DM_LIE_TEXT]; /* why a step failed */
+    struct dm_lie_lanes *lanes; /* members side by side, where they are */
+    double turn;                /* rad, of a step that left the chart, else 0 */
+    char text[DM_LIE_TEXT];     /* why a step failed */
 } dm_lie;
 
 /* For dm_newton: the step equation at V, and its matrix. */
 dm_status dm_lie_equation(void *lie, double *R, double *J, const double *V);
+
+/* Pointers of *e, whose sizes are known, for so many lanes from `memory` on, `work` last; how many
+ * doubles they take, also where memory is NULL. */
+size_t dm_lie_lay_out(dm_lie *e, uint32_t lanes, double *memory);
+
+/* Which kernels of its group it steps by; their constant outputs into its arrays. */
+void dm_lie_choose(dm_lie *e, const dm_group *group, uint32_t lanes);
+
+static inline dm_lie *dm_lie_of(const dm_stepper *s) {
+    return (dm_lie *)(void *)s->work;
+}
 
 #endif

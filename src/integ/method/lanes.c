@@ -35,6 +35,56 @@ int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
     return 1;
 }
 
+int dm_lanes_open_told(dm_lanes *x, const dm_model *m, uint32_t size, size_t memory_size) {
+    dm_arena *arena = m->source.arena;
+    if (!dm_lanes_open(x, m, size)) return 0;
+    const size_t members = (size_t)x->lanes * x->groups;
+    x->memory_size = memory_size;
+    x->memory = dm_arena_take(arena, members * memory_size * sizeof *x->memory);
+    x->failed = dm_arena_take(arena, members * sizeof *x->failed);
+    x->done = dm_arena_take(arena, members * sizeof *x->done);
+    if (!x->memory || !x->failed || !x->done) return 0;
+    memset(x->memory, 0, members * memory_size * sizeof *x->memory);
+    return 1;
+}
+
+/* one step of member i by the stepper itself */
+static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t, double h) {
+    const uint32_t n = s->model->n;
+    const size_t size = x->memory_size;
+    double *place, *memory = dm_lanes_memory(x, i);
+    dm_stepper_memory(s, &place);
+    dm_lanes_get(x, n, i, x->alone);
+    for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
+    x->failed[i] = s->engine->step(s, x->alone, t, h);
+    if (x->failed[i] != DM_OK) return;
+    dm_lanes_put(x, n, i, x->alone);
+    for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];
+    x->done[i]++;
+}
+
+void dm_lanes_advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, const double *h,
+                            long count, dm_lanes_step *step, void *method) {
+    const uint32_t first = group * x->lanes;
+    uint32_t asked = 0;
+    for (uint32_t l = 0; l < x->lanes; l++) {
+        x->done[first + l] = 0;
+        if (x->failed[first + l] == DM_OK) asked |= 1u << l;
+    }
+    for (long k = 0; k < count && asked; k++) {
+        const double now = t + (double)k * *h;
+        const uint32_t ready = step(method, asked, now);
+        for (uint32_t l = 0; l < x->lanes; l++) {
+            if (!(asked >> l & 1)) continue;
+            if (ready >> l & 1)
+                x->done[first + l]++;
+            else
+                step_alone(s, x, first + l, now, h[l]);
+            if (x->failed[first + l] != DM_OK) asked &= ~(1u << l);
+        }
+    }
+}
+
 /* Entries of a member are as far apart as there are lanes. */
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state) {
     double *to = dm_lanes_member(x, n, i);

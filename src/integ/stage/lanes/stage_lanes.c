@@ -140,20 +140,6 @@ static int lay_out_one_point(dm_stage_lanes *w) {
     return 1;
 }
 
-static int open_members(dm_stage_lanes *w, size_t memory_size) {
-    dm_lanes *x = &w->members;
-    const dm_model *m = w->g->m;
-    if (!dm_lanes_open(x, m, (uint32_t)(dm_state_size(m->n) + memory_size))) return 0;
-    const size_t members = (size_t)x->lanes * x->groups;
-    x->memory_size = memory_size;
-    x->memory = dm_arena_take(m->source.arena, members * memory_size * sizeof *x->memory);
-    x->failed = dm_arena_take(m->source.arena, members * sizeof *x->failed);
-    x->done = dm_arena_take(m->source.arena, members * sizeof *x->done);
-    if (!x->memory || !x->failed || !x->done) return 0;
-    memset(x->memory, 0, members * memory_size * sizeof *x->memory);
-    return 1;
-}
-
 /* ---- steps of their own ---- */
 
 static size_t paces_size(const dm_stage_lanes *w) {
@@ -216,7 +202,9 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
     dm_stage_lanes *w = dm_arena_take(g->m->source.arena, sizeof *w);
     if (!w) return NULL;
     *w = (dm_stage_lanes){.g = g};
-    if (!open_members(w, dm_stepper_memory(s, &place)) || !lay_out_paces(w)) return NULL;
+    const size_t kept = dm_stepper_memory(s, &place);
+    const uint32_t size = (uint32_t)(dm_state_size(g->m->n) + kept);
+    if (!dm_lanes_open_told(&w->members, g->m, size, kept) || !lay_out_paces(w)) return NULL;
     if (g->one_point)
         return dm_one_point_kernel(&w->one_point.kernel, g->m, lanes) && lay_out_one_point(w)
                    ? w
@@ -257,52 +245,21 @@ int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
 
 /* ---- stepping ---- */
 
-/* one step of member i by the stepper itself */
-static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t, double h) {
-    const uint32_t n = s->model->n;
-    const size_t size = x->memory_size;
-    double *place, *memory = dm_lanes_memory(x, i);
-    dm_stepper_memory(s, &place);
-    dm_lanes_get(x, n, i, x->alone);
-    for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
-    x->failed[i] = s->engine->step(s, x->alone, t, h);
-    if (x->failed[i] != DM_OK) return;
-    dm_lanes_put(x, n, i, x->alone);
-    for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];
-    x->done[i]++;
-}
-
-/* t counts where the model sees it, and the steps of all are the same then */
-static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, const double *h,
-                          long count) {
-    dm_stage *g = dm_stage_of(s);
-    dm_stage_lanes *w = g->lanes;
-    const uint32_t first = group * x->lanes;
-    uint32_t asked = 0;
-    scale_group(w, g, group, h);
-    w->group.state = x->state + first * dm_state_size(s->model->n);
-    w->group.memory = x->memory + first * x->memory_size;
-    for (uint32_t l = 0; l < x->lanes; l++) {
-        x->done[first + l] = 0;
-        if (x->failed[first + l] == DM_OK) asked |= 1u << l;
-    }
-    for (long k = 0; k < count && asked; k++) {
-        w->group.t = t + (double)k * *h;
-        const uint32_t ready = w->step(w, asked);
-        for (uint32_t l = 0; l < x->lanes; l++) {
-            if (!(asked >> l & 1)) continue;
-            if (ready >> l & 1)
-                x->done[first + l]++;
-            else
-                step_alone(s, x, first + l, w->group.t, h[l]);
-            if (x->failed[first + l] != DM_OK) asked &= ~(1u << l);
-        }
-    }
+static uint32_t step(void *stage_lanes, uint32_t asked, double t) {
+    dm_stage_lanes *w = stage_lanes;
+    w->group.t = t;
+    return w->step(w, asked);
 }
 
 void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     dm_stage *g = dm_stage_of(s);
-    g->lanes->group.tolerance = s->tolerance;
-    g->lanes->group.max_iterations = s->max_iterations;
-    for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, h + i * x->lanes, count);
+    dm_stage_lanes *w = g->lanes;
+    w->group.tolerance = s->tolerance;
+    w->group.max_iterations = s->max_iterations;
+    for (uint32_t i = 0; i < x->groups; i++, h += x->lanes) {
+        scale_group(w, g, i, h);
+        w->group.state = x->state + i * x->lanes * dm_state_size(s->model->n);
+        w->group.memory = x->memory + i * x->lanes * x->memory_size;
+        dm_lanes_advance_group(s, x, i, t, h, count, step, w);
+    }
 }
