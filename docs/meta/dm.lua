@@ -5613,9 +5613,10 @@ function dm.embeddable(D, options) end
 ---g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
 ---as gravity in a heavy top. Or that of a system on a group whose L or H does not
 ---depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
----start) and begin at the identity, as those of ensembles and exponents do; path.p is the body
----momentum, also path.mu, which moves on a coadjoint orbit; path:reconstruct{q = g0} is the path on
----the group that begins at g0. lie(s) steps mu1(f_(k-1)) = mu0(f_k) (Leok 5.4).
+---start) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
+---that measures a run; path.p is the body momentum, also path.mu, which moves on a coadjoint orbit;
+---path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps mu1(f_(k-1)) =
+---mu0(f_k) (Leok 5.4).
 ---@param options? table
 ---@return dm.system|any
 function dm.euler_poincare(options) end
@@ -6190,7 +6191,8 @@ function dm.scaling(options) end
 ---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 ---seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
 ---raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
----"energy" and functions (g, xi, t, mu); the model is the system as given. scene:run(), scene:why(),
+---"energy" and functions (g, xi, t, mu); the model is the system as given; one that is reduced
+---(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
 ---scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
 ---error (of the tolerance, 1 at most) }.
 ---@param options? table
@@ -6320,6 +6322,9 @@ function dm.sqrt(x) end
 ---journal = "file": finished cells are kept there, and the same call goes on where it stopped, by
 ---parts and ranks as ensembles do (docs/sweeps.md); borders are refined again by the whole call.
 ---map.journal is { file, found, run }.
+---On a group entries of the element are observed (R31, of factor k R31_k), where observe is left out
+---all of them, and body momenta (p1); a reduced system (dm.euler_poincare) starts from p or v (and a)
+---alone, and its momenta are observed.
 ---Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends
 ---it with dm.failure, whose field `map` is what is there.
 ---@param options? table

@@ -48,17 +48,47 @@ function M.list(x, system, key)
   return x
 end
 
+-- a reduced system (dm.euler_poincare), or a solver of one, whose usual quantity is a
+local function with_quantity(of, a)
+  local system = of.system or of
+  local own = system.place.reduced.with(a)
+  if own == system or not of.system then return own end
+  return own:solver { rule = of.rule, h = of.h,
+    newton = { tolerance = of.tolerance, max_iterations = of.max_iterations } }
+end
+
+-- the start of a reduced system, in `out`, and what has its quantity
+local function reduced(out, of, system)
+  local place = system and system.place
+  if not (place and place.reduced) then return out, of end
+  if out.a ~= nil then of, out.a = with_quantity(of, out.a), nil end
+  local own = (of.system or of).place
+  own.reduced.start(out, out)
+  return out, of
+end
+
 --- A copy of the options with q, v, p (and tangent vectors u, dp) as lists; `of`: a system or a
 -- solver of one, without it names stay. A reduced system (dm.euler_poincare) begins at the
--- identity.
+-- identity. Second the system or solver: of a reduced one with option a, that with this quantity.
 function M.lists(options, of)
-  if type(options) ~= "table" then return options end
+  if type(options) ~= "table" then return options, of end
   local system = type(of) == "userdata" and (of.system or of)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   for _, key in ipairs(KEYS) do out[key] = M.list(out[key], system, key) end
-  local place = system and system.place
-  if place and place.reduced then place.reduced.start(options, out) end
+  return reduced(out, of, system)
+end
+
+--- The same of options that name their system, in `system` or first: one that is reduced is
+-- replaced by that with the quantity a. v and p may be functions.
+function M.of_system(options)
+  if type(options) ~= "table" then return options end
+  local out, key = {}, options.system ~= nil and "system" or 1
+  local system = options[key]
+  local fine, own = pcall(function() return system.place end)
+  if not (fine and type(system) == "userdata" and own and own.reduced) then return options end
+  for name, value in pairs(options) do out[name] = value end
+  out, out[key] = reduced(out, system, system)
   return out
 end
 

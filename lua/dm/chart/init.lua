@@ -359,6 +359,7 @@ end
 
 M.chart = blame.caller(function(options)
   if sizes.is_meant(options) then return sizes.chart(options) end
+  options = starts.of_system(options)
   local system = check_options(options)
   options = starts.lists(options, system)
   if options.journal or ranks.here() then return kept_chart(system, options) end

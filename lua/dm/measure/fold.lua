@@ -139,7 +139,7 @@ M.fold = blame.caller(function(solver, options)
   if solver.system.place and solver.system.place.right then
     error("solver:fold: on groups with the left trivialization only", 0)
   end
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   local what, rule = "solver:fold", tostring(solver.rule or "del")
   option.check(options, { "q", "v", "p", "up_to" }, what, START)
   option.need(options, "q", what, START)

@@ -129,6 +129,23 @@ local function run_vectors(solver, lifted, newton, q, p, t0, steps, vectors)
   return out, lists.part(last.q[#last], 0, N), lists.part(last.p[#last], N, N)
 end
 
+--- The system of tangent vectors beside runs of a solver, as on_group.beside has it.
+function M.beside(solver)
+  local own = solver.system.place
+  local N = own.size
+  local lifted, to, J = M.lifted(solver)
+  local up = between(own, to, J)
+  local function start(g, mu, w)
+    local q = core.vector(own.flat(g))
+    local raised = up(q, mu, w)
+    return lists.joined(q, lists.part(raised, 0, N)),
+      lists.joined(lists.part(raised, N, N), to(q, mu))
+  end
+  local function vector(x, p) return lists.joined(lists.part(x, N, N), lists.part(p, 0, N)) end
+  return { system = prolong.system(lifted), rule = prolong.rule(lifted, solver.rule),
+    start = start, vector = vector }
+end
+
 --- along(s, steps, vectors) of on_group.lua.
 function M.map(solver, newton)
   local own = solver.system.place

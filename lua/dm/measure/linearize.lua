@@ -127,7 +127,7 @@ local function of_group(system, options, what)
 end
 
 M.linearize = blame.caller(function(system, options)
-  options = starts.lists(options, system)
+  options, system = starts.lists(options, system)
   local what = "system:linearize"
   local known = { "q", "v", "t" }
   if not system.given.L then known[4] = "p" end
@@ -150,7 +150,7 @@ end)
 ---- orbits ----
 
 M.multipliers = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   local matrix, q, p = solver:tangent(options)
   local re, im = matrix:eigenvalues()
   local place = solver.system.place

@@ -261,7 +261,7 @@ local function state_of(solver, options, n)
 end
 
 M.lyapunov = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   prolonged.check_options(options, WHERE,
     { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp", "exponents" })
   prolonged.refuse(solver, WHERE)

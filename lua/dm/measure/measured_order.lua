@@ -29,7 +29,7 @@ end
 local ROUND = 1e-13  -- of the size: differences below tell nothing of the order
 
 M.measured_order = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   local what = "solver:measured_order"
   option.check(options, { "q", "v", "p", "t", "t0" }, what, "{ q =, v =, t = }")
   local duration = option.need(options, "t", what, "the duration of the runs that are compared")

@@ -261,7 +261,7 @@ local function by_coordinates(solver, options)
 end
 
 M.modified_energy = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   local system, k = check(solver, options)
   if system.place and solver.lift == "homogeneous" then
     return M.modified_energy(by_coordinates(solver, options))

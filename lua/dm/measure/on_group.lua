@@ -130,6 +130,34 @@ function M.map(solver, what)
   end
 end
 
+-- tangent vectors beside runs in the chart
+local function beside_in_chart(system, rule)
+  local kit, d = system.place.kit, system.place.dimension
+  local function start(g, mu, w)
+    return { g, kit.Ad(g, core.vector(lists.part(w, 0, d))) },
+      lists.joined(lists.part(w, d, d), mu)
+  end
+  local function vector(z, mu) return lists.joined(z[2], lists.part(mu, 0, d)) end
+  return { system = tangent_group.system(system), rule = rule, start = start, vector = vector }
+end
+
+--- Tangent vectors beside runs by a rule, of ensembles: { system, rule (that steps it), start(q, v,
+-- p, t, w) -> q, p with a vector w = (u, dp) that is brought onto the constraints, vector(q, p):
+-- its entries then, up to a map that does not grow }.
+function M.beside(system, rule)
+  local own = system.place.right and left.system(system) or system
+  local out = steps_groups(rule) and beside_in_chart(own, rule)
+    or lifts.beside(own:solver { rule = rule, h = 1 })
+  local kit, start = system.place.kit, out.start
+  function out.start(q, v, p, t, w)
+    local s = M.start(system, { q = q, v = v, p = p, t0 = t })
+    w = M.allowed(system, s)(w)
+    if own == system then return start(s.q, s.p, w) end
+    return start(s.q, left.state(kit, s).p, left.change(kit, s, w))
+  end
+  return out
+end
+
 -- unit vectors of (u, dp)
 local function units(d)
   local out = {}

@@ -7,6 +7,7 @@ local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local place = require "dm.group.place"
+local starts = require "dm.base.start"
 
 local M = {}
 
@@ -99,8 +100,8 @@ end
 
 ---- runs ----
 
-local KNOWN = { "direction", "every", "g", "p", "period", "project", "q", "starts", "steps", "t",
-  "t0", "v", "x", "xlabel", "y", "ylabel" }
+local KNOWN = { "a", "direction", "every", "g", "p", "period", "project", "q", "starts", "steps",
+  "t", "t0", "v", "x", "xlabel", "y", "ylabel" }
 
 local function check(o)
   option.check(o, KNOWN, WHERE, "{ g =, q =, v =, t = }")
@@ -135,6 +136,8 @@ local ONLY_ENDS = 1000000000  -- steps between the rows that are kept
 -- the path of one start, up to where it failed
 local function run(solver, o, start, g)
   local direction = o.direction ~= "both" and (o.direction or "up") or nil
+  start, solver = starts.lists({ q = start.q, v = start.v, p = start.p, a = start.a or o.a },
+    solver)
   local fine, path = pcall(solver.run, solver, { q = start.q, v = start.v, p = start.p, t = o.t,
     steps = o.steps, t0 = o.t0, project = o.project, every = o.every or ONLY_ENDS,
     events = { cut = { g = g, direction = direction } } })

@@ -84,7 +84,7 @@ local function start_on_group(solver, options)
 end
 
 M.tangent = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   check_options(options, "solver:tangent")
   refuse(solver, "solver:tangent")
   if solver.system.place then
@@ -125,7 +125,7 @@ the square of the largest entry of M where that is above 1: round-off for a symp
 defect of any other. With constraints: of the two-form on the vectors that are tangent to them.]]
 
 M.symplecticity = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
+  options, solver = starts.lists(options, solver)
   check_options(options, "solver:symplecticity")
   refuse(solver, "solver:symplecticity")
   if solver.system.place then
@@ -162,8 +162,8 @@ distance from the start in any entry of q (on a group that of elements) or p. Ro
 the orbit lets it stay so, for a symmetric rule; the error of the step for any other.]]
 
 M.reversal = blame.caller(function(solver, options)
+  options, solver = starts.lists(options, solver)
   check_options(options, "solver:reversal")
-  options = starts.lists(options, solver)
   local what = "solver:reversal"
   refuse(solver, what)
   prolonged.check_start(options)
@@ -202,6 +202,7 @@ local function energies(solver, options, steps, every)
 end
 
 M.backward_error = blame.caller(function(solver, options)
+  options, solver = starts.lists(options, solver)
   check_options(options, "solver:backward_error")
   refuse(solver, "solver:backward_error")
   local steps = steps_of(solver, options)

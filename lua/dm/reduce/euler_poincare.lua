@@ -79,7 +79,9 @@ local function function_of(options)
   return l or h, l and "L" or "H"
 end
 
-local function system_of(options)
+local system_of
+
+function system_of(options)
   local f, name = function_of(options)
   local kit = kits.of(options.group)
   local carry, some = carrier(options)
@@ -107,6 +109,16 @@ local function system_of(options)
       .. "v) ... end} steps them"):format(WHERE, tostring(options.group)), 0)
   end
   system.place.reduced = reduced
+  -- the same system with another usual quantity; `a` must be one
+  function reduced.with(a)
+    if not carry then
+      error("field 'a': this system carries no quantity along (dm.euler_poincare, advected =)", 0)
+    end
+    local given, value = {}, lists.vector(a, "field 'a'")
+    for key, option_ in pairs(options) do given[key] = option_ end
+    given.a = value
+    return system_of(given)
+  end
   return system
 end
 
@@ -127,8 +139,9 @@ of the body momentum (Lie-Poisson; h may be singular); l(xi, a) and h(mu, a) hav
 g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
 as gravity in a heavy top. Or that of a system on a group whose L or H does not
 depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
-start) and begin at the identity, as those of ensembles and exponents do; path.p is the body
-momentum, also path.mu, which moves on a coadjoint orbit; path:reconstruct{q = g0} is the path on
-the group that begins at g0. lie(s) steps mu1(f_(k-1)) = mu0(f_k) (Leok 5.4).]]
+start) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
+that measures a run; path.p is the body momentum, also path.mu, which moves on a coadjoint orbit;
+path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps mu1(f_(k-1)) =
+mu0(f_k) (Leok 5.4).]]
 
 return M

@@ -364,12 +364,13 @@ a file of scene.profile:save(file) has them. seconds: CPU time to be spent on lo
 scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 seconds, as exactly as rules of fixed work can (scene.best.worst_step; with a tolerance: both, or it
 raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
-"energy" and functions (g, xi, t, mu); the model is the system as given. scene:run(), scene:why(),
+"energy" and functions (g, xi, t, mu); the model is the system as given; one that is reduced
+(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
 scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
 error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
-  options = starts.lists(options)
+  options = starts.lists(starts.of_system(options))
   local system = check_options(options)
   if system.place then on_group.check(system, options) end
   options = starts.lists(options, system)

@@ -2,7 +2,7 @@
 -- momenta, the energy, or functions(g, xi, t, mu). Models with fewer terms or coordinates are not
 -- looked for: a group has none.
 local option = require "dm.base.options"
-local place = require "dm.group.place"
+local observed = require "dm.measure.observed"
 local watch = require "dm.scene.watch"
 
 local M = {}
@@ -12,12 +12,8 @@ local fail = option.failing "dm.scene"
 -- what is watched under a name, as solver:run takes it
 local function of_name(system, name)
   if name == "energy" then return name end
-  local i = math.tointeger(tonumber(name:match "^p(%d+)$"))
-  if i and i >= 1 and i <= system.place.dimension then
-    return function(_, _, _, mu) return mu[i] end
-  end
-  local entry = place.entry(system.place, name)
-  if entry then return function(g) return entry(g) end end
+  local found = observed.of(system.place, name)
+  if found then return found end
   fail("option 'watch': there is no '%s'; on %s watch entries of the element (R31, of factor k "
     .. "R31_k), body momenta (p1), \"energy\", or name = function(g, xi, t, p) ... end", name,
     tostring(system.Q))

@@ -5,6 +5,7 @@ local core = require "dm.core"
 local flows = require "dm.stability.flows"
 local jobs = require "dm.stability.jobs"
 local observables = require "dm.stability.observables"
+local on_group = require "dm.measure.on_group"
 local prolong = require "dm.measure.prolong"
 
 local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
@@ -44,7 +45,8 @@ local function watch_of(map, system)
   elseif structure.autonomous and not structure.forced and not given.control then
     out[#out + 1] = "energy"
   else
-    out._size = function(q, _, _, p) return q:dot(q) + p:dot(p) end
+    out._size = system.place and function(_, _, _, p) return p:dot(p) end
+      or function(q, _, _, p) return q:dot(q) + p:dot(p) end
   end
   if map.options.inside then out._inside = map.options.inside end
   if given.constraint then out._constraint = constraint_square(given) end
@@ -260,6 +262,23 @@ local function joined(a, b, n)
   return out
 end
 
+-- the same on a group; `beside` of dm.measure.on_group
+local function lifted_starts_on_group(job, cells, beside)
+  local o, d, t0 = jobs.starts(job, cells), job.system.place.dimension, job.map.options.t0
+  local u, dp = tangent_start(d)
+  local p, w = {}, joined(u, dp, d)
+  for i = 1, #cells do
+    o.q[i], p[i] = beside.start(o.q[i], o.v and o.v[i], o.p and o.p[i], t0, w)
+  end
+  o.v, o.p, o.rows = nil, p, ROWS
+  o.watch = { growth = function(x, _, _, mu)
+    local vector, sum = beside.vector(x, mu), 0
+    for i = 1, #vector do sum = sum + core.abs(vector[i]) end
+    return log(sum) - log(TINY)
+  end }
+  return o
+end
+
 -- starts of the prolonged system: the momentum of u is p, that of q the varied one (dm.prolong)
 local function lifted_starts(job, cells)
   local n = job.system.Q.dimension
@@ -270,6 +289,28 @@ local function lifted_starts(job, cells)
   end
   o.rows, o.watch = ROWS, { growth = growth_of(job.system.Q.dimension) }
   return o
+end
+
+-- an ensemble of tangent vectors in the cells, up to the time T where it is given
+local function run_tangents(job, cells, T)
+  local its, o = job, nil
+  if job.system.place then
+    job.beside = job.beside or on_group.beside(job.system, job.rule)
+    its = { map = job.map, rule = job.beside.rule, system = job.beside.system }
+    job.lifted, o = its.system, lifted_starts_on_group(job, cells, job.beside)
+  else
+    job.lifted = job.lifted or prolong.system(job.system, job.vary)
+    o = lifted_starts(job, cells)
+  end
+  o.t = T
+  return jobs.guarded(its, job.lifted, o)
+end
+
+--- Raises where tangent vectors cannot be run for a step from the start of this cell.
+function M.try_tangents(job, cell)
+  local least = { h = job.map.h[1], values = cell.values, rule = cell.rule }
+  local e = run_tangents(job, { least }, least.h)
+  for _, failure in ipairs(e:failures()) do error(failure.message, 0) end
 end
 
 -- exponent and MEGNO of cells from one ensemble
@@ -293,10 +334,7 @@ end
 
 --- Do tangent vectors grow exponentially along the run of this cell, up to the time T?
 function M.is_chaotic(job, cell, T)
-  local lifted = prolong.system(job.system)
-  local o = lifted_starts(job, { cell })
-  o.t = T
-  local e, stopped = jobs.guarded(job, lifted, o)
+  local e, stopped = run_tangents(job, { cell }, T)
   if stopped then error(stopped, 0) end
   measure_growth(e, { cell })
   return cell.class == NUMBER.chaotic and cell.megno > REGULAR and cell.exponent > 0
@@ -311,8 +349,7 @@ local function chaos_pass(job, all)
     end
   end
   if #cells == 0 then return end
-  job.lifted = job.lifted or prolong.system(job.system, job.vary)
-  local e, stopped = jobs.guarded(job, job.lifted, lifted_starts(job, cells))
+  local e, stopped = run_tangents(job, cells)
   measure_growth(e, cells)
   return stopped
 end

@@ -68,6 +68,17 @@ local function is_field(map, names)
   return fine and system.field ~= nil
 end
 
+M.NO_START = "the start is missing: q, and v or p, as numbers or as functions of the parameters"
+
+-- reduced systems (dm.euler_poincare) begin at the identity
+local function at_identity(map)
+  return function(cell)
+    local place = map.system_of(cell).place
+    if not (place and place.reduced) then fail(M.NO_START) end
+    return place.kit.identity()
+  end
+end
+
 local function make_start(map, what, given, names, uses)
   local function list(x, cell) return starts.list(x, map.base or map.system_of(cell), what) end
   local of_place = type(given) == "function" and not axes.takes(given, names)
@@ -114,7 +125,8 @@ function M.read(map, options, names)
     if key ~= last then last, kept = key, of(cell) end
     return kept
   end
-  map.start = { q = make_start(map, "q", options.q, names, uses), v = options.v
+  map.start = { q = options.q and make_start(map, "q", options.q, names, uses)
+    or at_identity(map), v = options.v
     and make_start(map, "v", options.v, names, uses),
     p = options.p and make_start(map, "p", options.p, names, uses) }
   for _, name in ipairs(names) do

@@ -15,6 +15,7 @@ local maps = require "dm.stability.map"
 local observables = require "dm.stability.observables"
 local option = require "dm.base.options"
 local ranks = require "dm.sweep.ranks"
+local starts = require "dm.base.start"
 
 local M = {}
 
@@ -71,9 +72,7 @@ local function check_options(options)
   if (options.steps == nil) == (options.t == nil) then fail("give 'steps' or 't' (a duration)") end
   option.whole(options, "steps", WHERE, 1, 2 ^ 53)
   option.positive(options, "t", WHERE, "a duration")
-  if not options.q then
-    fail("the start is missing: q, and v or p, as numbers or as functions of the parameters")
-  end
+  if not (options.v or options.p) and not options.q then fail(given_.NO_START) end
   if options.v and options.p then fail("give the start as q and v or as q and p, not both") end
   if options.h == nil then
     fail("the axis of steps is missing: h = {least, largest, count, \"log\"}, a list or a number")
@@ -170,6 +169,9 @@ that changes no cell).
 journal = "file": finished cells are kept there, and the same call goes on where it stopped, by
 parts and ranks as ensembles do (docs/sweeps.md); borders are refined again by the whole call.
 map.journal is { file, found, run }.
+On a group entries of the element are observed (R31, of factor k R31_k), where observe is left out
+all of them, and body momenta (p1); a reduced system (dm.euler_poincare) starts from p or v (and a)
+alone, and its momenta are observed.
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends
 it with dm.failure, whose field `map` is what is there.]]
 
@@ -206,10 +208,25 @@ local function is_costly(map, system)
   return false
 end
 
+-- has the system of a cell a prolonged one? On a group tangent vectors are run for a step, by each
+-- rule; where that is refused the map says so
+local function is_prolonged(map, cell, system)
+  if not system.place then return (pcall(prolong.system, system)) end
+  for _, rule in ipairs(map.rule_list) do
+    local fine, why = pcall(cells.try_tangents, { map = map, rule = rule, system = system }, cell)
+    if not fine then
+      if blame.is_stop(why) then error(why, 0) end
+      map.notes[#map.notes + 1] = "chaos is not told: " .. blame.bare(why):match "^[^\n]*"
+      return false
+    end
+  end
+  return true
+end
+
 -- exponents need the prolonged system
 local function wants_chaos(map, cell)
   local system = map.system_of(cell)
-  if not pcall(prolong.system, system) then return false end  -- not traced
+  if map.options.chaos == false or not is_prolonged(map, cell, system) then return false end
   if map.options.chaos == false or map.options.chaos == nil and is_costly(map, system) then
     return false
   end
@@ -289,7 +306,7 @@ M.stability = blame.caller(function(options)
     fail("takes a table { system =, q =, v =, rule =, h = {least, largest, count, \"log\"}, steps "
       .. "= }")
   end
-  options = renamed(options)
+  options = renamed(starts.of_system(options))
   check_options(options)
   local names = parameters(options)
   local map = new_map(options, names)

@@ -3,6 +3,8 @@
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
+local observed = require "dm.measure.observed"
+local tangent_group = require "dm.measure.tangent_group"
 
 local M = {}
 
@@ -35,6 +37,17 @@ local function entry_of(names, name)
   end
 end
 
+-- on a group: the function of that name, "energy", or nothing
+local function on_group(system, name)
+  local f = name ~= "energy" and observed.of(system.place, name)
+  if not f and name ~= "energy" then
+    fail("option 'observe': there is no '%s'; on %s observe entries of the element (R31, of factor "
+      .. "k R31_k), momenta (p1), \"energy\", or name = function(g, xi, t, p) ... end",
+      tostring(name), tostring(system.Q))
+  end
+  return f or nil
+end
+
 -- columns as solvers call them, so that none is mistaken for a number of ours
 local function column_of(system, names, name)
   local kind, i = entry_of(names, name)
@@ -49,6 +62,7 @@ local function column_of(system, names, name)
 end
 
 local function names_of(system)
+  if system.place then return observed.names(system.place) end
   local out = {}
   for i = 1, system.Q.dimension do
     out[i] = system.coordinates and system.coordinates[i] or "q" .. i
@@ -81,10 +95,11 @@ end
 function M.read(options, system)
   local names, out = names_of(system), { names = {}, columns = {}, watch = {} }
   for i, entry in ipairs(entries(options.observe or names)) do
+    local f = entry.f or system.place and on_group(system, entry.name)
     out.names[i] = entry.name
-    if entry.f then
+    if f then
       out.columns[i] = "observed_" .. entry.name
-      out.watch[out.columns[i]] = entry.f
+      out.watch[out.columns[i]] = f
     else
       out.columns[i] = column_of(system, names, entry.name)
       table.insert(out.watch, out.columns[i])
@@ -95,8 +110,27 @@ end
 
 ---- what constraints g(q, t) = 0 ask of the velocity: G v + g_t = 0 ----
 
+-- the same on a group
+local function slopes_on_group(system)
+  local g = bound(system.given.constraint, system.given.params)
+  local d = system.place.dimension
+  local slope, N = tangent_group.slopes(system, function(q, _, t)
+    return core.vector(lists.entries(g(q, t)))
+  end)
+  return function(q, t)
+    local J, out = slope(q, core.zeros(d), t), {}
+    for i = 1, #lists.entries(g(q, t)) do
+      out[i] = lists.part(J[i], N, d):totable()
+      out[i][d + 1] = J[i][N + 2 * d + 1]
+    end
+    return out
+  end
+end
+
 -- rows of (G, g_t) at (q, t)
-local function slopes(given, n)
+local function slopes(system, n)
+  if system.place then return slopes_on_group(system) end
+  local given = system.given
   local g = bound(given.constraint, given.params)
   local J = core.derivative(function(q, t) return core.vector(lists.entries(g(q, t))) end, n,
     "number")
@@ -109,8 +143,8 @@ end
 
 --- |G v + g_t|^2, and |G|^2 |v|^2 to compare it with, as functions to be watched.
 function M.hidden(system)
-  local n = system.Q.dimension
-  local rows = slopes(system.given, n)
+  local n = system.place and system.place.dimension or system.Q.dimension
+  local rows = slopes(system, n)
   local function missed(q, v, t)
     local sum = 0
     for _, row in ipairs(rows(q, t)) do

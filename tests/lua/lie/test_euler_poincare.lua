@@ -148,4 +148,55 @@ do
   near(solver:symplecticity { v = v, a = a, steps = 10 }, 0, 1e-12, "whose steps are symplectic")
 end
 
+---- what measures a system takes reduced ones from p and a alone: the same as on the group ----
+
+local axis = { 0, 0.6, 0.8 }
+local function slant(x, a) return (x[1] ^ 2 + x[2] ^ 2 + 0.4 * x[3] ^ 2) / 2 - a[3] end
+local carried = dm.euler_poincare { group = G, l = slant, a = { 0, 0, 1 },
+  advected = function(g, a) return g * a end }
+local whole = dm.system { Q = G, L = function(R, x)
+  return slant(x, R:transpose() * dm.vector(axis))
+end }
+local p0, one = { 0.2, 0.3, 1.1 }, G:identity()
+local function both(name, read, options)
+  local of_a, of_q = { p = p0, a = axis }, { p = p0, q = one }
+  for key, value in pairs(options) do of_a[key], of_q[key] = value, value end
+  local S, F = carried:solver { rule = "lie(2)", h = 0.1 }, whole:solver { rule = "lie(2)", h = 0.1 }
+  near(read(S[name](S, of_a)) - read(F[name](F, of_q)), 0, 1e-13,
+    name .. " of a reduced system with its quantity")
+end
+local function itself(x) return x end
+local function field(key) return function(x) return x[key] end end
+both("symplecticity", itself, { steps = 10 })
+both("reversal", itself, { steps = 10 })
+both("lyapunov", field "exponent", { steps = 10 })
+both("backward_error", field "amplitude", { steps = 20 })
+both("modified_energy", field "mean", { steps = 20 })
+both("measured_order", field "order", { t = 1 })
+both("multipliers", field "largest", { steps = 4 })
+both("section", function(x) return x.orbits[1].x[1] end,
+  { g = function(_, _, _, mu) return mu[1] end, x = "p2", y = "p3", t = 20 })
+local chart = { p = p0, t = 1, rules = { "lie(1)" }, h = { 0.1 } }
+local on_whole = { p = p0, q = one, t = 1, rules = { "lie(1)" }, h = { 0.1 } }
+chart.a = axis
+near(carried:chart(chart).points[1].error, whole:chart(on_whole).points[1].error, 1e-10,
+  "its chart")
+local map = carried:stability { p = p0, a = axis, t = 5, h = { 0.01, 1 }, rules = { "lie(1)" },
+  refine = false }
+ok(map:at(1, 1).class == "bounded" and map:at(1, 2).class == "wrong", "its map of stability")
+map = dm.stability { system = function(k)
+  return dm.euler_poincare { group = G, l = function(x) return k * x:dot(x) / 2 end }
+end, k = { 1, 2 }, p = { 0.3, 0, 0 }, t = 2, h = 0.1, rule = "lie(1)" }
+ok(map:at(1, 1).class == "bounded", "reduced systems made of a parameter")
+raises("the start is missing", dm.stability, { system = whole, p = p0, t = 1, h = 0.1,
+  rule = "lie(1)" })
+raises("carries no quantity along", function()
+  dm.euler_poincare { group = G, l = function(x) return x:dot(x) end }
+    :solver { rule = "lie(1)", h = 0.1 }:symplecticity { p = p0, a = axis, steps = 1 }
+end)
+local seen = dm.scene { carried, p = p0, a = axis, watch = { "mu1", "energy" }, tolerance = 1e-3,
+  until_t = 2 }:run { at = { 2 } }
+local exact = whole:solver { rule = "gauss(6)", h = 0.05 }:run { q = one, p = p0, t = 2 }
+near(seen:column "mu1"[#seen], exact.p[#exact][1], 1e-3, "a scene of it")
+
 tap.done()

@@ -199,4 +199,21 @@ near(run:mass(run.q[2])[5][5], 0.7 + 0.3 * 5, 1e-14, "path:mass of an element")
 ok(pair:solver { rule = "lie(1)", h = 0.1 }:singularities { q = both.q, v = both.v, steps = 3 }.worst
   < 10, "singularities along a run on a product")
 
+-- maps of stability with torques and joints, and what is chaotic
+local damping = dm.system { Q = G, L = function(R, w) return w:dot(w) / 2 - R[3][3] end,
+  force = function(_, w) return -0.1 * w end }
+ok(damping:stability { q = G:exp { 0.4, 0, 0 }, v = { 0.1, 0.2, 0.3 }, t = 5, h = { 0.02 },
+  rules = { "lie(1)" }, refine = false }:at(1, 1).class == "bounded", "a map with a torque")
+local wild = dm.system { Q = G, L = function(R, w)
+  return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2 - 3 * R[3][3] - 2 * R[3][1]
+end }
+for _, rule in ipairs { "lie(1)", "gauss(2)" } do
+  local chaos = wild:stability { q = G:exp { 1.4, 0.3, 0 }, v = { 0.5, 0.7, 0.3 }, steps = 4000,
+    h = { 0.05 }, rules = { rule }, refine = false }
+  ok(chaos:at(1, 1).class == "chaotic", rule .. ": a heavy body without symmetry is chaotic")
+  local calm = free:stability { q = G:identity(), v = { 0.5, 0.7, 0.3 }, steps = 4000,
+    h = { 0.05 }, rules = { rule }, refine = false }
+  ok(calm:at(1, 1).class == "bounded", rule .. ": a free one is not")
+end
+
 tap.done()
