@@ -1,4 +1,4 @@
-/* largest.h - the largest of numbers. */
+/* largest.h - the largest of numbers, the lesser of two. */
 #ifndef DM_LARGEST_H
 #define DM_LARGEST_H
 
@@ -10,6 +10,10 @@
 /* The larger of so_far and |x|. A NaN stays: `so_far <= |x|` alone would lose it to the next x. */
 static inline double dm_largest(double so_far, double x) {
     return fabs(x) <= so_far || isnan(so_far) ? so_far : fabs(x);
+}
+
+static inline long dm_lesser(long a, long b) {
+    return a < b ? a : b;
 }
 
 /* The largest |a|, of few; a NaN among them is passed over. */

@@ -58,32 +58,67 @@ static double turn(double before, double here, double after) {
 }
 
 /* has one of the numbers come to its bound? */
-static int is_beyond(const dm_departure *d, const double *largest) {
-    for (uint32_t k = 0; d->bound && k < d->count; k++)
-        if (!(largest[k] <= d->bound[k])) return 1;
+static int is_beyond(const double *bound, const double *largest, uint32_t count) {
+    for (uint32_t k = 0; bound && k < count; k++)
+        if (!(largest[k] <= bound[k])) return 1;
     return 0;
+}
+
+/* |here| and what lies between the last three, which are as far apart; they move on */
+static void note(double *largest, double *last, double *before, double here, int between) {
+    *largest = dm_largest(*largest, here);
+    if (between) *largest = dm_largest(*largest, turn(*before, *last, here));
+    *before = *last;
+    *last = here;
 }
 
 double dm_departure_find(double *largest, const dm_departure *d, const dm_run_table *own,
                          const dm_run_table *flow, double *scratch) {
     const uint32_t count = d->count;
-    double *last = scratch, *before = last + count, *here = before + count;
+    double *last = scratch, *before = last + count;
     for (uint32_t k = 0; k < count; k++) largest[k] = last[k] = before[k] = 0.0;
     for (long i = 0; i < own->rows && flow->rows; i++) {
         const double *row = own->data + (size_t)i * own->width;
         if (!(row[0] <= d->until)) break;
         const stencil at = stencil_at(flow, row[0]);
-        for (uint32_t k = 0; k < count; k++) {
-            here[k] = row[d->own[k]] - value_at(flow, &at, d->flow[k]);
-            largest[k] = dm_largest(largest[k], here[k]);
-            if (d->between && i > 1)
-                largest[k] = dm_largest(largest[k], turn(before[k], last[k], here[k]));
-            before[k] = last[k];
-            last[k] = here[k];
-        }
-        if (is_beyond(d, largest)) return row[0];
+        for (uint32_t k = 0; k < count; k++)
+            note(largest + k, last + k, before + k,
+                 row[d->own[k]] - value_at(flow, &at, d->flow[k]), d->between && i > 1);
+        if (is_beyond(d->bound, largest, count)) return row[0];
     }
     return INFINITY;
+}
+
+void dm_follow_begin(dm_follow *f) {
+    for (uint32_t k = 0; k < 3 * f->count; k++) f->largest[k] = 0.0;
+    f->due = f->beyond = 0;
+    f->seen = -1;
+    f->t[0] = f->t[1] = NAN;
+}
+
+static const double EVEN = 1e-6; /* of their distance: so evenly do looks lie */
+
+void dm_follow_look(dm_follow *f, const double *numbers, double t, long steps) {
+    double *largest = f->largest, *last = largest + f->count, *before = last + f->count;
+    const int known = f->flow.rows > 0 && t <= f->until, dense = known && !f->beyond;
+    const double apart = t - f->t[1];
+    const int even = fabs(apart - (f->t[1] - f->t[0])) <= EVEN * apart;
+    stencil at = {.count = 0};
+    if (known) at = stencil_at(&f->flow, t);
+    for (uint32_t k = 0; k < f->count; k++) {
+        const uint32_t column = f->column[k];
+        if (!numbers || column == DM_NO_COLUMN)
+            largest[k] = dm_largest(largest[k], numbers ? numbers[k] : NAN);
+        else if (known)
+            note(largest + k, last + k, before + k, numbers[k] - value_at(&f->flow, &at, column),
+                 even && (dense ? f->dense : f->sparse) > 1);
+    }
+    f->t[0] = f->t[1];
+    f->t[1] = t;
+    if (known && is_beyond(f->bound, largest, f->count)) f->beyond = 1;
+    const long every = known && !f->beyond ? f->dense : f->sparse;
+    f->due = steps + every - steps % every;
+    f->seen = steps;
 }
 
 double dm_flow_range(const dm_run_table *flow, uint32_t column, double until) {

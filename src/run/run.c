@@ -1,5 +1,6 @@
 #include "run/run.h"
 
+#include "base/largest.h"
 #include "mech/group.h"
 #include "run/interpolate.h"
 
@@ -34,7 +35,7 @@ long dm_run_rows(const dm_run_plan *plan) {
     return whole > LONG_MAX - 2 ? LONG_MAX : 1 + whole + (plan->steps % plan->every != 0);
 }
 
-/* s of a clock: CLOCK_MONOTONIC never goes back, CLOCK_PROCESS_CPUTIME_ID is that of the process */
+/* s of a clock: CLOCK_MONOTONIC never goes back, CLOCK_PROCESS_CPUTIME_ID is of the process */
 static double seconds_of(clockid_t clock) {
     struct timespec t;
     clock_gettime(clock, &t);
@@ -57,8 +58,7 @@ static int is_ended(const loop *l) {
     return l->plan->events && l->plan->events->ended;
 }
 
-/* Columns of a row: t, the state unless something else is watched alone, what is watched, impulses.
- */
+/* Columns of a row: t, the state unless others are watched alone, what is watched, impulses. */
 static size_t width(const loop *l) {
     const dm_run_plan *plan = l->plan;
     const size_t states = l->s->model->n + (size_t)dm_momenta(l->s->model);
@@ -143,9 +143,16 @@ static int looks_ahead(const loop *l) {
     return l->plan->at && !l->own && !l->plan->events;
 }
 
+/* beside its flow */
+static void look_beside(const loop *l) {
+    dm_follow *f = l->plan->follow;
+    if (f) dm_follow_state(f, l->plan->aside, l->state, time_now(l), l->done);
+}
+
 /* what is due at this step: the row itself, or the times asked for up to the next step */
 static dm_status record_due(loop *l) {
     const double t = time_now(l);
+    if (l->plan->follow && l->plan->follow->due <= l->done) look_beside(l);
     if (looks_ahead(l)) return record_times(l, l->state, t, t + l->plan->h);
     return !l->plan->at && l->done % l->plan->every == 0 ? record(l, l->state, t) : DM_OK;
 }
@@ -153,6 +160,7 @@ static dm_status record_due(loop *l) {
 /* the end, or the last good state, if it is not a row yet */
 static dm_status record_end(loop *l) {
     dm_status status = DM_OK;
+    look_beside(l);
     if (!l->plan->at && (is_ended(l) || l->done % l->plan->every != 0))
         status = record(l, l->state, time_now(l));
     if (l->plan->at && l->done == 0 && !looks_ahead(l)) /* not a step was taken */
@@ -284,7 +292,7 @@ static dm_status advance(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     while (x && l->done < end && !is_finished(l)) {
         const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
-        const long next = due < end && due > l->done ? due : end;
+        const long next = due > l->done ? dm_lesser(due, end) : end;
         if (l->done == x->seen.looked) keep(l);
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
@@ -321,7 +329,8 @@ static dm_status look(loop *l) {
 /* steps to the next row, or to the last whole step before the next time asked for */
 static long steps_to_row(const loop *l) {
     const dm_run_plan *plan = l->plan;
-    if (!plan->at) return plan->every - l->done % plan->every;
+    const long due = plan->follow ? plan->follow->due - l->done : LONG_MAX;
+    if (!plan->at) return dm_lesser(plan->every - l->done % plan->every, due);
     if (l->own || l->rows_done >= plan->at_count) return plan->steps;
     const double before = plan->resume ? (double)plan->resume->steps : 0.0;
     const double step = floor((plan->at[l->rows_done] - plan->t0) / l->plan->h + SLACK) - before;
@@ -331,9 +340,7 @@ static long steps_to_row(const loop *l) {
 /* the next row, the next look or the end, whichever comes first */
 static long next_stop(const loop *l) {
     const long left = l->plan->steps - l->done;
-    const long row = steps_to_row(l), tick = l->until - l->done;
-    const long nearer = row < tick ? row : tick;
-    return l->done + (nearer < left ? nearer : left);
+    return l->done + dm_lesser(dm_lesser(steps_to_row(l), l->until - l->done), left);
 }
 
 /* In bursts, between which rows are kept, the clock and the stop flag looked at. */
@@ -356,6 +363,7 @@ static dm_status begin(loop *l) {
     memcpy(own, tail, sizeof own);
     status = dm_stepper_start(l->s, l->state, l->plan->t0, l->plan->h);
     if (resume) memcpy(tail, own, sizeof own);
+    if (l->plan->follow) dm_follow_begin(l->plan->follow);
     if (status == DM_OK && resume && resume->memory) {
         const size_t size = dm_stepper_memory(l->s, &place);
         if (size) memcpy(place, resume->memory, size * sizeof *place);
@@ -374,12 +382,10 @@ static dm_status begin(loop *l) {
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
                  long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
-    dm_status status = DM_OK;
     l.own = plan->control || s->rule->method->traits & DM_OWN_TIME;
     l.cpu = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-    l.looked = l.told = seconds_of(CLOCK_MONOTONIC);
-    l.saved = l.looked;
-    status = begin(&l);
+    l.looked = l.told = l.saved = seconds_of(CLOCK_MONOTONIC);
+    dm_status status = begin(&l);
     if (!dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;
     if (status == DM_OK)
         status = run(&l);
@@ -391,9 +397,4 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
     *done = l.done;
     *rows_done = l.rows_done;
     return status;
-}
-
-dm_status dm_run_end(const dm_run_plan *plan, dm_stepper *s, double *state, long *done) {
-    long rows;
-    return dm_run(plan, s, state, NULL, done, &rows);
 }

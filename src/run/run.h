@@ -4,6 +4,7 @@
 
 #include "integ/method/method.h"
 #include "run/control.h"
+#include "run/departure.h"
 #include "run/events.h"
 #include "run/inertia.h"
 #include "run/observe.h"
@@ -49,6 +50,8 @@ typedef struct {
     double *between;     /* with `at`: room for two states */
     dm_observer *watch;  /* what a row holds beside t; NULL: q, p */
     int beside;          /* and q, p in front of what is watched */
+    dm_follow *follow;   /* without `at` and events: beside a flow; NULL: not looked at */
+    dm_observer *aside;  /* what is looked at there */
     dm_impulses *impulses; /* behind all that; without `at` and events; NULL: none */
     dm_outlet *outlet;     /* NULL: all rows fit */
     dm_events *events;     /* NULL: none is looked for */
@@ -66,15 +69,12 @@ typedef struct {
  * asked for. */
 long dm_run_rows(const dm_run_plan *plan);
 
-/* Run `plan` on state (dm_state_size doubles, in place), writing rows of 1 + 2n columns, t,
+/* Run `plan` on state (dm_state_size doubles, in place), writing rows (NULL: none) of 1 + 2n columns, t,
  * q[n], p[n], or t and what is watched, or both. Rows at given times come from a shorter step on
  * the side (dm_interpolate), which does not touch the run itself. *done counts finished steps and
  * *rows_done rows, also on failure or stop, so that both are valid up to there (the last row is
  * then the last good state). */
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
                  long *rows_done);
-
-/* The same without rows: only the end is kept, in `state`. */
-dm_status dm_run_end(const dm_run_plan *plan, dm_stepper *s, double *state, long *done);
 
 #endif

@@ -9,7 +9,6 @@ local abs, max, min, log, huge = math.abs, math.max, math.min, math.log, math.hu
 
 local PARTS = 7   -- cells between two neighbours of which one is lost, run at once
 local ROUNDS = 16 -- of refinement at most
-local DENSER = 4  -- rows of cells by which the border of what is right is found
 
 --- A cell of a row at x; cells of a row share its parameters, where the columns are steps.
 function M.cell_at(map, row, x)
@@ -104,7 +103,7 @@ local function between(map, list, places_of)
       local x = axes.between(map.column, b.low.x, b.high.x, s)
       if map.by_ones then x = max(b.low.x + 1, min(b.high.x - 1, math.floor(x))) end
       local cell = M.cell_at(map, map.rows[i], x)
-      cell.number, cell.denser = k, list == map.right and DENSER or nil
+      cell.number = k
       parts[k], todo[#todo + 1] = cell, cell
     end
     if #parts > 0 then open[#open + 1] = { border = b, parts = parts } end

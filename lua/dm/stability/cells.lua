@@ -14,7 +14,7 @@ local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
 local abs, max, min, sqrt, log = math.abs, math.max, math.min, math.sqrt, math.log
 
 local ROWS = 64                 -- rows of a cell by which its class is told
-local ROOM_OF_ROWS = 2 ^ 22     -- numbers of rows at once
+local DENSER = 4                -- times the rows that show the flow: right to the last step or not
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
@@ -53,23 +53,28 @@ local function watch_of(map, system)
   return out, out._y and "_y" or out._size and "_size" or "energy"
 end
 
--- the observables beside these, and what constraints ask of the velocity
-local function add_observed(map, system, watch)
-  for key, value in pairs(map.beside.observed.watch) do
-    if type(key) == "string" then
-      watch[key] = value
-    elseif value ~= "energy" or watch[1] ~= "energy" then
-      watch[#watch + 1] = value
-    end
-  end
+-- the observables, and what constraints ask of the velocity
+local function observed_of(map, system)
+  local watch = {}
+  for key, value in pairs(map.beside.observed.watch) do watch[key] = value end
   if system.given.constraint then
     watch._hidden, watch._hidden_size = observables.hidden(system)
   end
   return watch
 end
 
---- What is watched of a cell beside its flow.
-function M.beside(map, system) return add_observed(map, system, {}) end
+--- What an ensemble of cells is to look at beside their flows (solver:ensemble{beside=}), at
+-- rows_of(cell) rows; bounded: until it is beyond what a right cell may be.
+function M.beside(job, cells, rows_of, bounded)
+  local list = {}
+  for i, cell in ipairs(cells) do
+    local flow = cell.flow
+    list[i] = flow.e and { e = flow.e, i = flow.i, horizon = flow.horizon * (1 + 1e-14),
+      rows = rows_of(cell), bound = bounded and flow.bound or nil } or false
+  end
+  return { watch = observed_of(job.map, job.system), flows = list,
+    compared = job.map.beside.observed.columns }
+end
 
 ---- the first look ----
 
@@ -106,35 +111,35 @@ local function tell_classes(job, cells, e, name, watch)
 end
 
 -- the observable that is furthest off, in parts of what it may be
-local function compare_with_flow(map, cell, e, i)
-  local flow, columns = cell.flow, map.beside.observed.columns
-  cell.ratio = 0
-  if e.status[i] ~= "ok" or not flow.e then return end
-  local off = e:departure(i, flow.e, flow.i, columns, flow.horizon * (1 + 1e-14))
-  for k, x in ipairs(off) do
-    local ratio = x / flow.bound[k]
+local function compare_with_flow(map, cell, off)
+  local flow = cell.flow
+  for k, column in ipairs(map.beside.observed.columns) do
+    local ratio = off[column] / flow.bound[k]
     if not (ratio <= cell.ratio) then
-      cell.ratio, cell.observable, cell.off, cell.range = ratio, k, x, flow.range[k]
+      cell.ratio, cell.observable, cell.off, cell.range = ratio, k, off[column], flow.range[k]
     end
   end
   if not cell.observable then cell.observable, cell.off, cell.range = 1, 0, flow.range[1] end
 end
 
--- right or not: by the observables, and by the velocity that constraints leave over
-function M.tell_right(job, cells, e, watch)
-  local map, hidden = job.map, watch._hidden and e:summary "_hidden"
-  local size = hidden and e:summary "_hidden_size"
+-- the velocity that constraints leave over, in parts of the whole
+local function compare_hidden(map, cell, off)
+  cell.hidden = finite(sqrt(off._hidden))
+  local part = sqrt(off._hidden / max(off._hidden_size, 1e-300)) / map.beside.accuracy
+  cell.loose = not (part <= 1)
+  if not (part <= cell.ratio) then cell.ratio = part end
+end
+
+--- Right or not: by the observables, and by the velocity that constraints leave over.
+function M.tell_right(job, cells, e)
   for i, cell in ipairs(cells) do
-    cell.horizon, cell.unresolved = cell.flow.e and cell.flow.horizon, not cell.flow.e
-      and cell.flow.why or nil
-    compare_with_flow(map, cell, e, i)
-    if hidden and e.status[i] == "ok" then
-      cell.hidden = finite(sqrt(hidden.largest[i]))
-      local part = sqrt(hidden.largest[i] / max(size.largest[i], 1e-300)) / map.beside.accuracy
-      cell.loose = not (part <= 1)
-      if not (part <= cell.ratio) then cell.ratio = part end
-    end
-    cell.is_right = e.status[i] == "ok" and cell.flow.e ~= nil and cell.ratio <= 1
+    local flow, fine = cell.flow, e.status[i] == "ok"
+    cell.horizon, cell.unresolved = flow.e and flow.horizon, not flow.e and flow.why or nil
+    cell.ratio = 0
+    local off = fine and e:followed(i)
+    if fine and flow.e then compare_with_flow(job.map, cell, off) end
+    if fine and off._hidden then compare_hidden(job.map, cell, off) end
+    cell.is_right = fine and flow.e ~= nil and cell.ratio <= 1
   end
 end
 
@@ -142,42 +147,20 @@ end
 local function base_pass(job, cells, rows, beside)
   local system, o, name = job.system, jobs.starts(job, cells), nil
   o.watch, name = watch_of(job.map, system)
-  o.rows = rows
-  if beside then add_observed(job.map, system, o.watch) end
+  o.rows, o.beside = rows, beside
   local e, stopped = jobs.guarded(job, system, o)
   tell_classes(job, cells, e, name, o.watch)
-  if beside then M.tell_right(job, cells, e, o.watch) end
+  if beside then M.tell_right(job, cells, e) end
   return stopped
 end
 
 -- rows that show what the flow does
-local function rows_beside(cell) return cell.flow.rows * (cell.denser or 1) end
-
--- cells whose few rows are right, at as many rows as show what their flow does
-local function closer_look(job, part)
-  local map, cells = job.map, {}
-  for _, cell in ipairs(part) do
-    local fits = cell.flow.e and (cell.is_right or cell.denser)
-    if fits and (cell.denser or rows_beside(cell) > ROWS) then cells[#cells + 1] = cell end
-  end
-  for _, list in ipairs(jobs.grouped(cells, rows_beside)) do
-    local rows = max(ROWS, rows_beside(list[1]))
-    local at_once = max(1, ROOM_OF_ROWS // (rows * (4 + #map.beside.observed.columns)))
-    for from = 1, #list, at_once do
-      local some = table.move(list, from, min(from + at_once - 1, #list), 1, {})
-      local o = jobs.starts(job, some)
-      o.rows, o.watch = rows, M.beside(map, job.system)
-      local e, stopped = jobs.guarded(job, job.system, o)
-      M.tell_right(job, some, e, o.watch)
-      if stopped then return stopped end
-    end
-  end
-end
+local function rows_beside(cell) return max(ROWS, cell.flow.rows) end
 
 local function first_look(job, part)
   if not job.map.beside then return base_pass(job, part, ROWS) end
   flows.attach(job, part)
-  return base_pass(job, part, ROWS, true) or closer_look(job, part)
+  return base_pass(job, part, ROWS, M.beside(job, part, rows_beside, true))
 end
 
 -- what is bounded, but not right
@@ -368,7 +351,10 @@ end
 local function right_pass(job, part)
   for _, cell in ipairs(part) do cell.class = NUMBER.bounded end
   flows.attach(job, part)
-  local stopped = closer_look(job, part)
+  local o = jobs.starts(job, part)
+  o.beside = M.beside(job, part, function(cell) return DENSER * rows_beside(cell) end)
+  local e, stopped = jobs.guarded(job, job.system, o)
+  M.tell_right(job, part, e)
   for _, cell in ipairs(part) do cell.flow = nil end
   return stopped
 end

@@ -52,12 +52,16 @@ local function look(map, cell)
   if not flow then return end
   local job = job_of(map, cell)
   local o = jobs.starts(job, { cell })
-  o.watch, o.rows = cells.beside(map, job.system), min(cell.steps, MOST)
+  cell.flow = flow
+  o.rows = min(cell.steps, MOST)
+  o.beside = cells.beside(job, { cell }, function() return o.rows end)
+  o.watch = o.beside.watch
   local e, stopped = jobs.guarded(job, job.system, o)
+  cell.flow = nil
   if stopped then error(stopped, 0) end
   if e.status[1] ~= "ok" then return end
   cell.flow = flow
-  cells.tell_right(job, { cell }, e, o.watch)
+  cells.tell_right(job, { cell }, e)
   cell.flow = nil
   cell.phase = shift_of(e:path(1), flow, map.beside.observed.columns, map.beside.horizon)
 end

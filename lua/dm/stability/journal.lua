@@ -49,7 +49,7 @@ end
 ---- bytes of cells ----
 
 -- what a cell is is known by its number; what it is compared with is found again
-local LEFT_OUT = { number = true, values = true, x = true, row = true, flow = true, denser = true,
+local LEFT_OUT = { number = true, values = true, x = true, row = true, flow = true,
   looked = true }
 
 -- That L has no value at a start is told in other words where all cells beside it have one.

@@ -236,6 +236,10 @@ static const dml_row methods[] =
       "steps out parabolas tell the largest value between them. NaN where a number is none. With a "
       "table of bounds it ends at the first row beyond one, whose time is the second number, else "
       "infinite."},
+     {"followed", dml_ensemble_followed,
+      "ensemble:followed(i) -> {name = number}\n"
+      "What solver:ensemble{beside=} has found of member i: of columns that flows have the largest "
+      "distance from the flow, of others the largest size, each up to where it was looked at."},
      {"range", dml_ensemble_range,
       "ensemble:range(i, name [, until]) -> number\n"
       "Greatest less least value of a watched column of member i up to the time `until`, between "
@@ -248,7 +252,7 @@ static const dml_row methods[] =
 static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,
       "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, "
-      "watch=, project=, energy=, a=} -> dm.ensemble\n"
+      "watch=, project=, energy=, a=, beside=} -> dm.ensemble\n"
       "Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: "
       "functions of the member's number (from 1) that return dim Q numbers, or a matrix or table "
       "with a row per member. vary = { name = }: numbers among the params of the system that every "
@@ -265,7 +269,13 @@ static const dml_row solver_row[] =
       "k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen "
       "numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, "
       "quadrature(r)) of all members are to have. a: the quantity that all members of a reduced "
-      "system carry along (dm.euler_poincare). Raises dm.failure with the ensemble as its path on "
+      "system carry along (dm.euler_poincare). beside = { watch = { ... }, compared = names, flows "
+      "= "
+      "{ { e =, i =, horizon =, rows =, bound = }, ... } }: columns beside those of a resolved flow "
+      "for every member (false: none), member i of the ensemble e, as in ensemble:departure, up "
+      "to the time `horizon`, at about so many rows, until one is beyond its bound (a list as "
+      "`compared`; left out: none), then at the rows that are kept; no row of this stays: "
+      "ensemble:followed(i). Raises dm.failure with the ensemble as its path on "
       "Ctrl-C."},
      {NULL, NULL, NULL}};
 

@@ -3,6 +3,7 @@
 #define DML_ENSEMBLE_H
 
 #include "bind/run/stepping.h"
+#include "run/departure.h"
 #include "run/ensemble/ensemble.h"
 
 typedef struct {
@@ -20,7 +21,8 @@ typedef struct {
 
 /* user values of dm.ensemble: fields made so far, the solver, the values that vary and their
  * names (or nil), the names of columns that were watched (or nil), the paces of members (or
- * nil), messages of those without a start (or nil) */
+ * nil), messages of those without a start (or nil), what was found beside flows and the names of
+ * its columns (or nil) */
 enum {
     DML_ENSEMBLE_FIELDS = 1,
     DML_ENSEMBLE_SOLVER,
@@ -29,7 +31,9 @@ enum {
     DML_ENSEMBLE_COLUMNS,
     DML_ENSEMBLE_STEPS,
     DML_ENSEMBLE_MESSAGES,
-    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_MESSAGES
+    DML_ENSEMBLE_FOLLOWED,
+    DML_ENSEMBLE_ASIDE,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_ASIDE
 };
 
 #define DML_ENSEMBLE "dm.ensemble"
@@ -58,6 +62,7 @@ typedef struct {
     int names;    /* stack index of parameters that are inputs of the kernels; 0: none are */
     const double *values; /* of these */
     const double *energy; /* that all steps are to have; NULL: that of the first one */
+    dm_follow *follow;    /* [members] of the ensemble beside their flows; NULL: they have none */
 } dml_part;
 
 /* The options q, and v or p: raises unless they are sources; 1 for v. */
@@ -120,6 +125,22 @@ int dml_ensemble_summary(lua_State *L);
 int dml_ensemble_departure(lua_State *L);
 int dml_ensemble_range(lua_State *L);
 int dml_ensemble_stride(lua_State *L);
+
+/* The rows of the member whose ensemble is at `arg` and whose number is behind it, and the place of
+ * a watched column in them. */
+dm_run_table dml_ensemble_table(lua_State *L, int arg);
+uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name);
+
+/* The options at 2 become those of their field `beside`, and they themselves are pushed; 0 and
+ * nothing without that field. */
+int dml_follow_options(lua_State *L);
+
+/* Members beside their flows, as that field says: pushes a userdata and the names of its columns,
+ * or two nils. */
+dm_follow *dml_read_follow(lua_State *L, const dml_part *p, double t0);
+
+/* ensemble:followed(i) */
+int dml_ensemble_followed(lua_State *L);
 
 /* solver:ensemble{} */
 int dml_solver_ensemble(lua_State *L);

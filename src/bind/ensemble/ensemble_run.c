@@ -134,6 +134,16 @@ static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads)
     return out;
 }
 
+/* what every thread looks at beside flows; the same */
+static dm_observer *read_aside(lua_State *L, dm_stepper **steppers, int threads) {
+    const int options = lua_gettop(L) + 1;
+    if (!dml_follow_options(L)) return NULL;
+    dm_observer *out = read_watch(L, steppers, threads);
+    lua_pushvalue(L, options);
+    lua_replace(L, 2);
+    return out;
+}
+
 /* what every thread looks at where the mass may change its inertia; it stays on the stack */
 static dm_inertia *open_inertia(lua_State *L, dm_stepper **steppers, int threads) {
     if (!dm_inertia_may_change(steppers[0]->model)) return NULL;
@@ -184,6 +194,8 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
                         .member = e->member + p->first,
                         .rows = rows.room ? &rows : NULL,
                         .watch = read_watch(L, steppers, threads),
+                        .follow = p->follow ? p->follow + p->first : NULL,
+                        .aside = read_aside(L, steppers, threads),
                         .lanes = &e->lanes,
                         .stop = &dml_stop,
                         .progress = show_progress,
@@ -265,9 +277,10 @@ static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
 }
 
 int dml_solver_ensemble(lua_State *L) {
-    static const char *const known[] = {"members", "q",       "v",      "p",       "steps", "t",
-                                        "t0",      "threads", "vary",   "project", "every", "watch",
-                                        "rows",    "h",       "energy", "a",       NULL};
+    static const char *const known[] = {"members", "q",      "v",       "p",    "steps",
+                                        "t",       "t0",     "threads", "vary", "project",
+                                        "every",   "watch",  "rows",    "h",    "energy",
+                                        "a",       "beside", NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -301,6 +314,9 @@ int dml_solver_ensemble(lua_State *L) {
     lua_pushvalue(L, 3);
     lua_setiuservalue(L, at, DML_ENSEMBLE_STEPS);
     p.e->t = t0;
+    p.follow = dml_read_follow(L, &p, t0);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_ASIDE);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_FOLLOWED);
     dml_varied v = {0};
     v.values = dml_read_vary(L, members, &v.count);
     if (v.values) {

@@ -19,8 +19,7 @@ static const struct {
               {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
 enum { FIELDS = sizeof fields / sizeof *fields };
 
-/* place of the column `name` in a row of the ensemble at `arg` */
-static uint32_t find_column(lua_State *L, int arg, const char *name) {
+uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name) {
     if (lua_getiuservalue(L, arg, DML_ENSEMBLE_COLUMNS) != LUA_TTABLE)
         luaL_error(L, "this ensemble watched nothing: ask for rows with watch = { ... }");
     const lua_Integer count = luaL_len(L, -1);
@@ -47,7 +46,7 @@ static void summarize(dm_summary *out, const dml_ensemble *e, long i, uint32_t c
 
 int dml_ensemble_summary(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
-    const uint32_t column = find_column(L, 1, luaL_checkstring(L, 2));
+    const uint32_t column = dml_ensemble_column(L, 1, luaL_checkstring(L, 2));
     double *y = lua_newuserdatauv(L, ((size_t)e->rows.room + 1) * sizeof *y, 0);
     const int first = lua_gettop(L) + 2;
     luaL_checkstack(L, FIELDS + 4, NULL);
@@ -72,23 +71,28 @@ int dml_ensemble_summary(lua_State *L) {
 
 /* ---- beside a resolved flow ---- */
 
-/* the ensemble at `arg` and the rows of its member, whose number is behind it */
-static dm_run_table table_at(lua_State *L, int arg, long *member) {
+/* the number of the member behind the ensemble at `arg`, from 0 */
+static long member_at(lua_State *L, int arg) {
     const dml_ensemble *e = luaL_checkudata(L, arg, DML_ENSEMBLE);
     const lua_Integer i = luaL_checkinteger(L, arg + 1);
     if (i < 1 || i > e->members)
         luaL_error(L, "there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
                    (LUAI_UACINT)i);
-    *member = (long)i - 1;
-    return (dm_run_table){.data = dm_ensemble_rows_of(&e->rows, *member),
-                          .rows = e->rows.room ? e->rows.count[*member] : 0,
+    return (long)i - 1;
+}
+
+dm_run_table dml_ensemble_table(lua_State *L, int arg) {
+    const long i = member_at(L, arg);
+    const dml_ensemble *e = lua_touserdata(L, arg);
+    return (dm_run_table){.data = dm_ensemble_rows_of(&e->rows, i),
+                          .rows = e->rows.room ? e->rows.count[i] : 0,
                           .width = e->rows.width};
 }
 
 static void read_columns(lua_State *L, int arg, int names, uint32_t *out, uint32_t count) {
     for (uint32_t k = 0; k < count; k++) {
         lua_rawgeti(L, names, (lua_Integer)k + 1);
-        out[k] = find_column(L, arg, luaL_checkstring(L, -1));
+        out[k] = dml_ensemble_column(L, arg, luaL_checkstring(L, -1));
         lua_pop(L, 1);
     }
 }
@@ -107,9 +111,8 @@ static const double *read_bounds(lua_State *L, int arg, double *out, uint32_t co
 
 /* (ensemble, member, flow, member, names, until, bounds) */
 int dml_ensemble_departure(lua_State *L) {
-    long i, j;
     lua_settop(L, 7);
-    const dm_run_table own = table_at(L, 1, &i), flow = table_at(L, 3, &j);
+    const dm_run_table own = dml_ensemble_table(L, 1), flow = dml_ensemble_table(L, 3);
     luaL_checktype(L, 5, LUA_TTABLE);
     const uint32_t count = (uint32_t)lua_rawlen(L, 5);
     double *work = lua_newuserdatauv(L, (5 * sizeof *work + 2 * sizeof(uint32_t)) * (count + 1), 0);
@@ -121,7 +124,7 @@ int dml_ensemble_departure(lua_State *L) {
                             .count = count,
                             .until = luaL_optnumber(L, 6, INFINITY),
                             .bound = read_bounds(L, 7, work + 4 * (size_t)count, count),
-                            .between = every_of(lua_touserdata(L, 1), i) > 1};
+                            .between = every_of(lua_touserdata(L, 1), member_at(L, 1)) > 1};
     const double beyond = dm_departure_find(work, &d, &own, &flow, work + count);
     lua_createtable(L, (int)count, 0);
     for (uint32_t k = 0; k < count; k++) {
@@ -134,19 +137,17 @@ int dml_ensemble_departure(lua_State *L) {
 
 /* (ensemble, member, name, until) */
 int dml_ensemble_range(lua_State *L) {
-    long i;
     lua_settop(L, 4);
-    const dm_run_table rows = table_at(L, 1, &i);
-    const uint32_t column = find_column(L, 1, luaL_checkstring(L, 3));
+    const dm_run_table rows = dml_ensemble_table(L, 1);
+    const uint32_t column = dml_ensemble_column(L, 1, luaL_checkstring(L, 3));
     lua_pushnumber(L, dm_flow_range(&rows, column, luaL_optnumber(L, 4, INFINITY)));
     return 1;
 }
 
 /* (ensemble, member, names, share) */
 int dml_ensemble_stride(lua_State *L) {
-    long i;
     lua_settop(L, 4);
-    const dm_run_table rows = table_at(L, 1, &i);
+    const dm_run_table rows = dml_ensemble_table(L, 1);
     luaL_checktype(L, 3, LUA_TTABLE);
     const uint32_t count = (uint32_t)lua_rawlen(L, 3);
     double *work = lua_newuserdatauv(L, (5 * sizeof *work + sizeof(uint32_t)) * (count + 1), 0);

@@ -19,12 +19,12 @@ typedef struct {
 typedef struct {
     shared *common;
     dm_stepper *stepper;
-    dm_block *block;     /* NULL: members one by one */
-    dm_observer *watch;  /* of this thread */
-    dm_inertia *inertia; /* NULL: it cannot change */
-    int first;           /* this thread tells the progress */
-    long counted;        /* steps told of the members in hand */
-    long of_run;         /* of the member that runs alone */
+    dm_block *block;            /* NULL: members one by one */
+    dm_observer *watch, *aside; /* of this thread */
+    dm_inertia *inertia;        /* NULL: it cannot change */
+    int first;                  /* this thread tells the progress */
+    long counted;               /* steps told of the members in hand */
+    long of_run;                /* of the member that runs alone */
 } worker;
 
 /* members have made so many steps more */
@@ -57,6 +57,7 @@ void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i) {
     double *state = e->state + (size_t)i * dm_state_size(s->model->n);
     if (many) s->params = e->params + (size_t)i * many;
     if (many && run->watch) run->watch->params = s->params;
+    if (many && run->aside) run->aside->params = s->params;
     const dm_run_plan plan = {.t0 = e->t0,
                               .h = e->h,
                               .steps = e->steps,
@@ -65,6 +66,8 @@ void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i) {
                                                   : 1,
                               .until = INFINITY,
                               .watch = run->watch,
+                              .follow = e->follow ? e->follow + i : NULL,
+                              .aside = run->aside,
                               .inertia = run->inertia,
                               .stop = e->stop,
                               .progress = run->progress,
@@ -80,6 +83,7 @@ static void run_member(worker *w, const dm_ensemble *e, long i) {
     dm_run_member(e,
                   &(dm_member_run){.stepper = w->stepper,
                                    .watch = w->watch,
+                                   .aside = w->aside,
                                    .inertia = w->inertia,
                                    .progress = count_run,
                                    .ud = w},
@@ -158,6 +162,7 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int
         dm_inertia *inertia = e->inertia ? e->inertia + i : NULL;
         const int wide = dm_block_open(blocks + i, steppers[i]);
         blocks[i].watch = e->watch ? e->watch + i : NULL;
+        blocks[i].aside = e->aside ? e->aside + i : NULL;
         blocks[i].count = count_steps;
         blocks[i].ud = workers + i;
         blocks[i].inertia = inertia;
@@ -165,6 +170,7 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int
                               .stepper = steppers[i],
                               .block = wide ? blocks + i : NULL,
                               .watch = e->watch ? e->watch + i : NULL,
+                              .aside = e->aside ? e->aside + i : NULL,
                               .inertia = inertia,
                               .first = i == 0};
         common.share = choose_share(e, wide ? blocks + i : NULL, threads);

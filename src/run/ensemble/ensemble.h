@@ -4,6 +4,7 @@
 #define DM_ENSEMBLE_H
 
 #include "integ/method/method.h"
+#include "run/departure.h"
 #include "run/ensemble/ensemble_rows.h"
 #include "run/inertia.h"
 
@@ -32,6 +33,8 @@ typedef struct {
     dm_member *member;            /* [members] */
     const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
     dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
+    dm_follow *follow;            /* [members] beside their flows; NULL: not looked at */
+    dm_observer *aside;           /* [threads] what is looked at there */
     dm_inertia *inertia;          /* [threads]; NULL: it cannot change */
     uint32_t *lanes;              /* members that went side by side, 1: one by one; may be NULL */
     const volatile sig_atomic_t *stop;

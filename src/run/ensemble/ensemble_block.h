@@ -11,6 +11,7 @@ typedef struct {
     uint32_t most;       /* groups */
     long burst;          /* steps between looks at the stop flag, from block to block */
     dm_observer *watch;  /* what rows hold; NULL: q, p */
+    dm_observer *aside;  /* what is looked at beside flows; NULL: nothing */
     dm_inertia *inertia; /* NULL: it cannot change */
     void (*count)(void *ud, long steps); /* told of steps that members have made */
     void *ud;
@@ -26,7 +27,7 @@ int dm_block_is_paced(const dm_block *b);
 /* Who runs a member alone, and who is told of its steps (may be NULL). */
 typedef struct {
     dm_stepper *stepper;
-    dm_observer *watch;
+    dm_observer *watch, *aside;
     dm_inertia *inertia;
     void (*progress)(void *ud, long done, long steps);
     void *ud;

@@ -1,6 +1,7 @@
 /* ensemble_lanes.c - a block of members stepped side by side; who fails is stepped again alone
  * and leaves.
  * Speed: ensembles, J2 satellite by gauss(3): 4.0x, against a run of its own. */
+#include "base/largest.h"
 #include "run/ensemble/ensemble_block.h"
 
 #include <string.h>
@@ -26,7 +27,6 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Coordinates. */
 static uint32_t dim(const block *x) {
     return x->b->stepper->model->n;
 }
@@ -36,7 +36,6 @@ static double *state_of(const block *x, long i) {
     return x->e->state + (size_t)(x->first + i) * dm_state_size(dim(x));
 }
 
-/* What becomes of it. */
 static dm_member *member_of(const block *x, long i) {
     return x->e->member + x->first + i;
 }
@@ -60,20 +59,24 @@ static long every_of(const block *x, long i) {
     return has_paces(x) ? x->e->pace[x->first + i].every : x->e->rows->every;
 }
 
+/* those of member i of the block */
+static const double *params_of(const block *x, long i) {
+    return x->e->params + (size_t)(x->first + i) * x->b->stepper->model->params;
+}
+
 /* parameters of member i of the block to the place of lane `to` */
 static void put_params(const block *x, long i, uint32_t to) {
     const uint32_t many = x->b->stepper->model->params;
     if (many)
-        memcpy(x->b->lanes.params + (size_t)to * many, x->e->params + (size_t)(x->first + i) * many,
-               many * sizeof(double));
+        memcpy(x->b->lanes.params + (size_t)to * many, params_of(x, i), many * sizeof(double));
 }
 
 /* what is computed for member i alone has its parameters */
 static void choose_member(const block *x, long i) {
-    const uint32_t many = x->b->stepper->model->params;
-    if (!many) return;
-    x->b->stepper->params = x->e->params + (size_t)(x->first + i) * many;
+    if (!x->b->stepper->model->params) return;
+    x->b->stepper->params = params_of(x, i);
     if (x->b->watch) x->b->watch->params = x->b->stepper->params;
+    if (x->b->aside) x->b->aside->params = x->b->stepper->params;
 }
 
 /* what member i of the block leaves to its next step, which `start` has made */
@@ -103,8 +106,9 @@ static void pad(block *x) {
 
 /* ---- rows ---- */
 
-/* Of member i after so many steps. */
-static double time_of(const block *x, long i, long steps) {
+/* Of member i after so many steps, or as its state has it. */
+static double time_of(const block *x, long i, const double *state, long steps) {
+    if (x->b->stepper->rule->method->traits & DM_OWN_TIME) return state[4 * (size_t)dim(x)];
     return x->e->t0 + (double)steps * x->b->h[i];
 }
 
@@ -112,8 +116,7 @@ static double time_of(const block *x, long i, long steps) {
 static void keep_row(block *x, long i, const double *state, long steps) {
     const dm_ensemble_rows *rows = x->e->rows;
     dm_member *m = member_of(x, i);
-    const double t = x->b->stepper->rule->method->traits & DM_OWN_TIME ? state[4 * (size_t)dim(x)]
-                                                                       : time_of(x, i, steps);
+    const double t = time_of(x, i, state, steps);
     choose_member(x, i);
     const dm_status status = dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
     if (status == DM_OK || m->status != DM_OK) return;
@@ -122,14 +125,26 @@ static void keep_row(block *x, long i, const double *state, long steps) {
     x->alive--;
 }
 
-/* a row of every member that still runs */
+/* beside its flow: member i, whose state this is after so many steps */
+static void look_beside(const block *x, long i, const double *state, long steps) {
+    dm_follow *f = x->e->follow ? x->e->follow + x->first + i : NULL;
+    if (!f) return;
+    choose_member(x, i);
+    dm_follow_state(f, x->b->aside, state, time_of(x, i, state, steps), steps);
+}
+
+/* a row of every member that still runs, a look at those that are due */
 static void keep_rows(block *x) {
     const long before = x->alive;
-    if (!x->e->rows) return;
+    const dm_follow *f = x->e->follow ? x->e->follow + x->first : NULL;
+    if (!x->e->rows && !f) return;
     for (long i = 0; i < x->count; i++) {
-        if (!runs(x, i) || x->done % every_of(x, i) != 0) continue;
+        const int row = x->e->rows && x->done % every_of(x, i) == 0;
+        const int due = f && f[i].due <= x->done;
+        if (!(row || due) || !runs(x, i)) continue;
         dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
-        keep_row(x, i, x->b->lanes.alone, x->done);
+        if (due) look_beside(x, i, x->b->lanes.alone, x->done);
+        if (row) keep_row(x, i, x->b->lanes.alone, x->done);
     }
     if (x->alive < before) pad(x);
 }
@@ -144,23 +159,23 @@ static void keep_last_row(block *x, long i) {
 
 /* ---- steps ---- */
 
-static long lesser(long a, long b) {
-    return a < b ? a : b;
-}
-
 /* at most `most` steps to the next row or the end of a member */
 static long to_event(const block *x, long most) {
     const int rows = x->e->rows != NULL;
-    for (long i = 0; i < x->count && x->b->inertia; i++)
-        if (runs(x, i)) most = lesser(most, x->seen[i].due - x->done);
+    const dm_follow *f = x->e->follow ? x->e->follow + x->first : NULL;
+    for (long i = 0; i < x->count && (f || x->b->inertia); i++) {
+        if (!runs(x, i)) continue;
+        if (f) most = dm_lesser(most, f[i].due - x->done);
+        if (x->b->inertia) most = dm_lesser(most, x->seen[i].due - x->done);
+    }
     if (!has_paces(x)) {
-        most = lesser(most, x->e->steps - x->done);
-        return rows ? lesser(most, every_of(x, 0) - x->done % every_of(x, 0)) : most;
+        most = dm_lesser(most, x->e->steps - x->done);
+        return rows ? dm_lesser(most, every_of(x, 0) - x->done % every_of(x, 0)) : most;
     }
     for (long i = 0; i < x->count; i++) {
         if (!runs(x, i)) continue;
-        most = lesser(most, steps_of(x, i) - x->done);
-        if (rows) most = lesser(most, every_of(x, i) - x->done % every_of(x, i));
+        most = dm_lesser(most, steps_of(x, i) - x->done);
+        if (rows) most = dm_lesser(most, every_of(x, i) - x->done % every_of(x, i));
     }
     return most;
 }
@@ -183,9 +198,9 @@ static void begin(block *x) {
     dm_stepper *s = x->b->stepper;
     for (long i = 0; i < x->count; i++) {
         dm_member *m = member_of(x, i);
-        *m = (dm_member){.status = DM_OK};
         choose_member(x, i);
-        m->status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i]);
+        if (x->e->follow) dm_follow_begin(x->e->follow + x->first + i);
+        *m = (dm_member){.status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i])};
         if (m->status != DM_OK) continue;
         if (x->b->inertia) {
             dm_inertia_begin(inertia_of(x, i), state_of(x, i), x->e->t0);
@@ -210,6 +225,7 @@ static void run_alone(block *x, long i) {
     dm_run_member(&e,
                   &(dm_member_run){.stepper = x->b->stepper,
                                    .watch = x->b->watch,
+                                   .aside = x->b->aside,
                                    .inertia = inertia_of(x, i)},
                   x->first + i);
     x->ended[i] = 1;
@@ -222,7 +238,7 @@ static int has_crossed(block *x, long i) {
     const double *now = x->b->lanes.alone;
     if (!inertia || x->done == 0) return 0;
     dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
-    const int crossed = dm_inertia_look(inertia, now, time_of(x, i, x->done), x->done);
+    const int crossed = dm_inertia_look(inertia, now, time_of(x, i, now, x->done), x->done);
     x->seen[i] = inertia->seen;
     if (crossed) run_alone(x, i);
     return crossed;
@@ -307,6 +323,7 @@ static void end(block *x, long i, dm_status status) {
     if (status == DM_OK && has_crossed(x, i)) return;
     dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
     *member_of(x, i) = (dm_member){.status = status, .steps = x->done};
+    if (status == DM_OK) look_beside(x, i, state_of(x, i), x->done);
     keep_last_row(x, i);
 }
 

@@ -44,10 +44,10 @@ static void make(problem *p, int which, dm_compile *compile) {
 
 static dm_status run(session *x, const problem *p, const char *rule, double h, long steps,
                      long every) {
-    long done;
+    long done, rows;
     const dm_run_plan plan = {.h = h, .steps = steps, .every = every};
     const dm_status status = session_open(x, p, rule, h) ? DM_OK : DM_NO_MEMORY;
-    return status == DM_OK ? dm_run_end(&plan, &x->s, x->state, &done) : status;
+    return status == DM_OK ? dm_run(&plan, &x->s, x->state, NULL, &done, &rows) : status;
 }
 
 static double distance(const session *x, const session *y, uint32_t n) {
@@ -236,7 +236,7 @@ static void start_and_interpolation(int which, const char *rule) {
     problem p;
     session x, y;
     double between[4 * PROBLEM_SIZE + 8], first[4 * PROBLEM_SIZE + 8];
-    long done;
+    long done, rows;
     const dm_run_plan plan = {.h = 0.02, .steps = 100, .every = 100};
     make(&p, which, dm_native_build);
     CHECK(run(&x, &p, rule, 0.02, 100, 100) == DM_OK);
@@ -248,7 +248,7 @@ static void start_and_interpolation(int which, const char *rule) {
     }
     CHECK(memcmp(x.state, y.state, sizeof x.state) == 0);
     begin_again(&x, &p);
-    CHECK(dm_run_end(&plan, &x.s, x.state, &done) == DM_OK);
+    CHECK(dm_run(&plan, &x.s, x.state, NULL, &done, &rows) == DM_OK);
     if (!CHECK(memcmp(x.state, first, sizeof first) == 0))
         printf("# %s, problem %d\n", rule, which);
     session_close(&x);
