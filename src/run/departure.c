@@ -13,20 +13,31 @@ typedef struct {
     double weight[NODES];
 } stencil;
 
-/* weight[k] = prod_(i != k) (s - i) / (k - i) over the nodes i = 0 .. count - 1: products from both
- * sides, and (k - i) as factorials */
-static void find_weights(double *weight, double s, uint32_t count) {
-    static const double factorial[NODES] = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0};
+/* 1 / prod_(i != k) (k - i) over eight nodes */
+static const double below[NODES] = {-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 240.0, 1.0 / 144.0,
+                                    -1.0 / 144.0,  1.0 / 240.0, -1.0 / 720.0, 1.0 / 5040.0};
+
+/* weight[k] = prod_(i != k) (s - i) / (k - i) over the nodes i = 0 .. 7: products from both sides */
+static void find_weights(double *weight, double s) {
     double left = 1.0, right = 1.0;
-    for (uint32_t k = 0; k < count; k++) {
-        const uint32_t after = count - 1 - k;
-        const double below = factorial[k] * factorial[after];
-        weight[k] = left / (after & 1u ? -below : below);
+#pragma GCC unroll 8
+    for (int k = 0; k < NODES; k++) {
+        weight[k] = left * below[k];
         left *= s - (double)k;
     }
-    for (uint32_t k = count; k-- > 0;) {
+#pragma GCC unroll 8
+    for (int k = NODES; k-- > 0;) {
         weight[k] *= right;
         right *= s - (double)k;
+    }
+}
+
+/* the same over fewer nodes */
+static void find_some_weights(double *weight, double s, uint32_t count) {
+    for (uint32_t k = 0; k < count; k++) {
+        weight[k] = 1.0;
+        for (uint32_t i = 0; i < count; i++)
+            if (i != k) weight[k] *= (s - (double)i) / ((double)k - (double)i);
     }
 }
 
@@ -34,11 +45,15 @@ static void find_weights(double *weight, double s, uint32_t count) {
 static stencil stencil_at(const dm_run_table *flow, double t) {
     const double t0 = flow->data[0];
     const double dt = flow->rows > 1 ? flow->data[flow->width] - t0 : 1.0;
-    const double place = (t - t0) / dt, last = (double)(flow->rows - 1);
+    const double place = (t - t0) / dt;
+    const long last = flow->rows - 1, here = place < (double)last ? (long)place : last;
     stencil out = {.count = flow->rows < NODES ? (uint32_t)flow->rows : NODES};
-    const double least = floor(fmin(fmax(place, 0.0), last)) - 0.5 * out.count + 1.0;
-    out.first = (long)fmax(0.0, fmin(least, last + 1.0 - out.count));
-    find_weights(out.weight, place - (double)out.first, out.count);
+    const long first = dm_lesser(here - (long)(out.count - 1) / 2, flow->rows - out.count);
+    out.first = first > 0 ? first : 0;
+    if (out.count == NODES)
+        find_weights(out.weight, place - (double)out.first);
+    else
+        find_some_weights(out.weight, place - (double)out.first, out.count);
     return out;
 }
 

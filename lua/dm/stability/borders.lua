@@ -40,13 +40,13 @@ end
 -- the last cell before the first for which test holds, and that one
 local function border(row, test)
   for j, cell in ipairs(row) do
-    if test(cell) then return { low = row[j - 1], high = cell } end
+    if test(cell) then return { under = row[j - 2], low = row[j - 1], high = cell } end
   end
   return {}
 end
 
---- map.borders[i], map.right[i] = { low, high }: the last cell of a row before the first that is
--- lost, or not right, and that one.
+--- map.borders[i], map.right[i] = { low, high, under }: the last cell of a row before the first that
+-- is lost, or not right, that one, and the one below both.
 function M.find(map)
   for i, row in ipairs(map.cells) do
     compare_row(map, row)
@@ -82,14 +82,34 @@ local function even_places()
   return out
 end
 
--- Two places about the one where the error, a power of x, comes to what is allowed, so near to each
--- other that they are a border; where an error is not known even ones.
+-- the power of x that the error is between two cells; nil where it is not known
+local function power(a, b)
+  if not (a and a.x > 0 and a.ratio and b.ratio and a.ratio > 0 and b.ratio < huge) then return nil end
+  local p = log(b.ratio / a.ratio) / log(b.x / a.x)
+  return p > 0.25 and p < 32 and p or nil
+end
+
+-- Where between low and high, from 0 to 1, the error comes to what is allowed. A cell that is not
+-- right was looked at closely here alone; the power is that of those below it before.
+local function place_of_border(map, b)
+  local low, high = b.low, b.high
+  local p = not high.is_close and power(b.under, low) or power(low, high)
+  if not p then return nil end
+  local x = low.x * low.ratio ^ (-1 / p)
+  local s = map.column.log and log(x / low.x) / log(high.x / low.x)
+    or (x - low.x) / (high.x - low.x)
+  return min(max(s, 0.02), 0.98)
+end
+
+-- First the place itself, whose error tells it closely; then two about it, so near to each other
+-- that they are a border; where an error is not known even ones.
 local function places_by_error(map, b)
-  local low, high = b.low.ratio, b.high.ratio
-  if not (low and high and low > 0 and low < 1 and high > 1 and high < huge) then
-    return even_places()
+  local s = place_of_border(map, b)
+  if not s then return even_places() end
+  if not b.is_near then
+    b.is_near = true
+    return { s }
   end
-  local s = -log(low) / (log(high) - log(low))
   local apart = 0.4 * map.resolution * max(abs(b.high.x), abs(b.low.x)) / abs(b.high.x - b.low.x)
   return { max(s - apart, 0.02), min(max(s + apart, 0.04), 0.98) }
 end
@@ -126,7 +146,7 @@ local function narrow(map, list, places_of, test, run)
           one.border.high = cell
           break
         end
-        one.border.low = cell
+        one.border.under, one.border.low = one.border.low, cell
       end
     end
   end

@@ -14,7 +14,7 @@ local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
 local abs, max, min, sqrt, log = math.abs, math.max, math.min, math.sqrt, math.log
 
 local ROWS = 64                 -- rows of a cell by which its class is told
-local DENSER = 4                -- times the rows that show the flow: right to the last step or not
+local DENSER = 2                -- times the rows that show the flow: right to the last step or not
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
@@ -349,7 +349,7 @@ end
 
 -- right or not alone, at many rows
 local function right_pass(job, part)
-  for _, cell in ipairs(part) do cell.class = NUMBER.bounded end
+  for _, cell in ipairs(part) do cell.class, cell.is_close = NUMBER.bounded, true end
   flows.attach(job, part)
   local o = jobs.starts(job, part)
   o.beside = M.beside(job, part, function(cell) return DENSER * rows_beside(cell) end)
