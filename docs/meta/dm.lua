@@ -1228,6 +1228,13 @@ function dm_ensemble_class:departure(i, flow, j, names, until_, bounds) end
 ---@return table
 function dm_ensemble_class:failures() end
 
+---ensemble:followed(i) -> {name = number}
+---
+---What solver:ensemble{beside=} has found of member i: of columns that flows have the largest distance from the flow, of others the largest size, each up to where it was looked at.
+---@param i? any
+---@return table
+function dm_ensemble_class:followed(i) end
+
 ---ensemble:path(i) -> dm.path
 ---
 ---The rows of member i, of an ensemble that was asked to keep some (every=, watch=): what solver:run would have given, of a failed member up to its last good state.
@@ -1249,12 +1256,13 @@ function dm_ensemble_class:path(i) end
 ---@return string|nil
 function dm_ensemble_class:plot(x, y, options) end
 
----ensemble:range(i, name [, until]) -> number
+---ensemble:range(i, name [, until]) -> number, number
 ---
----Greatest less least value of a watched column of member i up to the time `until`, between its rows, too.
+---Greatest less least value of a watched column of member i up to the time `until`, between its rows, too; and its first value (NaN without rows).
 ---@param i? any
 ---@param name? any
 ---@param until_? any
+---@return number
 ---@return number
 function dm_ensemble_class:range(i, name, until_) end
 
@@ -3718,9 +3726,9 @@ local dm_solver_class = {}
 ---@return table
 function dm_solver_class:backward_error(options) end
 
----solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, project=, energy=, a=} -> dm.ensemble
+---solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, project=, energy=, a=, beside=} -> dm.ensemble
 ---
----Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions, and for fields by implicit rules). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). Raises dm.failure with the ensemble as its path on Ctrl-C.
+---Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions, and for fields by implicit rules). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). beside = { watch = { ... }, compared = names, flows = { { e =, i =, horizon =, rows =, bound = }, ... } }: columns beside those of a resolved flow for every member (false: none), member i of the ensemble e, as in ensemble:departure, up to the time `horizon`, at about so many rows, until one is beyond its bound (a list as `compared`; left out: none), then at the rows that are kept; no row of this stays: ensemble:followed(i). Raises dm.failure with the ensemble as its path on Ctrl-C.
 ---journal = "file": finished ranges of members are kept in this file; the same call goes on where it
 ---stopped, and one that is finished is only read. The file is refused where the system, the rule, h,
 ---steps or members are others, or where a member that is run again differs. ensemble.journal is

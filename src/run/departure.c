@@ -17,7 +17,7 @@ typedef struct {
 static const double below[NODES] = {-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 240.0, 1.0 / 144.0,
                                     -1.0 / 144.0,  1.0 / 240.0, -1.0 / 720.0, 1.0 / 5040.0};
 
-/* weight[k] = prod_(i != k) (s - i) / (k - i) over the nodes i = 0 .. 7: products from both sides */
+/* weight[k] = prod_(i != k) (s - i) / (k - i), nodes i = 0 .. 7: products from both sides */
 static void find_weights(double *weight, double s) {
     double left = 1.0, right = 1.0;
 #pragma GCC unroll 8
@@ -143,8 +143,9 @@ double dm_flow_range(const dm_run_table *flow, uint32_t column, double until) {
     for (long i = 0; i < flow->rows && flow->data[(size_t)i * width] <= until; i++, y += width) {
         const int inside = i > 0 && i + 1 < flow->rows;
         const double best = inside ? turn(y[-(long)width], *y, y[width]) : *y;
-        least = fmin(least, fmin(*y, best));
-        most = fmax(most, fmax(*y, best));
+        const double low = best < *y ? best : *y, high = best > *y ? best : *y;
+        if (low < least) least = low;
+        if (high > most) most = high;
     }
     return most >= least ? most - least : 0.0;
 }

@@ -13,14 +13,35 @@ local function text(seconds)
   end
 end
 
--- seconds that `calls` calls take, without those of an empty loop
-local function batch(f, calls, ...)
-  local clock = core.clock
+-- Batches of so many calls: the least and the largest seconds of one, and the least that an empty
+-- loop took. Other work of the machine makes a time longer, never shorter, so that least times are
+-- those of the call: each by itself, since of two that are subtracted either may have been
+-- disturbed.
+local function new_batches(calls)
+  return { calls = calls, count = 0, best = math.huge, worst = 0, loop = math.huge }
+end
+
+local function take(b, f, ...)
+  local clock, calls = core.clock, b.calls
   local start = clock()
-  for _ = 1, calls do f(...) end
-  local called = clock()
   for _ = 1, calls do end
-  return 2 * called - start - clock()
+  local between = clock()
+  for _ = 1, calls do f(...) end
+  local took = clock() - between
+  b.loop, b.count = math.min(b.loop, between - start), b.count + 1
+  b.best, b.worst = math.min(b.best, took), math.max(b.worst, took)
+end
+
+-- Batches until is_enough(b) says so, each of `least` seconds where one call is shorter: what was
+-- taken for long enough and was a disturbance is seen when a batch is short, and what is no longer
+-- than an empty loop is not known yet.
+local function measure(f, least, is_enough, ...)
+  local b = new_batches(1)
+  repeat
+    take(b, f, ...)
+    if b.best < least then b = new_batches(2 * b.calls) end
+  until b.best < math.huge and b.best > b.loop and is_enough(b)
+  return (b.best - b.loop) / b.calls, b
 end
 
 local doc_time = [[
@@ -35,18 +56,11 @@ function M.time(f, ...)
     error(("dm.time: a function is needed (got %s); write dm.time(function() ... end)")
       :format(type(f)), 2)
   end
-  local calls, best, batches, begin = 1, batch(f, 1, ...), 1, core.clock()
-  while best < 2e-3 do
-    calls = calls * 2
-    best = batch(f, calls, ...)
-  end
-  best = best / calls
-  repeat
-    best = math.min(best, batch(f, calls, ...) / calls)
-    batches = batches + 1
-  until core.clock() - begin > 0.2
-  best = math.max(best, 0)
-  return best, ("%s per call, best of %d x %d"):format(text(best), batches, calls)
+  local begin = core.clock()
+  local best, b = measure(f, 2e-3, function(b)
+    return b.count > 1 and core.clock() - begin > 0.2
+  end, ...)
+  return best, ("%s per call, best of %d x %d"):format(text(best), b.count, b.calls)
 end
 
 core.docs[M.time] = doc_time
@@ -67,24 +81,9 @@ M.bench = blame.caller(function(f, k)
   if not k or k < 2 or k > 10000 then
     error("dm.bench: the number of batches must be a whole number from 2 to 10000", 0)
   end
-  local calls, once = 1, batch(f, 1)
-  while once < BATCH / 2 do
-    calls = calls * 2
-    once = batch(f, calls)
-  end
-  local best, worst, loop = math.huge, 0, math.huge
-  for _ = 1, k do
-    local start = core.clock()
-    for _ = 1, calls do end
-    local between = core.clock()
-    for _ = 1, calls do f() end
-    loop = math.min(loop, between - start)
-    local took = core.clock() - between
-    best, worst = math.min(best, took), math.max(worst, took)
-  end
-  best, worst = math.max(best - loop, 0) / calls, math.max(worst - loop, 0) / calls
-  return best, ("%s per call, best of %d x %d, spread %.0f %%"):format(text(best), k, calls,
-    best > 0 and 100 * (worst / best - 1) or 0)
+  local best, b = measure(f, BATCH / 2, function(b) return b.count >= k end)
+  return best, ("%s per call, best of %d x %d, spread %.0f %%"):format(text(best), b.count, b.calls,
+    100 * ((b.worst - b.loop) / (b.best - b.loop) - 1))
 end)
 
 core.docs[M.bench] = doc_bench

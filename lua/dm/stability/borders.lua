@@ -84,7 +84,8 @@ end
 
 -- the power of x that the error is between two cells; nil where it is not known
 local function power(a, b)
-  if not (a and a.x > 0 and a.ratio and b.ratio and a.ratio > 0 and b.ratio < huge) then return nil end
+  local known = a and a.x > 0 and a.ratio and b.ratio and a.ratio > 0 and b.ratio < huge
+  if not known then return nil end
   local p = log(b.ratio / a.ratio) / log(b.x / a.x)
   return p > 0.25 and p < 32 and p or nil
 end

@@ -11,7 +11,7 @@ local prolong = require "dm.measure.prolong"
 local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
 
 local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
-local abs, max, min, sqrt, log = math.abs, math.max, math.min, math.sqrt, math.log
+local abs, max, sqrt, log = math.abs, math.max, math.sqrt, math.log
 
 local ROWS = 64                 -- rows of a cell by which its class is told
 local DENSER = 2                -- times the rows that show the flow: right to the last step or not

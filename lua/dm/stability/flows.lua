@@ -12,6 +12,8 @@ local max, min, ceil, huge = math.max, math.min, math.ceil, math.huge
 -- one makes the flow, the second confirms it. Splittings step many members at once for next to
 -- nothing where L separates; where they do not apply they are the last to be tried.
 local SEPARABLE = { { "kahan-li(8)", 1 }, { "gauss(6)", 0.61 }, { "rk8", 1.37 } }
+local CONSTRAINED = { { "kahan-li(8, rattle)", 1 }, { "gauss(6)", 0.61 }, { "lobatto(6)", 1.13 },
+  { "gauss(8)", 0.73 } }
 local GENERAL = { { "gauss(6)", 1 }, { "rk8", 1.37 }, { "lobatto(6)", 1.13 },
   { "kahan-li(8)", 1.61 }, { "gauss(8)", 0.73 }, { "degenerate(4)", 1.21 },
   { "degenerate(3)", 1.43 } }
@@ -43,9 +45,9 @@ local function find_pair(job, cell, T)
   local measured, out, why = {}, {}, nil
   for _, rule in ipairs(job.map.rules) do measured[rule] = true end
   local s = job.system:structure()
-  local splits = s.separable and s.constant_mass and s.constraints == 0 and s.rolling == 0
-    and not s.forced
-  for _, one in ipairs(splits and SEPARABLE or GENERAL) do
+  local splits = s.separable and s.constant_mass and s.rolling == 0 and not s.forced
+  local rules = not splits and GENERAL or s.constraints > 0 and CONSTRAINED or SEPARABLE
+  for _, one in ipairs(rules) do
     if not measured[one[1]] and #out < 2 then
       local fine, refused = can_step(job, one[1], cell, T)
       if fine then out[#out + 1] = one else why = why or refused end
@@ -91,12 +93,13 @@ local function run(job, flows, one, level)
 end
 
 -- ranges of the observables, and how far two flows may be apart to be one
-local function measure(map, flow, e, i, first)
+local function measure(map, flow, e, i)
   local accuracy, scale = map.beside.accuracy, 0
   flow.range, flow.tolerance, flow.bound, flow.near = {}, {}, {}, {}
   for k, column in ipairs(map.beside.observed.columns) do
-    flow.range[k] = e:range(i, column)
-    scale = max(scale, math.abs(first[k][i]) + flow.range[k])
+    local first
+    flow.range[k], first = e:range(i, column)
+    scale = max(scale, math.abs(first) + flow.range[k])
   end
   local slack = ROUND_OFF * scale
   local fine = max(FINER * accuracy, min(0.1 * accuracy, 1e-10))
@@ -118,11 +121,10 @@ end
 
 -- The first rule of the pair, beside its level before: flows that hardly changed, and the others.
 local function refine(job, flows, one, level)
-  local map, e, first, near, far = job.map, run(job, flows, one, level), {}, {}, {}
-  for k, column in ipairs(map.beside.observed.columns) do first[k] = e:summary(column).first end
+  local map, e, near, far = job.map, run(job, flows, one, level), {}, {}
   for i, flow in ipairs(flows) do
     local fine = e.status[i] == "ok"
-    if fine then measure(map, flow, e, i, first) end
+    if fine then measure(map, flow, e, i) end
     flow.parted = flow.horizon
     flow.horizon = fine and agreed(map, e, i, flow, flow.near) or -huge
     flow.e, flow.i, flow.steps = fine and e or nil, i, ceil(one[2] * level)

@@ -241,9 +241,9 @@ static const dml_row methods[] =
       "What solver:ensemble{beside=} has found of member i: of columns that flows have the largest "
       "distance from the flow, of others the largest size, each up to where it was looked at."},
      {"range", dml_ensemble_range,
-      "ensemble:range(i, name [, until]) -> number\n"
+      "ensemble:range(i, name [, until]) -> number, number\n"
       "Greatest less least value of a watched column of member i up to the time `until`, between "
-      "its rows, too."},
+      "its rows, too; and its first value (NaN without rows)."},
      {"stride", dml_ensemble_stride,
       "ensemble:stride(i, names, share) -> integer\n"
       "The largest power of two s such that every s-th row of member i tells those between, of "
@@ -271,7 +271,8 @@ static const dml_row solver_row[] =
       "quadrature(r)) of all members are to have. a: the quantity that all members of a reduced "
       "system carry along (dm.euler_poincare). beside = { watch = { ... }, compared = names, flows "
       "= "
-      "{ { e =, i =, horizon =, rows =, bound = }, ... } }: columns beside those of a resolved flow "
+      "{ { e =, i =, horizon =, rows =, bound = }, ... } }: columns beside those of a resolved "
+      "flow "
       "for every member (false: none), member i of the ensemble e, as in ensemble:departure, up "
       "to the time `horizon`, at about so many rows, until one is beyond its bound (a list as "
       "`compared`; left out: none), then at the rows that are kept; no row of this stays: "

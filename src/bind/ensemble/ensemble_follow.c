@@ -129,8 +129,9 @@ dm_follow *dml_read_follow(lua_State *L, const dml_part *part, double t0) {
     if (!dml_follow_options(L)) return lua_pushnil(L), lua_pushnil(L), NULL;
     p.count = push_names(L, t0);
     if (lua_getfield(L, 2, "compared") != LUA_TTABLE || lua_getfield(L, 2, "flows") != LUA_TTABLE)
-        luaL_error(L, "field 'beside' must be a table { watch =, compared = names of those columns "
-                      "that flows have, flows = { { e =, i =, horizon =, rows =, bound = }, ... } }");
+        luaL_error(L,
+                   "field 'beside' must be a table { watch =, compared = names of those columns "
+                   "that flows have, flows = { { e =, i =, horizon =, rows =, bound = }, ... } }");
     const size_t members = (size_t)part->e->members, count = p.count;
     const size_t each = sizeof(dm_follow) + count * (5 * sizeof(double) + sizeof(uint32_t));
     dm_follow *list = lua_newuserdatauv(L, members * each + count * sizeof(uint32_t) + 8, 0);
@@ -144,9 +145,8 @@ dm_follow *dml_read_follow(lua_State *L, const dml_part *part, double t0) {
 
 /* (ensemble, member) */
 int dml_ensemble_followed(lua_State *L) {
-    const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
     const lua_Integer i = luaL_checkinteger(L, 2);
-    luaL_argcheck(L, i >= 1 && i <= e->members, 2, "no such member");
+    dml_ensemble_table(L, 1); /* raises where there is no such member */
     if (lua_getiuservalue(L, 1, DML_ENSEMBLE_FOLLOWED) != LUA_TUSERDATA)
         luaL_error(L, "this ensemble was not run beside flows: ask for it with beside = { ... }");
     const dm_follow *f = (const dm_follow *)lua_touserdata(L, -1) + (i - 1);

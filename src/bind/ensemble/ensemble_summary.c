@@ -141,7 +141,8 @@ int dml_ensemble_range(lua_State *L) {
     const dm_run_table rows = dml_ensemble_table(L, 1);
     const uint32_t column = dml_ensemble_column(L, 1, luaL_checkstring(L, 3));
     lua_pushnumber(L, dm_flow_range(&rows, column, luaL_optnumber(L, 4, INFINITY)));
-    return 1;
+    lua_pushnumber(L, rows.rows > 0 ? rows.data[column] : NAN);
+    return 2;
 }
 
 /* (ensemble, member, names, share) */

@@ -87,16 +87,28 @@ end
 ok(complete.is_silent "f(); -- done", "a ; before a comment silences")
 ok(not complete.is_silent "s = ';'" and not complete.is_silent "f() -- ;", "one in a string or a comment does not")
 
--- dm.time: a busy loop of n turns, at two sizes
-local function busy(n) local x = 0 for i = 1, n do x = x + i % 7 end return x end
-local short, words = dm.time(busy, 1000)
-local long = dm.time(busy, 100000)
-for _ = 1, 5 do  -- a machine that is busy with other things for a while
-  if long / short > 30 and long / short < 300 then break end
-  short, long = math.min(short, (dm.time(busy, 1000))), math.min(long, (dm.time(busy, 100000)))
+-- dm.time and dm.bench by a clock of their own: calls of 2 us and of 3 s, and other work of the machine for 50 ms at every look of the clock at which it may disturb
+local core = require "dm.core"
+local clock = core.clock
+for _, call in ipairs { 2e-6, 3 } do
+  for disturbed = 0, 8 do
+    local now, looks = 100, 0
+    core.clock = function()
+      looks = looks + 1
+      if looks == disturbed or disturbed == 8 and looks % 5 == 0 then now = now + 0.05 end
+      return now
+    end
+    local function work() now = now + call end
+    for name, f in pairs { time = dm.time, bench = dm.bench } do
+      looks = 0
+      local seconds, words = f(work)
+      ok(math.abs(seconds / call - 1) < 1e-6 and words:find(call < 1 and "^2 us per call" or "^3 s per call"), ("dm.%s of a call of %g s, disturbed at look %d"):format(name, call, disturbed), words)
+    end
+  end
 end
-ok(short > 1e-7 and short < 1e-3 and words:find "[nu]s per call", "the time of a call", words)
-ok(long / short > 30 and long / short < 300, "a hundred times the work takes about a hundred times as long", long / short)
+core.clock = clock
+local seconds, words = dm.time(function() for _ = 1, 1000 do end end)
+ok(seconds > 0 and words:find "[nu]s per call", "the time of a call by the clock of the machine", words)
 raises("a function is needed (got number)", dm.time, 3)
 raises("oops", dm.time, function() error "oops" end)
 

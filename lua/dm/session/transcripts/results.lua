@@ -125,6 +125,17 @@ M["ensemble.departure"] = [=[
 > (e:departure(1, e, 1, { "energy" }))[1] < 1e-12
 true]=]
 
+M["ensemble.followed"] = [=[
+> s = dm.system {
+>>   Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
+> flow = s:solver({ rule = "gauss(6)", h = 0.1 }):ensemble { members = 1, steps = 50, every = 1,
+>>   watch = { "q1" }, q = { { 1 } }, v = { { 0 } } }
+> e = s:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 1, steps = 50, q = { { 1 } },
+>>   v = { { 0 } }, beside = { watch = { "q1" }, compared = { "q1" },
+>>   flows = { { e = flow, i = 1, rows = 50 } } } }
+> ("%.4f"):format(e:followed(1).q1)
+0.0017]=]
+
 M["ensemble.plot"] = [=[
 > s = dm.system {
 >>   Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
@@ -138,7 +149,7 @@ M["ensemble.range"] = [=[
 >>   Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
 > e = s:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 3, steps = 50, every = 1,
 >>   watch = { "energy" }, q = function(i) return { i/10 } end, v = function() return { 0 } end }
-> e:range(1, "energy") < 0.01
+> (e:range(1, "energy")) < 0.01
 true]=]
 
 M["ensemble.stride"] = [=[
