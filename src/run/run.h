@@ -70,10 +70,10 @@ typedef struct {
 long dm_run_rows(const dm_run_plan *plan);
 
 /* Run `plan` on state (dm_state_size doubles, in place), writing rows (NULL: none) of 1 + 2n
- * columns, t, q[n], p[n], or t and what is watched, or both. Rows at given times come from a shorter step on
- * the side (dm_interpolate), which does not touch the run itself. *done counts finished steps and
- * *rows_done rows, also on failure or stop, so that both are valid up to there (the last row is
- * then the last good state). */
+ * columns, t, q[n], p[n], or t and what is watched, or both. Rows at given times come from a
+ * shorter step on the side (dm_interpolate), which does not touch the run itself. *done counts
+ * finished steps and *rows_done rows, also on failure or stop, so that both are valid up to there
+ * (the last row is then the last good state). */
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
                  long *rows_done);
 

@@ -45,8 +45,8 @@ local function border(row, test)
   return {}
 end
 
---- map.borders[i], map.right[i] = { low, high, under }: the last cell of a row before the first that
--- is lost, or not right, that one, and the one below both.
+--- map.borders[i], map.right[i] = { low, high, under }: the last cell of a row before the first
+-- that is lost, or not right, that one, and the one below both.
 function M.find(map)
   for i, row in ipairs(map.cells) do
     compare_row(map, row)
