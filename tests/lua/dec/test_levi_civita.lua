@@ -203,6 +203,10 @@ end
 local ring = { { 1, 2, 3, 4 }, { 1, 2, 4, 5 }, { 1, 2, 5, 6 }, { 1, 2, 6, 7 }, { 1, 2, 3, 7 } }
 local regular = dm.mesh { simplices = ring, lengths = function() return 1 end }
 near(regular:levi_civita():angle()[1], 2 * pi - 5 * acos(1 / 3), 1e-14, "five regular tetrahedra")
+local seven = { { 1, 2, 3, 9 }, { 1, 2, 8, 9 } }
+for k = 3, 7 do seven[k] = { 1, 2, k, k + 1 } end
+near(dm.mesh({ simplices = seven, lengths = function() return 1 end }):levi_civita():angle()[1], 7 * acos(1 / 3) - 2 * pi, 1e-14,
+  "seven of them: more than a turn")
 local five = regular:levi_civita { frames = frames_of(3) }
 near(dm.SO(3):log(five:curvature(1)):norm(), 2 * pi - 5 * acos(1 / 3), 1e-13,
   "the same by its rotations")

@@ -83,6 +83,13 @@ for _, s in ipairs { 0.5, 1, 1.5 } do
   ok(mended.ambient == 2 and mended:count(0) == 49 and mended.euler == 1 and mended.manifold, "and its vertices and points")
 end
 ok(negative(dm.mesh { grid = 4, map = function(x, y) return { x + y / 2, y } end }:make_delaunay()) == 0, "no negative star is left")
+-- a quadrilateral of lengths alone: the other diagonal is that of the plane
+local quad = { { 0, 0 }, { 4, 0 }, { 1, 1 }, { 2.5, -0.7 } }
+local other = dm.mesh { simplices = { { 1, 2, 3 }, { 1, 2, 4 } }, lengths = function(i, j)
+  return (dm.vector(quad[i]) - dm.vector(quad[j])):norm()
+end }:make_delaunay()
+near(other:volume(1)[other:find { 3, 4 }], math.sqrt(1.5 ^ 2 + 1.7 ^ 2), 1e-14, "the length of an edge that flips")
+near(other:volume(2):sum(), 3.4, 1e-14, "and the areas beside it")
 local squeezed = dm.mesh { icosphere = 2, map = function(x, y, z) return { x, y, 4 * z } end }
 local intrinsic = squeezed:make_delaunay()
 ok(negative(squeezed) > 0 and negative(intrinsic) == 0 and intrinsic.ambient == nil and intrinsic.euler == 2, "a long ellipsoid, by lengths alone")

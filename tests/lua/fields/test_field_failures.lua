@@ -35,6 +35,18 @@ for _, case in ipairs { { dm.mesh { icosphere = 1 }, 0 }, { dm.mesh { triangle =
   ok(why.code == "not_finite" and #why.path > 3 and why.path.t[#why.path] == why.time, "of steps of its own in every cell, with the path so far")
   ok(#run({ rule = "verlet", h = 0.999 * limit }, { steps = 300 }) == 301 and #run({ rule = "midpoint", h = 3 * limit }, { steps = 30 }) == 31, "below it none fails")
 end
+-- the step that fails, and the last good state, whatever the rows: bursts of one step and of many
+local round = dm.mesh { icosphere = 1 }
+local steep = round:field { form = 0, L = function(u, v) return wave(u, v) + round:sum(0, function(a) return a ^ 4 end, u) end }
+local told = {}
+for k, every in ipairs { 1, 7, 1e6 } do
+  local _, why = pcall(function()
+    steep:solver { rule = "verlet", h = 0.01 }:run { q = function() return 1 end, v = function() return 1 end, steps = 1e4, every = every }
+  end)
+  told[k] = why
+  ok(why.code == "not_finite" and why.step == told[1].step and why.step > 40, "the same step fails", why.step)
+  ok(why.path.q[#why.path] == told[1].path.q[#told[1].path], "the same state before it")
+end
 -- what leaves an unstable rest grows by 10^24 in its energies, and is let go on
 local ball = dm.mesh { icosphere = 1 }
 local hill = ball:field { form = 0, L = function(u, v) return wave(u, v) - ball:sum(0, function(a, cell) return cell.star * (a ^ 4 / 4 - a ^ 2 / 2) end, u) end }

@@ -184,6 +184,18 @@ for n = 4, 8 do
 end
 ok(worst_round < 1e-13, "exp(log R) = R for SO(4) to SO(8) near half turns", worst_round)
 ok(worst_length < 1e-13, "and the logarithm is the shortest", worst_length)
+-- to all digits of the angle, where x/sin x and asin x/x go over to their series
+for _, size in ipairs { 1e-7, 3e-5, 9.9e-5, 1.1e-4, 1e-2 } do
+  local G, M = dm.SO(4), dm.zeros(4, 4)
+  M[2][1], M[1][2], M[4][3], M[3][4] = size, -size, pi - size, size - pi
+  local small = G:vee(M) * (size / (2 * pi))
+  ok((G:log(G:exp(small)) - small):norm() < 1e-15 + 3e-15 * small:norm(), "SO(4): two small angles", size)
+  M[4][3], M[3][4] = 0, 0
+  local one = G:vee(M)
+  ok((G:log(G:exp(one)) - one):norm() < 1e-13 * size, "SO(4): one small angle", size)
+  M[2][1], M[1][2] = pi - size, size - pi
+  ok(abs((G:log(G:exp(G:vee(M)))):norm() / G:vee(M):norm() - 1) < 1e-15, "and one that is nearly half a turn", size)
+end
 -- the flat coordinates of a reflection do not pass for a rotation
 for n = 4, 6 do
   local G = dm.SO(n)

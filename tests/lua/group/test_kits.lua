@@ -61,6 +61,9 @@ for i = 1, 50 do
   worst = math.max(worst, difference(core.rotation(core.quaternion(R)), R), core.orthonormality(R, 3))
 end
 ok(worst < 1e-14, "a rotation, its quaternion, and back")
+local least = 1
+for i = 1, 50 do least = math.min(least, core.quaternion(dm.SO(3):random(stream, i, 3))[1]) end
+ok(least >= 0 and least < 0.1, "a quaternion with w >= 0", least)
 local bent = dm.matrix { { 1, 0.25, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
 ok(core.orthonormality(bent, 3) == 0.25 and core.orthonormality(bent, 1) == 0, "off orthonormal columns")
 tap.done()

@@ -88,6 +88,13 @@ near(order(spatial, "lie(2)", 4, 20, turned, at4), 4, 0.15, "lie(2), right trivi
 local S, s = finish(spatial, "lie(3)", 0.02, 100, turned)
 local B, b = finish(heavy, "lie(3)", 0.02, 100, tilt)
 ok(far(S, B) < 1e-8 and far(s, B * b) < 1e-8, "and its momentum is the spatial one")
+local right, left = run(spatial, "lie(3)", 0.02, 100, turned, 20), run(heavy, "lie(3)", 0.02, 100, tilt, 20)
+for _, how in ipairs { "left", "right" } do
+  local J, same = right:momentum(SO3, { side = how }), left:momentum(SO3, { side = how })
+  for i = 1, #right do ok((J[i] - same[i]):norm() < 1e-8, how .. " momentum of either trivialization, row " .. i) end
+end
+local vertical, alike = right:momentum(dm.SO(2)), left:momentum(dm.SO(2))
+for i = 1, #right do near(vertical[i], alike[i], 1e-8, "vertical momentum of either trivialization, row " .. i) end
 
 ---- structure ----
 

@@ -17,6 +17,16 @@ near(long.exponent, 1, 1e-4, "a vector that would grow by e^100000")
 ok(#long.history.t == 1000, "a row every thousandth of the time, however short the blocks")
 near(long.megno, 1e5 / 2, 50, "MEGNO grows by half of the exponent")
 
+-- MEGNO from its definition, by the growth of every step
+local few = tops:lyapunov { q = { 0.3, 0.1 }, v = { 0, 0.2 }, t = 8, every = 1 }.history
+local sum, mean, Y = 0, 0, 0
+for i = 1, #few.t do
+  local s, t = i > 1 and few.t[i - 1] or 0, few.t[i]
+  sum = sum + (few.exponent[i] * t - (i > 1 and few.exponent[i - 1] * s or 0)) * (t + s) / 2
+  mean, Y = mean + (Y + 2 * sum / t) / 2 * (t - s), 2 * sum / t
+end
+near(few.megno[#few.t], mean / few.t[#few.t], 1e-13, "MEGNO is the mean of 2/t int s d ln|u|")
+
 -- exponents of a chaotic flow come in pairs
 local henon = dm.system { Q = dm.R(2), L = function(q, v)
   return (v:dot(v) - q:dot(q)) / 2 - q[1] ^ 2 * q[2] + q[2] ^ 3 / 3

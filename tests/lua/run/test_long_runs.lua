@@ -185,4 +185,34 @@ ok(not fine and #dm.load(npy).t == #failure.path.t - 1 + failure.path.steps + 1,
 raises("cannot open", run, gauss, { steps = 1, file = "/no/such/folder/x.npy" })
 raises(".npy", run, gauss, { steps = 1, file = "x.csv" })
 os.remove(npy); os.remove(file)
+-- a zero that ends a run is behind the state: one that goes on from there does not meet it again
+local swinging, before, again = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  :solver { rule = "gauss(2)", h = 0.37 }, 0, 0
+for i = 1, 20 do
+  local c, up = -0.9 + 1.8 * i / 21, i % 2 == 0
+  local met = { hit = { g = function(q) return q[1] - c end, direction = up and "up" or "down", stop = true } }
+  local first = swinging:run { q = { up and -1 or 1 }, v = { 0.1 }, t = 20, events = met }
+  local x, second = first.q[#first], swinging:run { q = first.q[#first], p = first.p[#first], t = 7, events = met }
+  before = before + ((up and x[1] < c or not up and x[1] > c) and 1 or 0)
+  again = again + (second.t[#second] < 1 and 1 or 0)
+end
+ok(before == 0 and again == 0, "ends of runs lie behind the zero", before)
+
+-- the standard error of a drift: of few rows by their residuals, of many by those of block means; a line has none
+local free = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
+local function drift_of(rows, f)
+  local path, y = free:solver({ rule = "verlet", h = 1 }):run { q = { 0 }, v = { 1 }, steps = rows - 1 }, dm.zeros(rows)
+  for i = 1, rows do y[i] = f(i - 1) end
+  return path:drift(y)
+end
+local few = drift_of(4, function(i) return i % 2 end)
+near(few.per_time, 0.2, 1e-15, "drift: slope of four rows")
+near(few.error, math.sqrt(0.08), 1e-15, "  and its error: residuals of two degrees of freedom")
+local blocks = drift_of(64, function(i) return i // 4 % 2 == 0 and 1 or -1 end)
+near(blocks.per_time, -32 * 4 / 21840, 1e-15, "drift: slope of blocks of four rows to and fro")
+near(blocks.error, math.sqrt((16 - 64 / 340) / 14 / 340) / 4, 1e-14, "  and its error, by sixteen means")
+local line = drift_of(1000, function(i) return 3 - 0.25 * i end)
+ok(abs(line.per_time + 0.25) < 1e-15 and line.error < 1e-15 and line.mean == 3 - 0.25 * 499.5
+  and line.largest == 0.25 * 999, "drift: of a line")
+
 tap.done()

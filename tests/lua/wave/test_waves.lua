@@ -21,6 +21,11 @@ local levels = dm.schroedinger({ x = { 0, pi, 32 }, boundary = "walls", hbar = 0
 local worst = 0
 for k = 1, 6 do worst = math.max(worst, math.abs(levels[k] - k ^ 2 / 16)) end
 ok(worst < 1e-12, "a box: hbar^2 k^2/2m", worst)
+for n = 5, 8 do -- psi = x - x^3 is a polynomial: its square is integrated exactly, also where that has the degree n + 1
+  local seen = dm.schroedinger({ x = { -1, 1, n }, boundary = "walls" }):observe(function(x) return x - x ^ 3 end)
+  near(seen.norm, 16 / 105, 1e-15, "norm of a polynomial between walls, " .. n .. " points")
+  near(seen.energy, 4 / 5, 1e-14, "  and its energy")
+end
 for _, space in ipairs { "collocation", "galerkin" } do -- Mathieu: V0 + a_0(4 V0)/8, V0 = 3
   local values = dm.schroedinger({ x = { 0, 2 * pi, 24 }, V = function(x) return 3 + 3 * cos(x) end,
     space = space }):eigen(2).values
@@ -29,7 +34,7 @@ end
 
 -- Leok's matrix by its definition: integrals on a fine grid between the functions of the space
 local N, fine = 8, 64
-local function V(x) return 1 + cos(x) + 0.3 * sin(2 * x) - 0.2 * cos(3 * x) end
+local function V(x) return 1 + cos(x) + 0.3 * sin(2 * x) - 0.2 * cos(3 * x) + 0.4 * cos(4 * x) end
 local function mode(k, x) -- orthonormal, real
   if k == 0 then return 1 / sqrt(2 * pi) end
   if k == N / 2 then return cos(k * x) / sqrt(pi) end

@@ -18,6 +18,12 @@ local function integrals_kept(run, sentence)
     ok(run:drift(name).largest <= 1e-13 * size, sentence .. ": " .. name, run:drift(name).largest)
   end
 end
+-- w = z: psi = -z/2, the energy int |grad psi|^2/2 is pi/3, the enstrophy int w^2/2 is 2 pi/3
+local sphere = dm.mesh { icosphere = 4 }
+local turning = sphere:euler { vorticity = sphere:form(0, function(_, _, z) return 1 + z end) }:solver { h = 0.1 }:run { t = 0.1 }
+near(turning:column "energy"[1], math.pi / 3, 2e-3, "energy of a rotation")
+near(turning:column "enstrophy"[1], 2 * math.pi / 3 + 2 * math.pi, 2e-2, "enstrophy of a rotation and a constant")
+near(turning:column "circulation"[1], 4 * math.pi, 2e-2, "circulation of a constant")
 local figures, last = { 0.69985549041, 0.20388443755, 0.05350867450 }, nil
 for i, s in ipairs { 2, 3, 4 } do
   local K = dm.mesh { icosphere = s }

@@ -1,0 +1,104 @@
+/* bounds of how fast an operation changes, and of what its operands count for, hold every slope in
+ * a box, and close in on it */
+#include "algebra/derive.h"
+#include "graph/bounds.h"
+
+#include "check.h"
+#include "random_graph.h"
+
+enum { INPUTS = 3, BOXES = 60, POINTS = 20, MOST = 200 };
+
+/* f(x, y, z) = op(x, y, z) for operands between lo and hi; is its slope bounded in small boxes? */
+typedef struct {
+    dm_op op;
+    double lo, hi, power; /* power: x^power */
+    int bounded;
+} row;
+
+static const row rows[] = {
+    {DM_OP_NEG, -2, 2, 0, 1},     {DM_OP_ABS, -2, 2, 0, 1},      {DM_OP_SQRT, 0.1, 3, 0, 1},
+    {DM_OP_RSQRT, 0.1, 3, 0, 1},  {DM_OP_RSQRT3, 0.1, 3, 0, 1},  {DM_OP_EXP, -2, 2, 0, 1},
+    {DM_OP_LOG, 0.1, 3, 0, 1},    {DM_OP_SIN, -4, 4, 0, 1},      {DM_OP_COS, -4, 4, 0, 1},
+    {DM_OP_TAN, -1.4, 1.4, 0, 1}, {DM_OP_ASIN, -0.9, 0.9, 0, 0}, {DM_OP_ACOS, -0.9, 0.9, 0, 0},
+    {DM_OP_ATAN, -3, 3, 0, 1},    {DM_OP_SINH, -2, 2, 0, 1},     {DM_OP_COSH, -2, 2, 0, 1},
+    {DM_OP_TANH, -2, 2, 0, 1},    {DM_OP_ADD, -2, 2, 0, 1},      {DM_OP_SUB, -2, 2, 0, 1},
+    {DM_OP_MUL, -2, 2, 0, 1},     {DM_OP_DIV, 0.2, 3, 0, 1},     {DM_OP_DIV, -3, -0.2, 0, 1},
+    {DM_OP_POW, 0.2, 3, 2.5, 1},  {DM_OP_POW, -3, -0.2, -3, 1},  {DM_OP_POW, -2, 2, 4, 1},
+    {DM_OP_ATAN2, 0.2, 3, 0, 0},  {DM_OP_MIN, -2, 2, 0, 1},      {DM_OP_MAX, -2, 2, 0, 1},
+    {DM_OP_WHERE, -2, 2, 0, 1},   {DM_OP_FMA, -2, 2, 0, 1},      {DM_OP_FMS, -2, 2, 0, 1},
+    {DM_OP_FNMA, -2, 2, 0, 1},
+};
+
+static dm_graph *g;
+static dm_node x[INPUTS], f, slope[INPUTS];
+
+/* between 0 and 1 */
+static double uniform(uint32_t k, uint32_t i) {
+    return fmod(0.5 + 0.618033988749895 * k + 0.7548776662466927 * i * (1.0 + 0.1 * k), 1.0);
+}
+
+static double middle(dm_interval a) {
+    return 0.5 * (a.lo + a.hi);
+}
+
+/* the slopes at a point of the box, which are those of the graph */
+static void slopes_at(double d[INPUTS], const dm_interval *box, uint32_t k, uint32_t i) {
+    dm_interval in[INPUTS], value[MOST];
+    for (uint32_t a = 0; a < INPUTS; a++) {
+        const double at = box[a].lo + uniform(k + 7 * a, i) * (box[a].hi - box[a].lo);
+        in[a] = (dm_interval){at, at};
+    }
+    dm_bounds(g, in, value);
+    for (uint32_t a = 0; a < INPUTS; a++) d[a] = slope[a] ? middle(value[slope[a]]) : 0.0;
+}
+
+/* in a box of that width */
+static void look(const row *r, uint32_t k, double width) {
+    dm_interval box[INPUTS], value[MOST], rate[MOST], in[INPUTS];
+    double weight[MOST] = {0.0}, d[INPUTS];
+    for (uint32_t a = 0; a < INPUTS; a++) {
+        box[a].lo = r->lo + uniform(k, a) * (r->hi - r->lo - width);
+        box[a].hi = box[a].lo + width;
+    }
+    dm_bounds(g, box, value);
+    weight[f] = 1.0;
+    dm_bounds_weight(g, value, weight);
+    for (uint32_t a = 0; a < INPUTS; a++) {
+        for (uint32_t b = 0; b < INPUTS; b++) in[b] = (dm_interval){a == b, a == b};
+        dm_bounds_rate(g, in, value, rate);
+        for (uint32_t i = 0; i < POINTS; i++) {
+            slopes_at(d, box, k, i);
+            const double slack = 1e-12 * (1.0 + fabs(d[a]));
+            CHECK(rate[f].lo <= d[a] + slack && rate[f].hi >= d[a] - slack);
+            CHECK(weight[x[a]] >= fabs(d[a]) - slack);
+        }
+        if (!r->bounded || width > 1e-6) continue;
+        CHECK_NEAR(middle(rate[f]), d[a], 1e-4 * (1.0 + fabs(d[a])));
+        if (r->op != DM_OP_MIN && r->op != DM_OP_MAX) /* which count for both operands */
+            CHECK_NEAR(weight[x[a]], fabs(d[a]), 1e-4 * (1.0 + fabs(d[a])));
+    }
+}
+
+static void operations(void) {
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const row *r = rows + k;
+        const int failures = check_failures;
+        dm_arena arena = new_arena();
+        g = dm_graph_new(&arena, INPUTS);
+        for (uint32_t a = 0; a < INPUTS; a++) x[a] = dm_input(g, a);
+        f = r->op == DM_OP_POW ? dm_apply(g, r->op, x[0], dm_constant(g, r->power), 0)
+                               : dm_apply(g, r->op, x[0], dm_op_operands(r->op) > 1 ? x[1] : 0,
+                                          dm_op_operands(r->op) > 2 ? x[2] : 0);
+        dm_gradient(g, f, 0, INPUTS, slope);
+        CHECK(dm_graph_status(g) == DM_OK && dm_graph_size(g) <= MOST);
+        for (uint32_t i = 0; i < BOXES; i++)
+            look(r, i, i % 2 ? 1e-7 : 0.4 * (r->hi - r->lo) * uniform(i, 9));
+        if (check_failures > failures) printf("# of operation %d\n", (int)r->op);
+        dm_arena_release(&arena);
+    }
+}
+
+int main(void) {
+    RUN(operations, "rates and weights of all operations hold their slopes");
+    return check_finish();
+}
