@@ -25,6 +25,9 @@ for n = 5, 8 do -- psi = x - x^3 is a polynomial: its square is integrated exact
   local seen = dm.schroedinger({ x = { -1, 1, n }, boundary = "walls" }):observe(function(x) return x - x ^ 3 end)
   near(seen.norm, 16 / 105, 1e-15, "norm of a polynomial between walls, " .. n .. " points")
   near(seen.energy, 4 / 5, 1e-14, "  and its energy")
+  local bow = dm.schroedinger({ x = { -1, 1, n }, boundary = "walls" }):solver({ rule = "gauss(2)", h = 0.1 })
+    :run({ psi = function(x) return 1 - x ^ 2 end, steps = 1 }).psi[1]
+  near((bow:dot(bow)), 16 / 15, 1e-15, "  a product of vectors, of degree n - 1 where n is 5")
 end
 for _, space in ipairs { "collocation", "galerkin" } do -- Mathieu: V0 + a_0(4 V0)/8, V0 = 3
   local values = dm.schroedinger({ x = { 0, 2 * pi, 24 }, V = function(x) return 3 + 3 * cos(x) end,
