@@ -135,17 +135,18 @@ function dm_avi_cells_class:limits() end
 ---@return number
 function dm_avi_cells_class:resonances(margin) end
 
----cells:run(p, h, times, half) -> dm.path, status, events
+---cells:run({p=, half=, file=, from=, t0=, ending=}, h, times) -> dm.path, status, events, row, why
 ---
----Steps h of every cell from q and p at times[1]; a row at every time.
----@param p? any
+---Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending`, the state at a row, the last one unless the run was stopped; a run that goes on from there is given it as `from`, and the time t0 of its start.
+---@param options? table
 ---@param h? any
 ---@param times? any
----@param half? any
 ---@return dm.path
 ---@return any
 ---@return any
-function dm_avi_cells_class:run(p, h, times, half) end
+---@return any
+---@return any
+function dm_avi_cells_class:run(options, h, times) end
 
 ---cells:sums() -> list of { call, cells }
 ---
@@ -1287,6 +1288,15 @@ function dm_ensemble_class:summary(name) end
 ---@class dm.euler
 local dm_euler_class = {}
 
+---euler:resume(file | run) -> dm.euler_solver
+---
+---A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+---solver:run{t=}, without vorticity, gives the bits of a run that never stopped. Raises when the file
+---is not a whole checkpoint or the flow is on another mesh.
+---@param file? string
+---@return dm.euler_solver
+function dm_euler_class:resume(file) end
+
 ---euler:solver{h=, rule = "midpoint"} -> dm.euler_solver
 ---
 ---Steps of the implicit midpoint rule, solved to round-off; h > 0.
@@ -1319,6 +1329,12 @@ function dm_euler_engine_class:advance(h, steps) end
 ---@return nil
 function dm_euler_engine_class:fail(steps, t, h, rule, run) end
 
+---e:low() -> dm.vector
+---
+---What compensated sums of the vorticity have beside it.
+---@return dm.vector
+function dm_euler_engine_class:low() end
+
 ---e:measure() -> dm.vector, energy, enstrophy, circulation
 ---
 ---The stream function at the vertices, |d psi|^2 / 2, |w|^2 / 2 and the sum of *v w.
@@ -1339,12 +1355,13 @@ function dm_euler_engine_class:vorticity() end
 ---@class dm.euler_solver
 local dm_euler_solver_class = {}
 
----solver:run{t= | steps=, every=, t0=, vorticity=, file=} -> dm.flow
+---solver:run{t= | steps=, every=, t0=, vorticity=, file=, checkpoint=} -> dm.flow
 ---
 ---From the vorticity of the flow, or another one at time t0 (0), to the time t or for so many steps.
 ---every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
 ---with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
----the last. Raises dm.failure with the run so far where a step finds no solution: h is too long.
+---the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises
+---dm.failure with the run so far where a step finds no solution: h is too long.
 ---@param options? table
 ---@return dm.flow
 function dm_euler_solver_class:run(options) end
@@ -1407,7 +1424,7 @@ function dm_field_chart_class:table() end
 
 ---dm.flow: what a run of K:euler recorded
 ---fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
----rule, solver, sweeps (rates that a step needed, in the mean), file; #run rows
+---rule, euler, solver, sweeps (rates that a step needed, in the mean), file; #run rows
 ---@class dm.flow
 local dm_flow_class = {}
 
@@ -1419,6 +1436,13 @@ local dm_flow_class = {}
 ---@param options? table
 ---@return string
 function dm_flow_class:animate(file, options) end
+
+---run:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; euler:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_flow_class:checkpoint(file) end
 
 ---run:column(name) -> dm.vector
 ---
@@ -3412,10 +3436,13 @@ local dm_prismal_class = {}
 ---@class dm.prismal_solver
 local dm_prismal_solver_class = {}
 
----solver:run{q=, v= | p=, every=} -> dm.path
+---solver:run{q=, v= | p=, every=, file=, checkpoint=} -> dm.path
 ---
 ---Steps of a field over all slices of dm.prismal, from q and v or p at the first one. Rows at the
----start, at every slice (every = k: every k-th) and at the last.
+---start, at every slice (every = k: every k-th) and at the last. file: a .npy file that the rows go to
+---as they come (the path keeps the last). checkpoint: a file for where it ended, also where it was
+---stopped; dm.resume goes on from it, and from the path, over the slices that are left or over others,
+---dm.resume(from, field, { rule = dm.prismal{...} }), with the bits of a run that never stopped.
 ---@param options? table
 ---@return dm.path
 function dm_prismal_solver_class:run(options) end
@@ -6145,8 +6172,10 @@ function dm.remesh(K, M, options) end
 ---dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> dm.solver
 ---
 ---A solver that goes on where a run ended, from path:checkpoint(file) or from the path itself: solver:run{steps=} gives the bits of a run that never stopped. Rule, h and Newton's tolerance are those of the checkpoint; rule: for a rule that is an object, which a file does not hold. Raises when the file is not a whole checkpoint or the system is another one.
----So do runs of fields on lines, of boxes and of waves: dm.resume(run), or dm.resume(file, field) with
----the dm.field, dm.multisymplectic or dm.schroedinger that they are of.
+---So do runs of fields on lines, of boxes, of waves and of flows: dm.resume(run), or dm.resume(file,
+---field) with the dm.field, dm.multisymplectic, dm.schroedinger or K:euler that they are of; and runs
+---of fields on meshes by rule "avi" (run{t=} goes on from there) and over the slices of dm.prismal
+---(those that are left, or those of { rule = dm.prismal{...} }).
 ---@param file? string
 ---@param system? any
 ---@param options? table

@@ -146,6 +146,9 @@ static const dml_row functions[] =
      {"end_file", dml_core_end_file,
       "core.end_file(name, file) -> true   or   nil, why\n"
       "Put what core.new_file made, whole and on the disk, in the place of `file`."},
+     {"cut_file", dml_core_cut_file,
+      "core.cut_file(file, bytes)\n"
+      "Leave the first `bytes` bytes of a file. Raises where that is not possible."},
      {"nearest", dml_core_nearest,
       "core.nearest(word, names) -> name or nil\n"
       "The name of the list that is spelt most like the word, nil when none is near."},

@@ -1,24 +1,35 @@
 --- NumPy files of records with named fields, each a little-endian double or an array of them.
+local core = require "dm.core"
 local text_file = require "dm.base.text_file"
 
 local M = {}
 
+local ROOM = 32 -- characters of the number of rows and what follows it
+
+-- "17,), }" and blanks: as long for every number of rows
+local function count_text(rows)
+  local text = ("%d,), }"):format(rows)
+  return text .. (" "):rep(ROOM - #text)
+end
+
 --- The head of a file of `rows` records; fields: { name, count } with count 0 for a number, else
 -- the length of an array. Magic, version, length of the text, text; all a multiple of 64 bytes that
--- ends in a newline. Version 1.0, or 3.0 (UTF-8 text) when a name is not ASCII.
+-- ends in a newline. Version 1.0, or 3.0 (UTF-8 text) when a name is not ASCII. Second: where in it
+-- the number of rows stands, in bytes.
 function M.header(fields, rows)
   local out = {}
   for i, field in ipairs(fields) do
     local shape = field[2] > 0 and (", (%d,)"):format(field[2]) or ""
     out[i] = ("('%s', '<f8'%s)"):format(field[1]:gsub("[\\']", "\\%0"), shape)
   end
-  local text = ("{'descr': [%s], 'fortran_order': False, 'shape': (%d,), }")
-    :format(table.concat(out, ", "), rows)
+  local text = ("{'descr': [%s], 'fortran_order': False, 'shape': ("):format(
+    table.concat(out, ", "))
   local wide = #text > 65000 or text:find("[\128-\255]")
   local fixed = wide and 12 or 10
-  local size = (fixed + #text + 1 + 63) // 64 * 64 - fixed
-  text = text .. (" "):rep(size - 1 - #text) .. "\n"
-  return "\147NUMPY" .. (wide and "\3\0" or "\1\0") .. (wide and "<I4" or "<I2"):pack(size) .. text
+  local size = (fixed + #text + ROOM + 1 + 63) // 64 * 64 - fixed
+  local before = "\147NUMPY" .. (wide and "\3\0" or "\1\0") .. (wide and "<I4" or "<I2"):pack(size)
+    .. text
+  return before .. count_text(rows) .. (" "):rep(size - 1 - #text - ROOM) .. "\n", #before
 end
 
 local BLOCK = 100 -- numbers that one call of pack takes: its results stand on the stack of Lua
@@ -44,29 +55,93 @@ function M.record(fields, row)
   return table.concat(out)
 end
 
---- Writes a file of `rows` records as body(write) calls write(row) for each. Where fewer come, by
--- an error too, the head says how many there are.
-function M.stream(file, fields, rows, where, body)
-  local handle = text_file.open(file, "wb", where)
-  local head, count = M.header(fields, rows), 0
-  local function put(text)
-    local fine, why = handle:write(text)
-    if not fine then
-      handle:close()
-      error(("cannot write %s: %s"):format(file, why), 0)
-    end
+---- files that are written row by row ----
+
+local AT_ONCE = 1 << 20 -- bytes between two times that the head counts the rows
+
+local function close_badly(out, why)
+  out.handle:close()
+  error(("cannot write %s: %s"):format(out.file, why), 0)
+end
+
+local function put(out, text)
+  local fine, why = out.handle:write(text)
+  if not fine then close_badly(out, why) end
+end
+
+-- the head counts the rows that are in the file
+local function count_rows(out)
+  out.handle:flush()
+  out.handle:seek("set", out.behind)
+  put(out, count_text(out.rows))
+  out.handle:seek("set", #out.head + out.rows * out.width)
+  out.since = 0
+end
+
+local function add(out, fields, row)
+  local record = M.record(fields, row)
+  put(out, record)
+  out.rows, out.since = out.rows + 1, out.since + #record
+  if out.since > AT_ONCE then count_rows(out) end
+end
+
+-- the time of row i, from 0
+local function time_of(out, i)
+  out.handle:seek("set", #out.head + i * out.width)
+  local bytes = out.handle:read(8)
+  return bytes and #bytes == 8 and ("<d"):unpack(bytes) or 0 / 0
+end
+
+-- Of a file that is there, the rows before the time `from` stay; false: it has other columns.
+local function keep_rows(out, from)
+  local head = out.handle:read(#out.head) or ""
+  local last = out.behind + ROOM
+  if head:sub(1, out.behind) ~= out.head:sub(1, out.behind)
+    or head:sub(last + 1) ~= out.head:sub(last + 1) then
+    return false
   end
-  put(head)
-  local fine, message = pcall(body, function(row)
-    put(M.record(fields, row))
-    count = count + 1
-  end)
-  local short = M.header(fields, count)
-  if count < rows and #short == #head then
-    handle:seek "set"
-    put(short)
+  local least, most = 0, tonumber(head:sub(out.behind + 1, last):match "^%d+") or 0
+  while least < most do -- rows before `least` are earlier, those from `most` on are not
+    local middle = (least + most) // 2
+    if time_of(out, middle) < from then least = middle + 1 else most = middle end
   end
-  local closed, why = handle:close()
+  out.rows = least
+  core.cut_file(out.file, #out.head + least * out.width)
+  count_rows(out)
+  return true
+end
+
+local function is_there(file)
+  local handle = type(file) == "string" and io.open(file, "rb")
+  local some = handle and handle:read(1)
+  if handle then handle:close() end
+  return some ~= nil and some ~= false
+end
+
+local function open(file, fields, where, from)
+  local goes_on = from and not core.is_silent() and is_there(file)
+  local out = { handle = text_file.open(file, goes_on and "r+b" or "wb", where), file = file,
+    rows = 0, since = 0, width = 0 }
+  out.head, out.behind = M.header(fields, 0)
+  for _, field in ipairs(fields) do out.width = out.width + 8 * math.max(1, field[2]) end
+  if not goes_on then
+    put(out, out.head)
+  elseif not keep_rows(out, from) then
+    out.handle:close()
+    error(("%s: %s has other columns than this run, which goes on: give another file"):format(
+      where, file), 0)
+  end
+  return out
+end
+
+--- Writes a file of records as body(write) calls write(row) for each; its head counts those that
+-- came, by an error too. A run that goes on (from: its time) adds to a file of the same fields, the
+-- first of which is the time, and replaces its rows from that time on.
+function M.stream(file, fields, where, body, from)
+  local out = open(file, fields, where, from)
+  local fine, message = pcall(body, function(row) add(out, fields, row) end)
+  count_rows(out)
+  local closed, why = out.handle:close()
   if not fine then error(message, 0) end
   if not closed then error(("cannot write %s: %s"):format(file, why), 0) end
 end

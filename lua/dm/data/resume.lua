@@ -1,5 +1,5 @@
 --- dm.resume of whatever has an end to go on from: paths of systems by the core, runs of fields on
--- lines, of boxes and of waves by the method `resume` of what they are runs of.
+-- lines, of boxes, of waves and of flows by the method `resume` of what they are runs of.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local option = require "dm.base.options"
@@ -9,20 +9,22 @@ local M = {}
 local WHERE = "dm.resume"
 
 -- what runs are of, by the class of the run; and the classes of those models
-local OF_RUN = { ["dm.line_run"] = "field", ["dm.box_run"] = "boxes", ["dm.wave_path"] = "wave" }
-local MODELS = { ["dm.line_field"] = true, ["dm.boxes"] = true, ["dm.schroedinger"] = true }
+local OF_RUN = { ["dm.line_run"] = "field", ["dm.box_run"] = "boxes", ["dm.wave_path"] = "wave",
+  ["dm.flow"] = "euler" }
+local MODELS = { ["dm.line_field"] = true, ["dm.boxes"] = true, ["dm.schroedinger"] = true,
+  ["dm.euler"] = true }
 
 --- dm.resume(file | run [, model])
 M.resume = blame.caller(function(from, model, options)
   local key = OF_RUN[option.got(from)]
   if type(from) == "table" and not key then
-    option.fail(WHERE, "a file, a path, or a run of a line, of boxes or of a wave is needed (got "
-      .. "%s); others go on by a new run from their last row", option.got(from))
+    option.fail(WHERE, "a file, a path, or a run of a line, boxes, a wave or a flow is needed "
+      .. "(got %s); others go on by a new run from their last row", option.got(from))
   end
   if not key and not MODELS[option.got(model)] then return core.resume(from, model, options) end
   if options ~= nil then
-    option.fail(WHERE, "the rule of a run on a line or of a wave is that of its checkpoint: there "
-      .. "are no options")
+    option.fail(WHERE, "the rule of a run on a line, of a wave or a flow is that of its "
+      .. "checkpoint: there are no options")
   end
   model = model or from[key]
   if not MODELS[option.got(model)] then
@@ -34,7 +36,9 @@ end)
 
 core.docs[M.resume] = core.docs[core.resume] .. [[
 
-So do runs of fields on lines, of boxes and of waves: dm.resume(run), or dm.resume(file, field) with
-the dm.field, dm.multisymplectic or dm.schroedinger that they are of.]]
+So do runs of fields on lines, of boxes, of waves and of flows: dm.resume(run), or dm.resume(file,
+field) with the dm.field, dm.multisymplectic, dm.schroedinger or K:euler that they are of; and runs
+of fields on meshes by rule "avi" (run{t=} goes on from there) and over the slices of dm.prismal
+(those that are left, or those of { rule = dm.prismal{...} }).]]
 
 return M

@@ -46,6 +46,14 @@ function M.write(file, head, fields, state, where)
   return file
 end
 
+--- The first line of a file, up to 80 bytes; nil where it cannot be read.
+function M.head(file)
+  local handle = io.open(file, "r")
+  local line = handle and handle:read(80)
+  if handle then handle:close() end
+  return line and line:match "^[^\n]*"
+end
+
 --- The fields of a file as texts, and its state as a vector in `state`.
 function M.read(file, head, what, where)
   local function fail(...) option.fail(where, ...) end
@@ -63,7 +71,11 @@ function M.read(file, head, what, where)
   local fields, state = {}, {}
   for line in body:sub(#head + 2):gmatch "[^\n]+" do
     local key, value = line:match "^(%a[%w]*) (.*)$"
-    if key then fields[key] = value else state[#state + 1] = tonumber(line) end
+    local x = not key and tonumber(line)
+    if not key and not (x and x - x == 0) then
+      fail("%s: '%s' in the state is no finite number", file, line:sub(1, 40))
+    end
+    if key then fields[key] = value else state[#state + 1] = x end
   end
   if #state ~= tonumber(fields.state) then fail("%s: numbers of the state are missing", file) end
   fields.state = core.vector(state)

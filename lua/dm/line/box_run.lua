@@ -1,7 +1,7 @@
 --- Runs of boxes.
 local blame = require "dm.base.blame"
+local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
-local endings = require "dm.line.ending"
 local option = require "dm.base.options"
 local picture = require "dm.line.picture"
 local start = require "dm.line.box_start"
@@ -99,7 +99,7 @@ end
 local function level_of(solver, options, plan)
   local ending = solver.ending
   if ending then
-    endings.check_options(options, { "z", "t0" })
+    checkpoint.check_options(options, { "z", "t0" })
     return { z = ending.u, u = ending.u, from = ending.from, slope = ending.slope, moved = {},
       strip = strips.new(solver, ending.slope) }
   end
@@ -118,11 +118,11 @@ function M.run(solver, options)
   local plan = { t0 = ending and ending.t0 or option.number(options, "t0", where, nil, 0),
     steps = steps_of(solver, options), every = option.whole(options, "every", where, 1, 1 << 53, 1),
     file = option.text(options, "file", where) }
-  local checkpoint = option.text(options, "checkpoint", where)
+  local saved_in = option.text(options, "checkpoint", where)
   local level = level_of(solver, options, plan)
   local outcome = stream.go(solver, level, plan, writer(solver.boxes, level))
   local run = new_run(solver, level, plan, outcome)
-  if checkpoint then run:checkpoint(checkpoint) end
+  if saved_in then run:checkpoint(saved_in) end
   if outcome.code ~= "ok" then
     outcome.time = run.t[#run.t]
     core.strip_fail(outcome, "box", run, outcome.code == "singular" and SINGULAR or nil)
@@ -154,7 +154,7 @@ function Run.__tostring(run)
 end
 
 core.method("dm.box_run", "checkpoint", blame.caller(function(run, file)
-  return require "dm.line.box_checkpoint".write(run, file)
+  return checkpoint.write(require "dm.line.checkpoint".boxes, run, file)
 end), [[
 run:checkpoint(file) -> file name
 Write where the run ended, a text with all bits; boxes:resume(file) goes on from it.]])

@@ -4,6 +4,7 @@ local algebra = require "dm.line.box_algebra"
 local blame = require "dm.base.blame"
 local box_run = require "dm.line.box_run"
 require "dm.line.box_laws"
+local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
 local grids = require "dm.line.grid"
 local lists = require "dm.base.lists"
@@ -146,7 +147,7 @@ cells and det K = 0. A component whose constant nothing determines (a gauge mode
 potential) is held at the first node: solver.held names it.]])
 
 core.method("dm.boxes", "resume", blame.caller(function(boxes, from)
-  return require "dm.line.box_checkpoint".resume(boxes, from)
+  return checkpoint.resume(require "dm.line.checkpoint".boxes, boxes, from)
 end), [[
 boxes:resume(file | run) -> dm.box_solver
 A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:

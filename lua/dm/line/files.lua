@@ -27,7 +27,7 @@ local function write_npy(run, file, where)
   local matrices, fields = matrices_of(run), { { "t", 0 } }
   if run.energy then fields[2] = { "energy", 0 } end
   for _, entry in ipairs(matrices) do fields[#fields + 1] = { entry[1], #entry[2][1] } end
-  npy.stream(file, fields, #run, where, function(write)
+  npy.stream(file, fields, where, function(write)
     for i = 1, #run do
       local row = { t = run.t[i], energy = run.energy and run.energy[i] }
       for _, entry in ipairs(matrices) do row[entry[1]] = entry[2][i] end

@@ -1,6 +1,7 @@
 --- Fields on a line by cells of space and time (Leok 5.1): dm.field. docs/theory/fields.md tells
 -- the theory.
 local blame = require "dm.base.blame"
+local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
 local grids = require "dm.line.grid"
 local option = require "dm.base.options"
@@ -151,7 +152,7 @@ height of a slab. free = "t": each slab's height is unknown, its energy that of 
 height is h (Leok 5.5, 5.6); free = "x": the nodes move, too, ends stay; free = {"t", "x"}: both.]])
 
 core.method("dm.line_field", "resume", blame.caller(function(field, from)
-  return require "dm.line.checkpoint".resume(field, from)
+  return checkpoint.resume(require "dm.line.checkpoint".field, field, from)
 end), [[
 field:resume(file | run) -> dm.line_solver
 A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:

@@ -1,5 +1,6 @@
 --- dm.line_run: the levels of a run, and what is asked of them.
 local blame = require "dm.base.blame"
+local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
 local moving = require "dm.line.moving"
 local option = require "dm.base.options"
@@ -194,7 +195,7 @@ local function column(run, name)
 end
 
 core.method("dm.line_run", "checkpoint", blame.caller(function(run, file)
-  return require "dm.line.checkpoint".write(run, file)
+  return checkpoint.write(require "dm.line.checkpoint".field, run, file)
 end), [[
 run:checkpoint(file) -> file name
 Write where the run ended, a text with all bits; field:resume(file) goes on from it.]])

@@ -16,4 +16,21 @@ function M.of(random, row, n, changed)
   return out[1], out[2], out[3]
 end
 
+--- f(...) as a number; NaN where it is none.
+function M.number(f, ...)
+  local fine, value = pcall(f, ...)
+  return fine and type(value) == "number" and value or 0 / 0
+end
+
+--- L of a field on a line at four such places of its line, by a time for each; time(row): when.
+function M.values_of(field, time)
+  local random, out = core.random(17), {}
+  for row = 1, 4 do
+    local u, ut, ux = M.of(random, row, field.values)
+    local x = field.from + (field.to - field.from) * random:uniform(row, 0)
+    out[row] = M.number(field.L, u, ut, ux, x, time and time(row) or 0.3 * row)
+  end
+  return out
+end
+
 return M

@@ -1,7 +1,7 @@
 --- Solvers of fields on a line: the strip of a rule, starts, runs; the limit of stability.
 local blame = require "dm.base.blame"
+local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
-local endings = require "dm.line.ending"
 local grids = require "dm.line.grid"
 local lists = require "dm.base.lists"
 local moving = require "dm.line.moving"
@@ -183,7 +183,7 @@ end
 -- of a solver that goes on from a run: its ending as a level
 local function last_level(solver, options)
   local ending = solver.ending
-  endings.check_options(options, { "u", "ut", "p", "t0" })
+  checkpoint.check_options(options, { "u", "ut", "p", "t0" })
   local strip, action = solver.strip, solver.action
   if solver.moves then strip, action = M.strip(solver, ending.frozen) end
   return { strip = strip, action = action, u = ending.u, p = ending.p, from = ending.from,
@@ -205,7 +205,7 @@ local function run(solver, options)
     if options[key] ~= nil then option.fail("solver:run", "option '%s': %s", key, why) end
   end
   option.check(options, RUN, "solver:run")
-  local checkpoint = option.text(options, "checkpoint", "solver:run")
+  local saved_in = option.text(options, "checkpoint", "solver:run")
   local plan = plan_of(solver, options)
   local level = solver.ending and last_level(solver, options)
     or first_level(solver, options, plan.t0)
@@ -213,7 +213,7 @@ local function run(solver, options)
   local started = os.clock()
   local outcome = stream.go(solver, level, plan, stream.of_field(solver))
   local made = runs.new(solver, level, plan, outcome, os.clock() - started)
-  if checkpoint then made:checkpoint(checkpoint) end
+  if saved_in then made:checkpoint(saved_in) end
   if outcome.code ~= "ok" then runs.fail(made, outcome) end
   return made
 end

@@ -74,9 +74,8 @@ end
 -- the last one here.
 function M.go(solver, level, plan, writer)
   if not plan.file then return go(solver, level, plan, level, plan.steps) end
-  local rows = 1 + (plan.steps + plan.every - 1) // plan.every
   local out
-  npy.stream(plan.file, writer.fields, rows, "solver:run", function(write)
+  npy.stream(plan.file, writer.fields, "solver:run", function(write)
     local first, last, done = pieces(solver, level, plan, writer, write)
     out = last
     out.done = done
@@ -85,7 +84,7 @@ function M.go(solver, level, plan, writer)
     end
     out.energy = first.energy and core.vector { first.energy[1], last.energy[#last.energy] }
     out.t = core.vector { first.t[1], last.t[#last.t] }
-  end)
+  end, level.from and level.from.t)
   return out
 end
 

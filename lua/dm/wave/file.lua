@@ -17,20 +17,16 @@ local function take(block, i, names, seen)
   return row
 end
 
--- how many rows there will be, the start among them
-local function count_rows(steps, every)
-  return 1 + steps // every + (steps % every ~= 0 and 1 or 0)
-end
-
---- As stepper:run, with plan = { t0, first, steps, every, seconds }, and names of the columns: rows
--- without psi, done, code, CPU time, and a block that ends with the last row.
+--- As stepper:run, with plan = { t0, first, steps, every, seconds, from = the time at which the run
+-- goes on, or nil }, and names of the columns: rows without psi, done, code, CPU time, and a block
+-- that ends with the last row.
 function M.run(stepper, file, where, names, plan, N)
   local fields = {}
   for i, name in ipairs(names) do fields[i] = { name, 0 } end
   fields[#fields + 1], fields[#fields + 2] = { "re", N }, { "im", N }
   local whole = plan.every * math.max(1, AT_ONCE // (2 * N + #names))
   local seen, done, took, code, block = {}, 0, 0, "ok", nil
-  npy.stream(file, fields, count_rows(plan.steps, plan.every), where, function(write)
+  npy.stream(file, fields, where, function(write)
     repeat
       local left = plan.seconds and math.max(plan.seconds - took, 1e-9)
       local rows, made, outcome, seconds = stepper:run(plan.t0, plan.first + done,
@@ -38,7 +34,7 @@ function M.run(stepper, file, where, names, plan, N)
       for i = done == 0 and 1 or 2, #rows do write(take(rows, i, names, seen)) end
       done, took, code, block = done + made, took + seconds, outcome, rows
     until code ~= "ok" or done >= plan.steps
-  end)
+  end, plan.from)
   return core.matrix(seen), done, code, took, block
 end
 

@@ -1,4 +1,5 @@
 --- dm.wave_path: what a run of a wave recorded.
+local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local files = require "dm.wave.file"
@@ -101,12 +102,7 @@ end
 local function begin(solver, options)
   local from = solver.from
   if from then
-    for _, key in ipairs { "psi", "t0" } do
-      if options[key] ~= nil then
-        option.fail(WHERE, "option '%s': this solver goes on from a run, which has its own state "
-          .. "and time", key)
-      end
-    end
+    checkpoint.check_options(options, { "psi", "t0" })
     solver.stepper:state(from.state)
     return from.t0, from.step
   end
@@ -146,12 +142,13 @@ function M.run(solver, options)
   local steps = count_steps(options, solver.h)
   local every = option.whole(options, "every", WHERE, 1, nil, 1)
   local seconds = option.positive(options, "seconds", WHERE, "a time of CPU")
-  local checkpoint, file = option.text(options, "checkpoint", WHERE), read_file(options)
+  local saved_in, file = option.text(options, "checkpoint", WHERE), read_file(options)
   local t0, first = begin(solver, options)
   local rows, done, code, took, block
   if file then
     rows, done, code, took, block = files.run(solver.stepper, file, WHERE, COLUMNS, { t0 = t0,
-      first = first, steps = steps, every = every, seconds = seconds }, solver.wave.N)
+      first = first, steps = steps, every = every, seconds = seconds,
+      from = solver.from and t0 + first * solver.h }, solver.wave.N)
   else
     rows, done, code, took = solver.stepper:run(t0, first, steps, every, seconds)
   end
@@ -162,7 +159,7 @@ function M.run(solver, options)
   path.ending = { state = solver.stepper:state(), t0 = t0, step = first + done }
   path.notes = notes.of(path)
   solver.steps, solver.ns_per_step = done, path.ns_per_step
-  if checkpoint then path:checkpoint(checkpoint) end
+  if saved_in then path:checkpoint(saved_in) end
   if code ~= "ok" then fail(path, code) end
   return path
 end
@@ -195,7 +192,7 @@ path:drift(name | vector) -> {per_time, error, mean, largest}
 Least squares slope of a column, or of #path numbers, against time, as of other paths.]])
 
 class.method("dm.wave_path", "checkpoint", function(path, file)
-  return require "dm.wave.checkpoint".write(path, file)
+  return checkpoint.write(require "dm.wave.checkpoint", path, file)
 end, [[
 path:checkpoint(file) -> file name
 Write where the run ended, a text with all bits; wave:resume(file) goes on from it.]])

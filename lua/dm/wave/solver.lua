@@ -1,5 +1,5 @@
 --- wave:solver and its runs.
-local checkpoint = require "dm.wave.checkpoint"
+local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local lacking = require "dm.wave.lacking"
@@ -85,7 +85,7 @@ return function(waves)
     return setmetatable(self, Solver)
   end, DOC_SOLVER)
   class.method("dm.schroedinger", "resume", function(wave, from)
-    return checkpoint.resume(wave, from)
+    return checkpoint.resume(require "dm.wave.checkpoint", wave, from)
   end, [[
 wave:resume(file | path) -> dm.wave_solver
 The solver of a run, which goes on from where that ended, bit for bit: run it without psi. From a

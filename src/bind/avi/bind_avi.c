@@ -1,4 +1,5 @@
 /* bind_avi.c - asynchronous steps of a field: the cells of its potential, their limits, runs. */
+#include "bind/avi/field_rows.h"
 #include "bind/core/state.h"
 #include "bind/run/bind_path.h"
 #include "bind/trace/backend.h"
@@ -7,6 +8,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <time.h>
 
 #define CELLS "dm.avi_cells"
 
@@ -119,45 +121,111 @@ static int avi_resonances(lua_State *L) {
     return 1;
 }
 
-/* a path of rows at these times; the system is at `system` */
-static dml_path *push_path(lua_State *L, const avi *k, uint32_t rows, double t0) {
+/* what a run is asked for: at stack indices 2 (options), 3 (steps), 4 (times) */
+typedef struct {
+    dml_field_rows rows;
+    double *times, *state; /* [count], of the last row that is kept as an ending */
+    uint32_t count;
+    int goes_on, half;
+    uint32_t taken; /* the row that `state` is of */
+    clock_t looked; /* when it was taken */
+} asked;
+
+/* a path of rows at these times */
+static dml_path *push_path(lua_State *L, const avi *k, asked *run) {
     lua_getiuservalue(L, 1, 1);
-    dml_path *path = dml_pushpath(L, lua_gettop(L), k->a.n, rows, 2 * k->a.n + 1);
+    dml_path *path = dml_field_rows_open(L, &run->rows, lua_gettop(L), k->a.n, run->count,
+                                         run->goes_on ? run->times[0] : NAN);
     lua_getiuservalue(L, 1, 2);
     lua_setiuservalue(L, -2, DML_PATH_MODEL);
     path->rule = "avi";
-    path->t0 = path->t = t0;
+    path->t0 = path->t = run->times[0];
     return path;
 }
 
-/* cells:run(p, h, times, half): p at times[1] */
+/* the start, from option p, or from an ending { state =, t0 = } in option `from` */
+static dm_status begin(lua_State *L, avi *k, const asked *run) {
+    const size_t size = dm_avi_state_size(&k->a);
+    dml_vectorarg(L, 3, "h", k->a.h, k->a.cells);
+    if (!run->goes_on) {
+        lua_getfield(L, 2, "p");
+        dml_vectorarg(L, lua_gettop(L), "p", k->a.p, k->a.n);
+        lua_pop(L, 1);
+        return dm_avi_start(&k->a, run->times[0], run->half, k->arena);
+    }
+    lua_getfield(L, 2, "from");
+    dml_vectorarg(L, lua_gettop(L), "from", run->state, (uint32_t)size);
+    lua_pop(L, 1);
+    const double t0 = dml_number(L, 2, "t0", 0.0);
+    const dm_status status =
+        dm_avi_resume(&k->a, t0, run->half, run->state, run->times[0], k->arena);
+    if (status == DM_NOT_FINITE)
+        luaL_error(L, "the checkpoint is no state of these cells at t = %f: times of entries or "
+                      "numbers of kicks do not fit",
+                   run->times[0]);
+    return status;
+}
+
+/* Now and then a state is kept, for what goes on from a run that is stopped between two rows. */
+static void keep(const avi *k, asked *run, uint32_t row, int now) {
+    enum { OFTEN = 5 }; /* times a second */
+    if (!now && clock() - run->looked < CLOCKS_PER_SEC / OFTEN) return;
+    dm_avi_state(&k->a, run->state);
+    run->taken = row;
+    run->looked = clock();
+}
+
+/* row i, where the run has come to its time */
+static dm_status add_row(lua_State *L, avi *k, asked *run, uint32_t i) {
+    const uint32_t n = k->a.n;
+    double *row;
+    const dm_status status = dml_field_rows_next(&run->rows, &row);
+    row[0] = run->rows.path->t = run->times[i];
+    dm_avi_row(&k->a, run->times[i], row + 1, row + 1 + n);
+    if (i || run->goes_on || !run->half) return status;
+    lua_getfield(L, 2, "p"); /* half a kick that was given at t0 has not happened yet */
+    dml_vectorarg(L, lua_gettop(L), "p", row + 1 + n, n);
+    lua_pop(L, 1);
+    return status;
+}
+
+/* a row at every time */
+static dm_status go(lua_State *L, avi *k, asked *run) {
+    dm_status status = DM_OK;
+    for (uint32_t i = 0; i < run->count && status == DM_OK; i++) {
+        if (i) status = dm_avi_run(&k->a, run->times[i], &dml_stop);
+        if (status == DM_OK) status = add_row(L, k, run, i);
+        if (status == DM_OK) keep(k, run, i, i == 0 || i + 1 == run->count);
+    }
+    return status;
+}
+
+/* cells:run(options, h, times) -> path, status, events, row of the ending, why */
 static int avi_run(lua_State *L) {
     avi *k = check(L);
-    const uint32_t rows = (uint32_t)dml_length(L, 4), n = k->a.n;
-    const int half = lua_toboolean(L, 5);
-    double *times = lua_newuserdatauv(L, (rows + 1) * sizeof *times, 0);
-    dml_vectorarg(L, 2, "p", k->a.p, n);
-    dml_vectorarg(L, 3, "h", k->a.h, k->a.cells);
-    dml_vectorarg(L, 4, "times", times, rows);
-    dml_path *path = push_path(L, k, rows, times[0]);
-    dm_status status = dm_avi_start(&k->a, times[0], half, k->arena);
-    need(L, status);
-    for (uint32_t i = 0; i < rows && status == DM_OK; i++) {
-        double *row = path->data + (size_t)i * path->width;
-        if (i) status = dm_avi_run(&k->a, times[i], &dml_stop);
-        if (status != DM_OK) break;
-        row[0] = path->t = times[i];
-        dm_avi_row(&k->a, times[i], row + 1, row + 1 + n);
-        path->rows = (long)i + 1;
-    }
-    /* at the very start half a kick that was given at t0 has not happened yet */
-    if (half && path->rows) dml_vectorarg(L, 2, "p", path->data + 1 + n, n);
+    asked run = {.count = (uint32_t)dml_length(L, 4)};
+    lua_settop(L, 4);
+    run.times = lua_newuserdatauv(L, (run.count + 1) * sizeof *run.times, 0);
+    dml_vectorarg(L, 4, "times", run.times, run.count);
+    run.half = (lua_getfield(L, 2, "half"), lua_toboolean(L, -1));
+    run.goes_on = lua_getfield(L, 2, "from") != LUA_TNIL;
+    run.state = dml_pushvector(L, (uint32_t)dm_avi_state_size(&k->a));
+    lua_setfield(L, 2, "ending");
+    lua_pop(L, 2);
+    need(L, begin(L, k, &run));
+    dml_path *path = push_path(L, k, &run);
+    const int at = lua_gettop(L);
+    dm_status status = dml_field_rows_close(L, &run.rows, go(L, k, &run));
     path->steps = (long)k->a.events;
     for (uint32_t i = 0; i < k->a.cells; i++) path->h = fmax(path->h, k->a.h[i]);
     if (status == DM_STOPPED) dml_stop = 0;
+    lua_settop(L, at);
     lua_pushinteger(L, status);
     lua_pushinteger(L, (lua_Integer)k->a.events);
-    return 3;
+    lua_pushinteger(L, (lua_Integer)run.taken + 1);
+    if (status != DM_NOT_WRITTEN) return 4;
+    dml_field_rows_why(L, &run.rows);
+    return 5;
 }
 
 static const dml_row methods[] =
@@ -172,8 +240,13 @@ static const dml_row methods[] =
       "Pairs of cells with a common entry of which one kicks the other near a multiple of its half "
       "period, omega_K h_L = k pi, by so many half periods."},
      {"run", avi_run,
-      "cells:run(p, h, times, half) -> dm.path, status, events\n"
-      "Steps h of every cell from q and p at times[1]; a row at every time."},
+      "cells:run({p=, half=, file=, from=, t0=, ending=}, h, times) -> dm.path, status, events, "
+      "row, "
+      "why\n"
+      "Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending`, the "
+      "state "
+      "at a row, the last one unless the run was stopped; a run that goes on from there is given "
+      "it as `from`, and the time t0 of its start."},
      {NULL, NULL, NULL}};
 
 static const dml_row functions[] =

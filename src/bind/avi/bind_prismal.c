@@ -3,10 +3,12 @@
  * volume |*s| (h_(k-1) + h_k) / 2, half of either at the ends. The action of prisms gives
  *   M ((A_(k+1) - A_k) / h_k - (A_k - A_(k-1)) / h_(k-1)) = (h_(k-1) + h_k) / 2 L_q(A_k),
  * which is half a kick, a drift and half a kick with each slice's own h. */
+#include "bind/avi/field_rows.h"
 #include "bind/core/bind.h"
 #include "bind/run/stepping.h"
 #include "bind/value/array.h"
 
+#include <math.h>
 #include <string.h>
 
 /* slices that are equal to the last bit make one burst; returns how many from k on, below end */
@@ -17,47 +19,113 @@ static long equal_slices(const double *times, long k, long end) {
     return count;
 }
 
-/* a path of rows, with row 0 filled; the system is at r->system */
-static dml_path *begin_path(lua_State *L, const dml_stepping *r, uint32_t rows) {
-    const uint32_t n = r->solver->n;
-    dml_path *path = dml_pushpath(L, r->system, n, rows, 2 * n + 1);
+/* a path of rows; what else they need stays below it */
+static dml_path *begin_path(lua_State *L, const dml_stepping *r, dml_field_rows *rows, long count,
+                            double from) {
+    dml_path *path = dml_field_rows_open(L, rows, r->system, r->solver->n, count, from);
     dml_stepping_describe(L, r, path);
     path->rule = "prismal";
     return path;
 }
 
-static void add_row(dml_path *path, const dml_stepping *r, double t) {
-    double *row = path->data + (size_t)path->rows * path->width;
-    row[0] = path->t = t;
+static dm_status add_row(dml_field_rows *rows, const dml_stepping *r, double t) {
+    double *row;
+    const dm_status status = dml_field_rows_next(rows, &row);
+    row[0] = rows->path->t = t;
     memcpy(row + 1, r->state, 2 * (size_t)r->solver->n * sizeof *row);
-    path->rows++;
+    return status;
 }
 
-/* solver, options, times, every -> path: rows at every `every`-th slice and at the last */
+/* option `key` of the table at 2 as n numbers on the stack, NULL where it is not there */
+static const double *numbers_of(lua_State *L, const char *key, uint32_t n) {
+    if (lua_getfield(L, 2, key) == LUA_TNIL) return NULL;
+    double *out = lua_newuserdatauv(L, ((size_t)n + 1) * sizeof *out, 0);
+    dml_vectorarg(L, lua_gettop(L) - 1, key, out, n);
+    return out;
+}
+
+/* Between two slices: the state, and what the method keeps beside it, as option `ending`. */
+static void push_ending(lua_State *L, dml_stepping *r) {
+    double *place;
+    const size_t size = dm_state_size(r->solver->n),
+                 memory = dm_stepper_memory(&r->stepper, &place);
+    double *out = dml_pushvector(L, (uint32_t)(size + memory));
+    memcpy(out, r->state, size * sizeof *out);
+    if (memory) memcpy(out + size, place, memory * sizeof *out);
+    lua_setfield(L, 2, "ending");
+}
+
+/* The stepper is open and stands at a slice: at the start of the options, or at an ending. */
+static dm_status begin(lua_State *L, dml_stepping *r, const double *from, uint32_t count, double t,
+                       double h) {
+    const size_t size = dm_state_size(r->solver->n);
+    double *place;
+    if (!from) {
+        dml_stepping_start(L, r);
+        return dm_stepper_start(&r->stepper, r->state, t, h);
+    }
+    memcpy(r->state, from, size * sizeof *from);
+    dml_stepping_open(L, r);
+    const size_t memory = dm_stepper_memory(&r->stepper, &place);
+    if (size + memory != count) {
+        dml_stepping_end(r);
+        luaL_error(L, "the checkpoint was made by another version of rule 'prismal'");
+    }
+    const dm_status status = dm_stepper_start(&r->stepper, r->state, t, h);
+    memcpy(r->state, from, size * sizeof *from);
+    if (memory) memcpy(place, from + size, memory * sizeof *from);
+    return status;
+}
+
+/* all slices from number *done on, with rows; where the run stands when it ends */
+static dm_status go(dml_stepping *r, dml_field_rows *rows, const double *times, long slices,
+                    long every, long *done) {
+    const long first = *done;
+    dm_status status = add_row(rows, r, times[first]);
+    while (*done < slices && status == DM_OK) {
+        const long row = (*done / every + 1) * every, end = row < slices ? row : slices;
+        const long count = equal_slices(times, *done, end);
+        long made = 0;
+        const double h = times[*done + 1] - times[*done];
+        r->stepper.goes_on = *done > first;
+        status = dm_advance(&r->stepper, r->state, times[*done], h, count, &made);
+        *done += made;
+        if (status == DM_OK && *done == end) status = add_row(rows, r, times[*done]);
+        if (dml_stop && status == DM_OK) status = DM_STOPPED;
+    }
+    return status;
+}
+
+/* solver, options, times, every -> path: rows at every `every`-th slice and at the last. Options
+ * `from` (an ending) and `done` (its slices) of a run that goes on; where this one ended they are
+ * `ending` and `done`. */
 static int prismal_run(lua_State *L) {
     dml_stepping r = {.solver = luaL_checkudata(L, 1, DML_SOLVER)};
+    dml_field_rows rows;
     const long slices = dml_length(L, 3) - 1, every = luaL_checkinteger(L, 4);
     double *times = lua_newuserdatauv(L, ((size_t)slices + 2) * sizeof *times, 0);
     dml_vectorarg(L, 3, "slices", times, (uint32_t)slices + 1);
-    dml_stepping_prepare(L, &r, times[0]);
-    dml_path *path = begin_path(L, &r, (uint32_t)((slices + every - 1) / every + 1));
+    lua_getfield(L, 2, "from");
+    const uint32_t count = lua_isnil(L, -1) ? 0 : (uint32_t)dml_length(L, -1);
+    const double *from = numbers_of(L, "from", count);
+    long done = dml_count(L, 2, "done", 0, 0);
+    const long began = done;
+    luaL_argcheck(L, done < slices, 2, "all slices are done");
+    dml_stepping_prepare(L, &r, times[done]);
+    dml_path *path = begin_path(L, &r, &rows, (slices + every - 1) / every - done / every + 1,
+                                from ? times[done] : NAN);
     const int at = lua_gettop(L);
-    dml_stepping_start(L, &r);
-    dm_status status = dm_stepper_start(&r.stepper, r.state, times[0], times[1] - times[0]);
-    add_row(path, &r, times[0]);
-    long done = 0;
-    while (done < slices && status == DM_OK) {
-        const long row = (done / every + 1) * every, end = row < slices ? row : slices;
-        const long count = equal_slices(times, done, end);
-        long made = 0;
-        const double h = times[done + 1] - times[done];
-        r.stepper.goes_on = done > 0;
-        status = dm_advance(&r.stepper, r.state, times[done], h, count, &made);
-        done += made;
-        if (status == DM_OK && done == end) add_row(path, &r, times[done]);
-        if (dml_stop) status = DM_STOPPED;
-    }
-    path->steps = done;
+    dm_status status = begin(L, &r, from, count, times[done], times[done + 1] - times[done]);
+    if (status != DM_OK)
+        add_row(&rows, &r, times[done]);
+    else
+        status = go(&r, &rows, times, slices, every, &done);
+    path->steps = done - began;
+    push_ending(L, &r);
+    lua_pushinteger(L, done), lua_setfield(L, 2, "done");
+    status = dml_field_rows_close(L, &rows, status);
+    if (status == DM_NOT_WRITTEN) r.unwritten = dml_field_rows_why(L, &rows);
+    if (status == DM_STOPPED) dml_stop = 0;
     r.t0 = times[done] - r.solver->h * (double)done; /* so that a failure tells the time */
     dml_stepping_end(&r);
     dml_stepping_report(&r, done, 0.0);
@@ -70,7 +138,8 @@ static const dml_row functions[] =
     {{"prismal_run", prismal_run,
       "core.prismal_run(solver, options, times, every) -> dm.path\n"
       "Steps of the solver's rule between the times, each as long as its slice; rows at every "
-      "`every`-th time and at the last."},
+      "`every`-th time and at the last. Sets `ending` and `done` (slices) of the options; a run "
+      "that goes on is given them as `from` and `done`."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_prismal = {

@@ -89,3 +89,12 @@ int dml_core_end_file(lua_State *L) {
     FILE *f = fopen(name, "ab");
     return luaL_fileresult(L, f && dml_endfile(f, 1, name, file), file);
 }
+
+int dml_core_cut_file(lua_State *L) {
+    const char *file = luaL_checkstring(L, 1);
+    const lua_Integer bytes = luaL_checkinteger(L, 2);
+    luaL_argcheck(L, bytes >= 0, 2, "a number of bytes >= 0 is needed");
+    if (truncate(file, (off_t)bytes) != 0)
+        return luaL_error(L, "cannot write %s: %s", file, strerror(errno));
+    return 0;
+}

@@ -27,4 +27,7 @@ int dml_core_new_file(lua_State *L);
 int dml_core_end_file(lua_State *L);
 int dml_core_is_silent(lua_State *L);
 
+/* core.cut_file, for rows that a run which goes on writes anew */
+int dml_core_cut_file(lua_State *L);
+
 #endif

@@ -32,7 +32,7 @@ static void *take(lua_State *L, dm_arena *arena, size_t count, size_t size) {
 }
 
 /* arguments of core.euler by their places */
-enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY };
+enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY, LOW };
 
 /* Signs as small integers; corners are read where the mesh has them. */
 static void read_triangles(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
@@ -63,12 +63,12 @@ static void read_vertices(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena
     e->mass = m->metric.dual[0];
 }
 
-/* core.euler(mesh, factor, solved, component, sign, w) */
+/* core.euler(mesh, factor, solved, component, sign, w, low) */
 static int core_euler(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, MESH);
     luaL_argcheck(L, m->K.n == 2, MESH, "a surface is needed");
     dml_needmetric(L, m);
-    lua_settop(L, VORTICITY);
+    lua_settop(L, LOW);
     void *factor = lua_isnil(L, FACTOR) ? NULL : luaL_checkudata(L, FACTOR, DML_FACTOR);
     engine *own = lua_newuserdatauv(L, sizeof *own, KEPT);
     *own = (engine){.flow.poisson = {dml_factorsolve, factor}};
@@ -87,6 +87,10 @@ static int core_euler(lua_State *L) {
     if (dm_euler_open(e, arena) != DM_OK) luaL_error(L, "a flow: not enough memory");
     const double *w = dml_numbersat(L, VORTICITY, "the vorticity", (int32_t)e->vertices);
     memcpy(e->w, w, e->vertices * sizeof *w);
+    if (!lua_isnil(L, LOW)) {
+        const double *low = dml_numbersat(L, LOW, "the low parts", (int32_t)e->vertices);
+        memcpy(e->low, low, e->vertices * sizeof *low);
+    }
     lua_settop(L, at);
     luaL_setmetatable(L, ENGINE);
     return 1;
@@ -130,6 +134,12 @@ static int engine_vorticity(lua_State *L) {
     return 1;
 }
 
+static int engine_low(lua_State *L) {
+    const dm_euler *e = &check(L)->flow;
+    memcpy(dml_pushvector(L, e->vertices), e->low, e->vertices * sizeof *e->low);
+    return 1;
+}
+
 /* psi, energy, enstrophy, circulation */
 static int engine_measure(lua_State *L) {
     dm_euler *e = &check(L)->flow;
@@ -151,6 +161,8 @@ static const dml_row methods[] = {
      "e:fail(steps, t, h, rule, run) -> nothing\n"
      "Raises a dm.failure that says why the last e:advance ended, with the run so far."},
     {"vorticity", engine_vorticity, "e:vorticity() -> dm.vector\nThe vorticity at the vertices."},
+    {"low", engine_low,
+     "e:low() -> dm.vector\nWhat compensated sums of the vorticity have beside it."},
     {"measure", engine_measure,
      "e:measure() -> dm.vector, energy, enstrophy, circulation\n"
      "The stream function at the vertices, |d psi|^2 / 2, |w|^2 / 2 and the sum of *v w."},
@@ -158,10 +170,10 @@ static const dml_row methods[] = {
 
 static const dml_row functions[] = {
     {"euler", core_euler,
-     "core.euler(mesh, factor, solved, component, sign, w) -> dm.euler_engine\n"
-     "Flow by its vorticity w; factor: of -div grad on the vertices that are marked as solved (nil "
-     "where there are none); component: of vertices whose component holds none, from 1, else 0; "
-     "sign of every triangle. See mesh:euler."},
+     "core.euler(mesh, factor, solved, component, sign, w [, low]) -> dm.euler_engine\n"
+     "Flow by its vorticity w, with its low-order parts; factor: of -div grad on the vertices that "
+     "are marked as solved (nil where there are none); component: of vertices whose component "
+     "holds none, from 1, else 0; sign of every triangle. See mesh:euler."},
     {NULL, NULL, NULL}};
 
 const dml_class dml_class_euler = {

@@ -62,6 +62,11 @@ static inline void kick(dm_avi *a, const dm_avi_sum *s, uint32_t i, double h, do
     }
 }
 
+/* as far as rounding tells times apart */
+static double slack(double h) {
+    return 1e-10 * h;
+}
+
 dm_status dm_avi_start(dm_avi *a, double t0, int half, dm_arena *arena) {
     const dm_status status = a->near ? DM_OK : dm_avi_find_near(a, arena);
     if (status != DM_OK) return status;
@@ -78,10 +83,49 @@ dm_status dm_avi_start(dm_avi *a, double t0, int half, dm_arena *arena) {
     return DM_OK;
 }
 
-/* as far as rounding tells times apart */
-static double slack(double h) {
-    return 1e-10 * h;
+/* ---- where a run stands ---- */
+
+size_t dm_avi_state_size(const dm_avi *a) {
+    return 3 * (size_t)a->n + a->cells;
 }
+
+void dm_avi_state(const dm_avi *a, double *state) {
+    double *p = state + a->n, *last = p + a->n, *fired = last + a->n;
+    for (uint32_t i = 0; i < a->n; i++)
+        state[i] = a->at[i].x, p[i] = a->at[i].p, last[i] = a->at[i].last;
+    for (uint32_t k = 0; k < a->cells; k++) fired[k] = a->cell[k].fired;
+}
+
+/* A cell that has fired so often is due behind t, and was before. */
+static int is_due(double t0, double t, double fired, double h) {
+    return fired >= 0.0 && fired == floor(fired) && t0 + fired * h <= t + 2.0 * slack(h) &&
+           t0 + (fired + 1.0) * h > t;
+}
+
+dm_status dm_avi_resume(dm_avi *a, double t0, int half, const double *state, double t,
+                        dm_arena *arena) {
+    const double *p = state + a->n, *last = p + a->n, *fired = last + a->n;
+    const dm_status status = a->near ? DM_OK : dm_avi_find_near(a, arena);
+    if (status != DM_OK) return status;
+    a->t0 = t0;
+    a->half = half;
+    a->events = 0;
+    double longest = 0.0;
+    for (uint32_t k = 0; k < a->cells; k++) {
+        if (!is_due(t0, t, fired[k], a->h[k])) return DM_NOT_FINITE;
+        a->cell[k] =
+            (dm_avi_cell){.time = t0 + (fired[k] + 1.0) * a->h[k], .h = a->h[k], .fired = fired[k]};
+        longest = fmax(longest, a->h[k]);
+    }
+    for (uint32_t i = 0; i < a->n; i++) {
+        if (!(last[i] >= t0 && last[i] <= t + 2.0 * slack(longest))) return DM_NOT_FINITE;
+        a->at[i] = (dm_avi_entry){state[i], p[i], a->w[i], last[i]};
+    }
+    dm_avi_order(a);
+    return DM_OK;
+}
+
+/* ---- events ---- */
 
 /* Cell k has another time: those that it was before may come first now. The newest that may fire is
  * the next one, since what it reads is in the cache. */

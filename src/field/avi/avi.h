@@ -70,6 +70,16 @@ dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor
 /* From t0 on, with w, x, p and h as they are. DM_NO_MEMORY, DM_TOO_LARGE: too many neighbours. */
 dm_status dm_avi_start(dm_avi *a, double t0, int half, dm_arena *arena);
 
+/* Where a run stands between two calls: x, p and time of every entry, how often every cell has
+ * fired. dm_avi_state_size numbers. */
+size_t dm_avi_state_size(const dm_avi *a);
+void dm_avi_state(const dm_avi *a, double *state);
+
+/* As dm_avi_start, but from such a state on, at time t: what follows has the bits of a run that
+ * never stopped. DM_NOT_FINITE: it is no state of a run at t. */
+dm_status dm_avi_resume(dm_avi *a, double t0, int half, const double *state, double t,
+                        dm_arena *arena);
+
 /* All kicks up to time t. DM_NOT_FINITE: p is not, DM_STOPPED. */
 dm_status dm_avi_run(dm_avi *a, double t, volatile const int *stop);
 

@@ -41,7 +41,7 @@ local asynchronous = require "dm.core".avi(ends:field { form = 0, L = function(u
 end }, dm.vector { 0, 0.1 }, 0)
 asynchronous:limits()
 local nought_of_ends, one_of_ends = dm.vector { 0, 0 }, dm.vector { 1 }
-asynchronous:run(nought_of_ends, one_of_ends, one_of_ends * 0, false) -- whose steps resonances are about
+asynchronous:run({ p = nought_of_ends }, one_of_ends, one_of_ends * 0) -- whose steps resonances are about
 local plate, levels = dm.mesh { triangle = 2 }, dm.multigrid { dm.mesh { triangle = 1 }, dm.mesh { triangle = 2 } }
 local flow = dm.mesh { icosphere = 0 }:euler { vorticity = function(_, _, z) return z end }:solver { h = 0.1 }:run { steps = 3 }
 local K0 = flow.mesh
@@ -130,7 +130,7 @@ local calls = {
   ["dm.pair"] = { { dm.pair(1, 2), join = { dm.pair(2, 3) } } },
   ["dm.cell_action"] = { { require "dm.dec.fields.action".new(plate, 0, 1, function(u) return u:dot(u) end).traced, value = { { 1, 2, 3, 4, 5, 6 } },
     gradient = { { 1, 2, 3, 4, 5, 6 } }, hessian = { { 1, 2, 3, 4, 5, 6 } } } },
-  ["dm.avi_cells"] = { { asynchronous, resonances = { 0.05 }, run = { nought_of_ends, one_of_ends, one_of_ends * 0, false } } },
+  ["dm.avi_cells"] = { { asynchronous, resonances = { 0.05 }, run = { { p = nought_of_ends }, one_of_ends, one_of_ends * 0 } } },
   ["dm.operator"] = { { operator, eigen = { 1 } } },
   ["dm.sparse"] = { { operator.stiffness, gram = { { 1, 1, 1 } }, scale = { { 1, 1, 1 }, { 1, 1, 1 } }, pick = { { 1, 0, 1 }, { 1, 1, 0 } },
     saddle = { { 1, 1, 1 } }, factor = { "gradients" }, all_eigenpairs = { { 1, 1, 1 } } } },

@@ -92,7 +92,7 @@ for _, case in ipairs { { wave, "strang" }, { nls, "yoshida(4)" }, { wave, "gaus
   rest = w:resume(part):run { steps = 37 }
   ok(rest.psi[#rest] == whole.psi[#whole], "  and from a path")
 end
-raises("another one", function() dm.schroedinger({ x = { -8, 8, 64 }, V = cos }):resume(file) end)
+raises("its V was", function() dm.schroedinger({ x = { -8, 8, 64 }, V = cos }):resume(file) end)
 raises("its N", function() dm.schroedinger({ x = { -8, 8, 32 }, V = V }):resume(file) end)
 raises("goes on", function() wave:resume(path):run { psi = packet, steps = 1 } end)
 local text = io.open(file):read "a"

@@ -1,8 +1,10 @@
 --- field:solver { rule = "avi" }: asynchronous variational integrators, a step of its own in every
 -- cell of the potential (Lew, Marsden, Ortiz & West 2003).
 local cell_of = require "dm.dec.fields.cell"
+local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local endings = require "dm.dec.fields.ending"
 local option = require "dm.base.options"
 
 local M = {}
@@ -114,25 +116,45 @@ local function momentum_of(s, f, options)
   return v:map(function(x, i) return f.masses[i] * x end)
 end
 
--- the start, every largest step or the times asked for, and the end
-local function times_of(options, h)
-  local t0 = option.number(options, "t0", RUN, nil, 0)
-  if options.at then
-    local list = { t0 }
-    for _, t in ipairs(option.list(options, "at", RUN, "growing times")) do
-      if t > list[#list] then list[#list + 1] = t end
+-- times that grow from `now` on, up to `last`
+local function times_at(options, now, last)
+  local fine, at = pcall(core.vector, options.at)
+  if not fine or #at == 0 then
+    option.fail(RUN, "option 'at' must be a list of growing times (got %s)", option.got(options.at))
+  end
+  local list = { now }
+  for i = 1, #at do
+    local t = at[i]
+    if type(t) ~= "number" or t - t ~= 0 or i > 1 and t <= at[i - 1] then
+      option.fail(RUN, "option 'at' must hold growing times (entry %d is %s)", i, tostring(t))
     end
-    return list
+    if t > last * (1 + 1e-12) then
+      option.fail(RUN, "option 'at': entry %d, %g, is behind the end of the run, %g", i, t, last)
+    end
+    if t > now then list[#list + 1] = t end
   end
+  return list
+end
+
+-- the start, every largest step from t0 on or the times asked for, and the end, where there is one
+local function times_of(options, h, t0, now)
   local t = option.positive(options, "t", RUN, "a duration")
-  if not t then option.fail(RUN, "option 't' is missing: the duration of the run") end
-  local list, k = { t0 }, 1
-  local every = option.whole(options, "every", RUN, 1, nil, 1)
-  while k * every * h < t * (1 - 1e-12) do
-    list[#list + 1] = t0 + k * every * h
-    k = k + 1
+  if not (t or options.at) then
+    option.fail(RUN, "option 't' is missing: the duration of the run")
   end
-  list[#list + 1] = t0 + t
+  local every = option.whole(options, "every", RUN, 1, nil, 1)
+  local last, list, k = t and now + t or math.huge, { now }, 1
+  if options.at then
+    if options.every then option.fail(RUN, "give one of 'at' (times of rows) and 'every'") end
+    list = times_at(options, now, last)
+  else
+    k = math.floor((now - t0) / (every * h) * (1 + 1e-12)) + 1
+    while t0 + k * every * h < now + t * (1 - 1e-12) do
+      list[#list + 1] = t0 + k * every * h
+      k = k + 1
+    end
+  end
+  if t and not (list[#list] >= last * (1 - 1e-12)) then list[#list + 1] = last end
   return list
 end
 
@@ -155,30 +177,61 @@ local function describe(s, h, limits, events, duration, cells)
     resonances = cells:resonances(MARGIN) }
 end
 
-class.method("dm.avi_solver", "run", function(s, options)
-  option.check(options, { "q", "v", "p", "t", "t0", "at", "every" }, RUN)
-  local f = s.system.field
-  local q = start_of(s, f, options, "q")
-  local p = momentum_of(s, f, options)
-  local cells = core.avi(s.system, q, options.t0 or 0)
-  local limits = cells:limits()
-  local h = steps_of(s, f, cells, limits)
-  local times = times_of(options, (largest(h)))
-  local path, status, events = cells:run(p, h, core.vector(times), s.start == "half")
-  describe(s, h, limits, events, path.t[#path] - times[1], cells)
+-- { cells, h, limits, t0, now, given = what cells:run takes } of a start, or of an ending
+local function begin(s, options)
+  local f, ending, out = s.system.field, s.ending, { given = {} }
+  if ending then
+    checkpoint.check_options(options, { "q", "v", "p", "t0" })
+    out.now, out.t0, out.h = ending.t, ending.t0, ending.h
+    out.cells = core.avi(s.system, core.vector(ending.q), out.now)
+    out.given.from, out.given.t0 = ending.state, ending.t0
+  else
+    local q = start_of(s, f, options, "q")
+    out.given.p = momentum_of(s, f, options)
+    out.t0 = option.number(options, "t0", RUN, nil, 0)
+    out.now, out.cells = out.t0, core.avi(s.system, q, out.t0)
+  end
+  out.limits = out.cells:limits()
+  if not ending then
+    out.h = steps_of(s, f, out.cells, out.limits)
+  elseif #out.h ~= #out.limits then
+    option.fail(RUN, "the checkpoint has steps of %d cells, and the potential %d", #out.h,
+      #out.limits)
+  end
+  out.given.half = s.start == "half"
+  return out
+end
+
+local function run(s, options)
+  option.check(options, { "q", "v", "p", "t", "t0", "at", "every", "file", "checkpoint" }, RUN)
+  local b = begin(s, options)
+  local file = option.text(options, "checkpoint", RUN)
+  b.given.file = option.text(options, "file", RUN)
+  local times = times_of(options, (largest(b.h)), b.t0, b.now)
+  local path, status, events, row, why = b.cells:run(b.given, b.h, core.vector(times))
+  endings.keep(path, { kind = "avi", state = b.given.ending, t = times[row], t0 = b.t0, h = b.h,
+    start = s.start })
+  describe(s, b.h, b.limits, events, path.t[#path] - times[1], b.cells)
+  if file then path:checkpoint(file) end
   if status ~= 0 then
     local first = s.last.first_beyond
     core.strip_fail({ status = status, done = events, time = path.t[#path], h = path.h }, "avi",
-      path, ("%d of %d cells have steps beyond their own limit%s: solver:report() tells more")
-        :format(s.last.beyond, #h, first and (" (the first is cell %d)"):format(first) or ""))
+      path, why or ("%d of %d cells have steps beyond their own limit%s: solver:report() tells "
+        .. "more"):format(s.last.beyond, #b.h, first and (" (the first is cell %d)"):format(first)
+        or ""))
   end
   return path
-end, [[
-solver:run{q=, v= | p=, t=, t0=, at=, every=} -> dm.path
+end
+
+class.method("dm.avi_solver", "run", run, [[
+solver:run{q=, v= | p=, t=, t0=, at=, every=, file=, checkpoint=} -> dm.path
 Asynchronous steps of a field for the duration t, from q and v or p. Rows at the start, at every
 largest h (every = k: every k-th) or at the times `at`, and at t itself, which no h need divide:
-copies of the values drift there with the velocities that they have. A run that ends early, by
-Ctrl-C too, raises dm.failure, whose `path` is the run so far and whose step counts events.]])
+copies of the values drift there with the velocities that they have. file: a .npy file that the rows
+go to as they come (the path keeps the last). checkpoint: a file for where it ended, also where it
+was stopped; dm.resume goes on from it with the bits of a run that never stopped, and so from the
+path. A run that ends early, by Ctrl-C too, raises dm.failure, whose `path` is the run so far and
+whose step counts events.]])
 
 class.method("dm.avi_solver", "report", function(s)
   if not s.last then option.fail("solver:report", "no report yet: run the solver first") end

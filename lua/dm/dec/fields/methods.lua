@@ -1,6 +1,9 @@
 --- Rules that only fields have, as names of rules for field:solver.
 local blame = require "dm.base.blame"
+local checkpoints = require "dm.data.checkpoint"
 local core = require "dm.core"
+local endings = require "dm.dec.fields.ending"
+local option = require "dm.base.options"
 
 local solver, solver_doc = core.method("dm.system", "solver")
 
@@ -41,3 +44,27 @@ core.method("dm.solver", "run", blame.relay(guarded, "run"), run_doc .. [[
 
 A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
 inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.]])
+
+---- where runs ended that the core knows nothing of ----
+
+local checkpoint, checkpoint_doc = core.method("dm.path", "checkpoint")
+
+core.method("dm.path", "checkpoint", blame.relay(function(path, file)
+  local kind = endings.kind_of(path)
+  if not kind then return checkpoint(path, file) end
+  return checkpoints.write(kind, path, file)
+end, "checkpoint"), checkpoint_doc)
+
+local resume = core.resume
+
+core.resume = function(from, model, options)
+  local kind = endings.kind_of(from)
+  if not kind then return resume(from, model, options) end
+  model = model or type(from) == "userdata" and from.system
+  if option.got(model) ~= "dm.system" or not model.field then
+    option.fail("dm.resume", "the field that the run is of is needed beside it (got %s)",
+      option.got(model or nil))
+  end
+  return checkpoints.resume(kind, model, from, options)
+end
+core.docs[core.resume] = core.docs[resume]

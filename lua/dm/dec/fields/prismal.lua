@@ -1,8 +1,10 @@
 --- dm.prismal{t0, t1, ...}: slices of time, between which a field is stepped over prisms of their
 -- own height (Leok 3.12). The action of the prisms gives leapfrog with each slice's own step.
 local blame = require "dm.base.blame"
+local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local endings = require "dm.dec.fields.ending"
 local failure = require "dm.dec.fields.failure"
 local option = require "dm.base.options"
 
@@ -64,23 +66,83 @@ function M.solver(system, options)
   local base = system.field.sphere and "rattle" or "verlet"
   local inner = system:solver { rule = base, h = h, threads = options.threads,
     sums = options.sums, backend = options.backend }
-  return setmetatable({ system = system, rule = "prismal", slices = rule, inner = inner }, Solver)
+  return setmetatable({ system = system, rule = "prismal", slices = rule, inner = inner,
+    sums = options.sums }, Solver)
+end
+
+-- Slices that a run goes on over: its own, or others that have the time at which it ended; and how
+-- many are done.
+local function slices_from(ending, rule)
+  local slices = rule or M.prismal(ending.times)
+  if option.got(slices) ~= "dm.prismal" then
+    option.fail("dm.resume", "option 'rule' must be a dm.prismal{...} (got %s)", option.got(slices))
+  end
+  local now = ending.times[ending.done + 1]
+  for k = 1, #slices.times - 1 do
+    if slices.times[k] == now then return slices, k - 1 end
+  end
+  option.fail("dm.resume", "the run ended at t = %.17g, and %s: give { rule = dm.prismal{...} } "
+    .. "with that time and later ones", now, rule and "the slices have none that begins there"
+    or "all its slices are done")
+end
+
+--- The solver that goes on from an ending { done, times, state, sums }.
+function M.resume(system, ending, options)
+  options = option.check(options or {}, { "rule", "threads", "backend" }, "dm.resume")
+  if ending.done >= #ending.times then
+    option.fail("dm.resume", "the checkpoint says that %d of %d slices are done", ending.done,
+      #ending.times - 1)
+  end
+  local slices, done = slices_from(ending, options.rule)
+  local s = M.solver(system, { rule = slices, threads = options.threads,
+    backend = options.backend, sums = ending.sums == "plain" and "plain" or nil })
+  s.ending = { state = ending.state, done = done }
+  return s
 end
 
 local RUN = "solver:run"
 
-class.method("dm.prismal_solver", "run", function(s, options)
-  option.check(options, { "q", "v", "p", "every" }, RUN)
+-- what core.prismal_run takes
+local function given_of(s, options)
+  local given = { file = option.text(options, "file", RUN), done = 0 }
+  if s.ending then
+    checkpoint.check_options(options, { "q", "v", "p" })
+    given.from, given.done = s.ending.state, s.ending.done
+    return given
+  end
+  given.q, given.v, given.p = options.q, options.v, options.p
+  return given
+end
+
+-- where a path ended; a checkpoint of it
+local function keep(s, path, given, file)
+  endings.keep(path, { kind = "prismal", state = given.ending, done = given.done,
+    times = s.slices.times, sums = s.sums })
+  if file then path:checkpoint(file) end
+end
+
+local function run(s, options)
+  option.check(options, { "q", "v", "p", "every", "file", "checkpoint" }, RUN)
   local every = option.whole(options, "every", RUN, 1, nil, 1)
-  local times, largest = s.slices.times, 0
+  local file = option.text(options, "checkpoint", RUN)
+  local given, times, largest = given_of(s, options), s.slices.times, 0
   for i = 2, #times do largest = math.max(largest, times[i] - times[i - 1]) end
-  return failure.run(function(inner, given)
+  local fine, path = pcall(failure.run, function(inner)
     return core.prismal_run(inner, given, times, every)
-  end, s.inner, s.system, { q = options.q, v = options.v, p = options.p }, largest)
-end, [[
-solver:run{q=, v= | p=, every=} -> dm.path
+  end, s.inner, s.system, given, largest)
+  local made = fine and path or type(path) ~= "string" and path.path
+  if made and given.ending then keep(s, made, given, file) end
+  if not fine then error(path, 0) end
+  return path
+end
+
+class.method("dm.prismal_solver", "run", run, [[
+solver:run{q=, v= | p=, every=, file=, checkpoint=} -> dm.path
 Steps of a field over all slices of dm.prismal, from q and v or p at the first one. Rows at the
-start, at every slice (every = k: every k-th) and at the last.]])
+start, at every slice (every = k: every k-th) and at the last. file: a .npy file that the rows go to
+as they come (the path keeps the last). checkpoint: a file for where it ended, also where it was
+stopped; dm.resume goes on from it, and from the path, over the slices that are left or over others,
+dm.resume(from, field, { rule = dm.prismal{...} }), with the bits of a run that never stopped.]])
 
 function Solver.__tostring(s)
   return ("solver '%s' for %s"):format(tostring(s.slices), tostring(s.system))

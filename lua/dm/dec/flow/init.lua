@@ -1,5 +1,6 @@
 --- K:euler: the flow of an ideal fluid on a surface, by its vorticity. The step is C's
 -- (src/field/flow/euler.h); here is what it needs of the mesh, and what a script sees.
+local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local held = require "dm.dec.equations.held"
@@ -94,11 +95,20 @@ end, [[
 euler:solver{h=, rule = "midpoint"} -> dm.euler_solver
 Steps of the implicit midpoint rule, solved to round-off; h > 0.]])
 
+class.method("dm.euler", "resume", function(e, from)
+  return checkpoint.resume(require "dm.dec.flow.checkpoint", e, from)
+end, [[
+euler:resume(file | run) -> dm.euler_solver
+A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+solver:run{t=}, without vorticity, gives the bits of a run that never stopped. Raises when the file
+is not a whole checkpoint or the flow is on another mesh.]])
+
 class.method("dm.euler_solver", "run", function(s, options) return run.run(s, options) end, [[
-solver:run{t= | steps=, every=, t0=, vorticity=, file=} -> dm.flow
+solver:run{t= | steps=, every=, t0=, vorticity=, file=, checkpoint=} -> dm.flow
 From the vorticity of the flow, or another one at time t0 (0), to the time t or for so many steps.
 every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
 with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
-the last. Raises dm.failure with the run so far where a step finds no solution: h is too long.]])
+the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises
+dm.failure with the run so far where a step finds no solution: h is too long.]])
 
 return M

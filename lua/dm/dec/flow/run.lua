@@ -1,4 +1,5 @@
 --- dm.flow: what a run of a flow recorded, and how it is recorded.
+local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
@@ -15,7 +16,7 @@ local fail = option.failing(WHERE)
 local Flow = core.class({ __name = "dm.flow" }, [[
 dm.flow: what a run of K:euler recorded
 fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
-rule, solver, sweeps (rates that a step needed, in the mean), file; #run rows]])
+rule, euler, solver, sweeps (rates that a step needed, in the mean), file; #run rows]])
 
 local COLUMNS = { "energy", "enstrophy", "circulation" }
 
@@ -66,20 +67,26 @@ local function finish(run)
 end
 
 local function begin(s, options)
-  local K = s.euler.mesh
+  local K, ending = s.euler.mesh, s.ending
   local run = setmetatable({ mesh = K, w = {}, psi = {}, times = {}, values = {}, solver = s,
-    h = s.h, rule = s.rule, t0 = option.number(options, "t0", WHERE, nil, 0), steps = 0,
-    columns = { "t", table.unpack(COLUMNS) }, file = option.text(options, "file", WHERE) }, Flow)
+    euler = s.euler, h = s.h, rule = s.rule, steps = 0, columns = { "t", table.unpack(COLUMNS) },
+    t0 = ending and ending.t0 or option.number(options, "t0", WHERE, nil, 0),
+    first = ending and ending.step or 0, file = option.text(options, "file", WHERE) }, Flow)
   for _, name in ipairs(COLUMNS) do run.values[name] = {} end
   return run
 end
 
+-- the vorticity at the start, and its low parts where the run goes on
 local function start_of(s, options)
+  if s.ending then return s.ending.w, s.ending.low end
   if options.vorticity == nil then return s.euler.vorticity.values end
   local K = s.euler.mesh
   return sample.values(options.vorticity, K, operator.primal(0), K:count(0),
     function() return K:points() end, WHERE, "vorticity")
 end
+
+-- the time of the run's last step
+local function now(run) return run.t0 + (run.first + run.steps) * run.h end
 
 local function fields_of(K)
   local fields = { { "t", 0 }, { "w", K:count(0) } }
@@ -87,11 +94,11 @@ local function fields_of(K)
   return fields
 end
 
--- steps and rows until all are done; the engine's own word where one fails
+-- steps and rows until all are done; false where one fails
 local function go(run, engine, steps, every, write)
   local sweeps = 0
   while true do
-    local row = row_of(engine, run.t0 + run.steps * run.h)
+    local row = row_of(engine, now(run))
     add(run, row)
     if write then write(row) end
     if run.steps == steps then break end
@@ -99,29 +106,37 @@ local function go(run, engine, steps, every, write)
     local done, rates = engine:advance(run.h, wanted)
     run.steps, sweeps = run.steps + done, sweeps + rates
     run.sweeps = run.steps > 0 and sweeps / run.steps or nil
-    if done < wanted then
-      finish(run)
-      engine:fail(run.steps, run.t0 + run.steps * run.h, run.h, run.rule, run)
-    end
+    if done < wanted then return false end
   end
+  return true
+end
+
+-- the rows, in memory or in a file
+local function record(run, engine, steps, every)
+  if not run.file then return go(run, engine, steps, every) end
+  local whole
+  npy.stream(run.file, fields_of(run.mesh), WHERE, function(write)
+    whole = go(run, engine, steps, every, write)
+  end, run.first > 0 and now(run) or nil)
+  return whole
 end
 
 function M.run(s, options)
-  option.check(options, { "t", "steps", "every", "t0", "vorticity", "file" }, WHERE)
+  option.check(options, { "t", "steps", "every", "t0", "vorticity", "file", "checkpoint" }, WHERE)
+  if s.ending then checkpoint.check_options(options, { "t0", "vorticity" }) end
   local run, system = begin(s, options), s.euler.system
-  local steps = steps_of(options, s.h, run.t0)
+  local steps = steps_of(options, s.h, now(run))
   local every = option.whole(options, "every", WHERE, 1, nil, 1)
+  local saved_in = option.text(options, "checkpoint", WHERE)
   local engine = core.euler(run.mesh, system.solver and system.solver.factor, system.solved,
     system.component, system.sign, start_of(s, options))
-  if not run.file then
-    go(run, engine, steps, every)
-    return finish(run)
-  end
-  local rows = 1 + (steps + every - 1) // every
-  npy.stream(run.file, fields_of(run.mesh), rows, WHERE, function(write)
-    go(run, engine, steps, every, write)
-  end)
-  return finish(run)
+  local whole = record(run, engine, steps, every)
+  finish(run)
+  run.ending = { w = engine:vorticity(), low = engine:low(), t0 = run.t0,
+    step = run.first + run.steps }
+  if saved_in then run:checkpoint(saved_in) end
+  if not whole then engine:fail(run.steps, now(run), run.h, run.rule, run) end
+  return run
 end
 
 ---- what is read off ----
@@ -170,8 +185,14 @@ run:drift(name | vector) -> {per_time, error, mean, largest}
 As path:drift: the slope of a column, or of a vector of one number a row, against time, and its
 largest distance from the first row. At least 3 rows.]])
 
+class.method("dm.flow", "checkpoint", function(run, file)
+  return checkpoint.write(require "dm.dec.flow.checkpoint", run, file)
+end, [[
+run:checkpoint(file) -> file name
+Write where the run ended, a text with all bits; euler:resume(file) goes on from it.]])
+
 class.method("dm.flow", "npy", function(run, file)
-  npy.stream(file, fields_of(run.mesh), #run, "flow:npy", function(write)
+  npy.stream(file, fields_of(run.mesh), "flow:npy", function(write)
     for i = 1, #run do
       local row = { t = run.t[i], w = run.w[i] }
       for _, name in ipairs(COLUMNS) do row[name] = run.values[name][i] end

@@ -141,7 +141,7 @@ end
 
 local function write_npy(path, file)
   local f = path.system.field
-  npy.stream(file, { { "t", 0 }, { "q", f.n }, { "p", f.n } }, #path, "path:npy", function(write)
+  npy.stream(file, { { "t", 0 }, { "q", f.n }, { "p", f.n } }, "path:npy", function(write)
     for i = 1, #path do write { t = path.t[i], q = path.q[i], p = path.p[i] } end
   end)
   return file

@@ -34,6 +34,22 @@ M["dm.flow"] = [=[
 > run
 flow of 10 steps of midpoint to t = 1; 11 rows]=]
 
+M["euler.resume"] = [=[
+> flow = dm.mesh({ icosphere = 2 }):euler { vorticity = function(x, y, z) return z + x*y end }
+> solver = flow:solver { h = 0.1 }
+> whole, half = solver:run { steps = 10 }, solver:run { steps = 5 }
+> flow:resume(half):run({ steps = 5 }).w[6] == whole.w[11]
+true]=]
+
+M["flow.checkpoint"] = [=[
+> flow = dm.mesh({ icosphere = 2 }):euler { vorticity = function(x, y, z) return z + x*y end }
+> run = flow:solver({ h = 0.1 }):run { steps = 5 }
+> run:checkpoint "flow.state"
+flow.state
+> more = flow:resume("flow.state"):run { t = 1 }
+> os.remove "flow.state"
+true]=]
+
 M["flow.animate"] = [=[
 > ball = dm.mesh { icosphere = 2 }
 > solver = ball:euler({ vorticity = function(x, y, z) return z + x*y end }):solver { h = 0.1 }
@@ -129,6 +145,17 @@ M["euler_engine.fail"] = [=[
 > failure.rule, failure.code
 midpoint	no_convergence]=]
 
+M["euler_engine.low"] = [=[
+> core = require "dm.core"
+> K = dm.mesh { icosphere = 0 }
+> solved, part = dm.zeros(12) + 1, dm.zeros(12) + 1
+> solved[1] = 0
+> A = K:incidence(0):gram(K:volume(1)):pick(solved, solved)
+> w = K:form(0, function(x, y, z) return z end).values
+> engine = core.euler(K, A:factor "dense", solved, part, K:volume(2), w)
+> engine:low():norm()
+0.0]=]
+
 M["euler_engine.measure"] = [=[
 > core = require "dm.core"
 > K = dm.mesh { icosphere = 0 }
@@ -178,7 +205,7 @@ M["avi_cells.resonances"] = [=[
 > cells = core.avi(field, dm.vector { 0, 0.1 }, 0)
 > cells:limits()
 [0.70710678118655]
-> path, status = cells:run(dm.vector { 0, 0 }, dm.vector { 0.1 }, dm.vector { 0, 0.1 }, false)
+> path, status = cells:run({ p = dm.vector { 0, 0 } }, dm.vector { 0.1 }, dm.vector { 0, 0.1 })
 > cells:resonances(0.05)
 0]=]
 
@@ -190,7 +217,7 @@ M["avi_cells.run"] = [=[
 > cells = core.avi(field, dm.vector { 0, 0.1 }, 0)
 > cells:limits()
 [0.70710678118655]
-> path, status = cells:run(dm.vector { 0, 0 }, dm.vector { 0.1 }, dm.vector { 0, 0.1, 0.2 }, false)
+> path, status = cells:run({ p = dm.vector { 0, 0 } }, dm.vector { 0.1 }, dm.vector { 0, 0.1, 0.2 })
 > status, path.q[3]:sum()
 0	0.1]=]
 

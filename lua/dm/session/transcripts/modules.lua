@@ -134,6 +134,14 @@ M["core.crc32"] = [=[
 > ("%08x"):format(core.crc32 "123456789")
 cbf43926]=]
 
+M["core.cut_file"] = [=[
+> core = require "dm.core"
+> f = io.open("cut.txt", "w")
+> f:write "wholesome"; f:close();
+> core.cut_file("cut.txt", 5)
+> io.open("cut.txt"):read "a"
+whole]=]
+
 M["core.end_file"] = [=[
 > core = require "dm.core"
 > part = core.new_file "end.txt"
