@@ -240,13 +240,10 @@ static const dml_row methods[] =
       "Pairs of cells with a common entry of which one kicks the other near a multiple of its half "
       "period, omega_K h_L = k pi, by so many half periods."},
      {"run", avi_run,
-      "cells:run({p=, half=, file=, from=, t0=, ending=}, h, times) -> dm.path, status, events, "
-      "row, "
-      "why\n"
-      "Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending`, the "
-      "state "
-      "at a row, the last one unless the run was stopped; a run that goes on from there is given "
-      "it as `from`, and the time t0 of its start."},
+      "cells:run({p=, half=, file=, from=, t0=}, h, times) -> dm.path, status, events, row, why\n"
+      "Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending` of the "
+      "options, the state at a row, the last one unless the run was stopped; a run that goes on "
+      "from there is given it as `from`, and the time t0 of its start."},
      {NULL, NULL, NULL}};
 
 static const dml_row functions[] =
