@@ -19,12 +19,13 @@ local function job_of(map, cell)
   return { map = map, rule = map.rule_list[cell.rule], system = map.system_of(cell) }
 end
 
--- the flow of a cell, resolved better than for its class; nothing where it is not known up to the
--- end
+-- the flow of a cell, resolved better than for its class unless it is one of a line; nothing where
+-- it is not known up to the end
 local function fine_flow(map, cell)
   local kept, own = map.beside, {}
   for key, value in pairs(kept) do own[key] = value end
-  own.accuracy, own.flows = min(FINE, kept.accuracy), {}
+  local is_line = map.system_of(cell).line ~= nil
+  own.accuracy, own.flows = is_line and kept.accuracy or min(FINE, kept.accuracy), {}
   map.beside = own
   local twin = { values = cell.values, rule = cell.rule, h = cell.h }
   local fine, why = pcall(flows.attach, job_of(map, cell), { twin })
@@ -63,7 +64,7 @@ local function look(map, cell)
   cell.flow = flow
   cells.tell_right(job, { cell }, e)
   cell.flow = nil
-  cell.phase = shift_of(e:path(1), flow, map.beside.observed.columns, map.beside.horizon)
+  cell.phase = not job.system.line and shift_of(e:path(1), flow, map.beside.observed.columns, map.beside.horizon) or nil
 end
 
 ---- chaos ----

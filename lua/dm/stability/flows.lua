@@ -2,6 +2,7 @@
 -- steps, both halved until they agree along the whole way.
 local blame = require "dm.base.blame"
 local jobs = require "dm.stability.jobs"
+local line_flows = require "dm.stability.line_flows"
 local observables = require "dm.stability.observables"
 
 local M = {}
@@ -22,7 +23,8 @@ local FIRST = 64          -- steps of the first level
 local MOST, ALL = 2 ^ 16, 2 ^ 20  -- steps that a flow may take, and all of a part of the map
 local FINEST = 4          -- or as many times those of the finest cell
 local ROOM = 2 ^ 22       -- numbers of rows at once
-local FINER = 1e-3        -- of the accuracy: two flows that agree so well are one
+-- of the accuracy: two flows that agree so well are one; of fields on lines, whose flows are dear
+local FINER, ON_LINES = 1e-3, 1e-2
 local NEAR = 30           -- times that: the next level, 256 times better, will
 local ROUND_OFF = 1e-11   -- of the numbers observed
 local SHARE = 1e-3        -- of the range: what rows of cells may miss between them
@@ -63,6 +65,7 @@ local TRIALS = 8 -- cells of a group that may have no start before there are no 
 -- its steps in parts of those of a level; or nil, and why. They are those of the whole group of the
 -- job, where it has one.
 function M.rules_of(job, cell, T)
+  if job.system.line then return line_flows.rules_of(job, cell) end
   local kept, cells = job.group or job, job.group and job.group.cells or { cell }
   local stride, why = max(1, #cells // TRIALS), kept.no_pair
   for k = 1, not (kept.pair or why) and #cells or 0, stride do
@@ -81,6 +84,7 @@ end
 local function run(job, flows, one, level)
   local pseudo, map, T = {}, job.map, job.map.options.t
   local steps = ceil(one[2] * level)
+  if job.system.line then return line_flows.run(job, flows, one[1], steps) end
   for i, flow in ipairs(flows) do
     pseudo[i] = { values = flow.values, rule = flow.rule, h = T / steps }
   end
@@ -102,7 +106,7 @@ local function measure(map, flow, e, i)
     scale = max(scale, math.abs(first) + flow.range[k])
   end
   local slack = ROUND_OFF * scale
-  local fine = max(FINER * accuracy, min(0.1 * accuracy, 1e-10))
+  local fine = max(map.beside.finer * accuracy, min(0.1 * accuracy, 1e-10))
   for k, range in ipairs(flow.range) do
     flow.tolerance[k] = fine * range + slack
     flow.near[k] = NEAR * flow.tolerance[k]
@@ -169,11 +173,6 @@ end
 function M.prepare(map, system)
   local accuracy = observables.accuracy(map.options)
   if not accuracy then return nil end
-  if system.line then
-    map.notes[#map.notes + 1] = "fields on lines are not compared with a resolved flow: nothing is "
-      .. "called wrong; dm.chart compares sizes of meshes"
-    return nil
-  end
   if system.given.control then
     map.notes[#map.notes + 1] = "the control is held over every step, so that the step is part of "
       .. "the system: nothing is called wrong"
@@ -185,8 +184,8 @@ function M.prepare(map, system)
     for i, name in ipairs(map.names) do text[i] = ("%a"):format(cell.values[name]) end
     return table.concat(text, "/")
   end
-  return { accuracy = accuracy, observed = observables.read(map.options, system), t0 = t0,
-    horizon = t0 + map.options.t, flows = {}, flow_key = flow_key }
+  return { accuracy = accuracy, finer = system.line and ON_LINES or FINER, t0 = t0,
+    observed = observables.read(map.options, system), horizon = t0 + map.options.t, flows = {}, flow_key = flow_key }
 end
 
 local LEAST = 0.01  -- of the duration: what is resolved for less is not resolved
@@ -209,6 +208,7 @@ end
 
 -- steps that a flow may take, by the group that the cells are of
 local function most_of(job, flows, part)
+  if job.system.line then return line_flows.most_of(job, flows[1]) end
   local group, finest = job.group, huge
   if group then
     finest = group.finest

@@ -113,8 +113,19 @@ local function make_key(used)
   end
 end
 
+-- what a start is before it is numbers of one system: as it is, or what the function of parameters
+-- gives
+local function make_given(map, what, given, names)
+  local of_parameters = type(given) == "function"
+    and not (not axes.takes(given, names) and is_field(map, names))
+  if not of_parameters then return function() return given end end
+  local f = axes.bind(what, given, names)
+  return function(cell) return f(cell.values) end
+end
+
 --- map.system_of(cell), map.key_of(cell) (cells of one key have one system), map.used (the
--- parameters that it depends on) and map.start.q, .v, .p of a cell.
+-- parameters that it depends on), map.start.q, .v, .p of a cell, and map.start.given.q, .v: what
+-- was given for them.
 function M.read(map, options, names)
   local of, used = make_systems(map, options.system or options[1], names)
   local uses, last, kept = {}, nil, nil
@@ -128,7 +139,9 @@ function M.read(map, options, names)
   map.start = { q = options.q and make_start(map, "q", options.q, names, uses)
     or at_identity(map), v = options.v
     and make_start(map, "v", options.v, names, uses),
-    p = options.p and make_start(map, "p", options.p, names, uses) }
+    p = options.p and make_start(map, "p", options.p, names, uses),
+    given = { q = make_given(map, "q", options.q, names),
+      v = options.v and make_given(map, "v", options.v, names) } }
   for _, name in ipairs(names) do
     if not uses[name] then
       fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an "

@@ -159,6 +159,9 @@ off than accuracy (0.01) times its range, greatest less least value of the flow,
 leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all), momenta
 (p_x), "energy", or name = f(q, v, t, p). accuracy = false: nothing is compared. Where the flow is
 chaotic it is known up to a time (horizon of map:at), and cells are compared up to there.
+On lines (dm.field) the flow is that of the field itself, of cells ever finer in space and time, so
+that a mesh too coarse is wrong, too; u and ut are then functions of x, and observe takes u (u1, ...
+where it has several values; the range is that of all nodes) or name = f(u, nil, t).
 watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost, and to
 what is wrong, are refined to resolution = 1e-3 (refine = false: not). seconds: CPU time after which
 cells are left out; map.cut says which. map:limit(row), :limit(row, "right"), :theory(row),
@@ -258,6 +261,20 @@ local function run_cells(map, all)
   return cells.run(map, all, map.chaos)
 end
 
+-- what is called bounded beside no flow is told
+local function note_unresolved(map, all)
+  local count, why = 0, nil
+  for _, cell in ipairs(all) do
+    if cell.unresolved and cell.class == cells.NUMBER.bounded then
+      count, why = count + 1, why or cell.unresolved
+    end
+  end
+  if count > 0 then
+    map.notes[#map.notes + 1] = ("%d of %d cells are bounded beside no resolved flow, so that none "
+      .. "of them is called wrong: %s"):format(count, #all, why)
+  end
+end
+
 -- runs the cells; returns what stopped it, if anything
 local function fill(map)
   local all = all_cells(map)
@@ -272,6 +289,7 @@ local function fill(map)
   borders.find(map)
   if stopped then return stopped end
   given_.note_idle(map)
+  note_unresolved(map, all)
   if map.options.refine == false then return nil end
   return borders.refine(map)
 end

@@ -9,7 +9,7 @@ local M = {}
 
 local NUMBER, min = classes.NUMBER, math.min
 
-local MEMBERS = 2048  -- of one ensemble
+local MEMBERS, LINES = 2048, 64  -- of one ensemble; of fields on lines, whose rows are kept
 
 ---- one ensemble ----
 
@@ -116,9 +116,10 @@ end
 -- cells of one job in parts that fit into memory; what stopped it, or the cells that are left when
 -- it is seen to need a system for each
 local function run_job(job, cells, plan)
+  local members = job.system.line and LINES or MEMBERS
   cells = by_step(cells)
-  for from = 1, #cells, MEMBERS do
-    local last = min(from + MEMBERS - 1, #cells)
+  for from = 1, #cells, members do
+    local last = min(from + members - 1, #cells)
     local stopped = run_part(job, table.move(cells, from, last, 1, {}), plan)
     if stopped then return stopped end
     if job.split then return nil, table.move(cells, last + 1, #cells, 1, {}) end

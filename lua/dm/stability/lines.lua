@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local fields = require "dm.line"
 local grids = require "dm.line.grid"
+local line_flows = require "dm.stability.line_flows"
 local sample = require "dm.line.sample"
 
 local M = {}
@@ -40,12 +41,13 @@ end
 
 ---- ensembles ----
 
--- the columns of a run that are watched: "energy", and functions (q, v, t, p) without a v
+-- the columns of a run that are watched: "energy", and functions (q, v, t, p) without a v; values
+-- of u (dm.stability.line_flows) are looked at in the rows
 local function columns_of(run, watch)
   local out = {}
   for name, f in pairs(watch) do
     local y = {}
-    for i = 1, #run do
+    for i = 1, type(f) == "table" and 0 or #run do
       y[i] = type(f) == "function" and f(run.u[i], nil, run.t[i], run.p[i]) or run.energy[i]
     end
     out[type(name) == "string" and name or f] = y
@@ -64,7 +66,7 @@ local function member(solver_of, o, i)
   local failure = not fine and type(run) ~= "string" and run.path and run
   if not fine and not failure then error(run, 0) end
   if failure then run = failure.path end
-  return { status = failure and failure.code or "ok", steps = run.steps, t = run.t,
+  return { status = failure and failure.code or "ok", steps = run.steps, t = run.t, rows = run.u,
     columns = columns_of(run, o.watch), failure = failure or nil }
 end
 
@@ -80,6 +82,10 @@ function Ensemble:summary(name)
     end
   end
   return out
+end
+
+function Ensemble:departure(i, ...)
+  return line_flows.departure(self.list[i].t, self.list[i].rows, ...)
 end
 
 function Ensemble:failures()

@@ -2,6 +2,7 @@
 -- constraints leave over.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local line_flows = require "dm.stability.line_flows"
 local lists = require "dm.base.lists"
 local observed = require "dm.measure.observed"
 local tangent_group = require "dm.measure.tangent_group"
@@ -93,6 +94,10 @@ end
 --- { names, columns, watch }: what is observed, what its columns are called in runs of a system,
 -- and what to watch for them.
 function M.read(options, system)
+  if system.line then
+    return line_flows.observed(entries(options.observe or line_flows.names(system.line)),
+      system.line)
+  end
   local names, out = names_of(system), { names = {}, columns = {}, watch = {} }
   for i, entry in ipairs(entries(options.observe or names)) do
     local f = entry.f or system.place and on_group(system, entry.name)

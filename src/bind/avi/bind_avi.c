@@ -160,8 +160,9 @@ static dm_status begin(lua_State *L, avi *k, const asked *run) {
     const dm_status status =
         dm_avi_resume(&k->a, t0, run->half, run->state, run->times[0], k->arena);
     if (status == DM_NOT_FINITE)
-        luaL_error(L, "the checkpoint is no state of these cells at t = %f: times of entries or "
-                      "numbers of kicks do not fit",
+        luaL_error(L,
+                   "the checkpoint is no state of these cells at t = %f: times of entries or "
+                   "numbers of kicks do not fit",
                    run->times[0]);
     return status;
 }

@@ -54,7 +54,7 @@ end
 ok(map:at({ N = 12, rule = "cell(corners)" }, 0.2).class == "blow-up" and map:at({ N = 12, rule = "cell(corners)" }, 0.01).class == "bounded", "classes")
 local kink = dm.field { x = { -15, 15, 60 }, fixed = "ends", L = function(u, ut, ux) return linear(u, ut, ux) - (1 - dm.cos(u)) end }
 map = dm.stability { kink, u = function(x) return 4 * math.atan(math.exp(x)) end, rule = "cell(gauss(2))", h = { 0.1, 1, 9, "log" }, t = 40 }
-ok(map:limit(1) > 0.48 and map:limit(1) < 0.51 and map.notes[1]:find "not compared", "a kink, over a duration", map:limit(1))
+ok(map:limit(1) > 0.48 and map:limit(1) < 0.51, "a kink, over a duration", map:limit(1))
 -- ends that absorb, and L with t: the size of the field is watched in place of the energy
 local open = dm.field { x = { 0, 1, 20 }, absorbing = "ends", L = linear }
 map = dm.stability { open, u = function(x) return math.exp(-50 * (x - 0.5) ^ 2) end, rule = "cell(gauss(2))", h = { 0.01, 0.2, 9, "log" }, steps = 400 }
@@ -65,4 +65,36 @@ raises("not both", function() dm.stability { kink, u = 0, q = 0, rule = "cell(co
 raises("on a line", function() dm.stability { kink, u = 0, rule = "verlet", h = 0.1, steps = 10 } end)
 raises("must be finite", function() dm.stability { kink, u = function() return 0 / 0 end, rule = "cell(corners)", h = 0.1, steps = 10 } end)
 raises("must return a dm.system", function() dm.stability { system = function(N) return N end, N = { 2, 3 }, q = 0, v = 0, rule = "verlet", h = 0.1, steps = 10 } end)
+---- lines beside the field that they are cells of ----
+
+-- a kink beside its closed form: how far off a cell is, and where its mesh is too coarse
+local g = 1 / math.sqrt(0.75)
+local function of_kink(t) return function(x) return 4 * math.atan(math.exp(g * (x - t / 2))) end end
+local function kinks(N) return dm.field { x = { -8, 8, N }, fixed = "ends", L = function(u, ut, ux) return linear(u, ut, ux) - (1 - dm.cos(u)) end } end
+local map = dm.stability { system = kinks, N = { 32, 64 }, h = { 0.1, 0.2 }, rule = "cell(gauss(2))", t = 4, accuracy = 1e-3,
+  u = of_kink(0), ut = function(x) return -g / dm.cosh(g * x) end, refine = false }
+for i, N in ipairs { 32, 64 } do
+  local run = kinks(N):solver { h = 0.1 }:run { u = of_kink(0), ut = function(x) return -g / dm.cosh(g * x) end, t = 4 }
+  local off = 0
+  for r = 1, #run do
+    for k = 1, #run.nodes do off = math.max(off, math.abs(run.u[r][k] - of_kink(run.t[r])(run.nodes[k]))) end
+  end
+  local cell = map:at(i, 1)
+  near(cell.off, off, 2e-2 * off, "off as the closed form says")
+  ok(cell.class == (off > 1e-3 * cell.range and "wrong" or "bounded"), "class of the kink", cell.class)
+end
+ok(map:at(1, 1).class == "wrong" and map:at(2, 1).class == "bounded", "a mesh that is too coarse is wrong")
+-- exact at h = dx; heights beside it are not
+map = dm.stability { system = ring(24), rules = { "cell(gauss(2))", "cell(corners)" }, h = { 1 / 30, 1 / 24 }, t = 1,
+  u = function(x) return math.cos(6 * math.pi * x) end, refine = false }
+for i = 1, 2 do ok(map:at(i, 1).class == "wrong" and map:at(i, 2).class == "bounded" and map:at(i, 2).off < 1e-6, "exact at h = dx") end
+-- several values, a parameter of L, a function that is observed
+local pair = dm.field { x = { 0, 1, 20 }, fixed = "left", values = 2, params = { k = 1 },
+  L = function(u, ut, ux, _, t, P) return (ut:dot(ut) - P.k * ux:dot(ux)) / 2 - u:dot(u) ^ 2 / 4 + dm.cos(t) * u[1] end }
+map = dm.stability { system = pair, rule = "cell(gauss(2))", k = { 0.5, 1.5 }, h = { 0.01, 0.035 }, t = 1, refine = false,
+  u = function(x) return { math.sin(math.pi * x / 2), 0 } end, observe = { "u1", last = function(u) return u[#u] end } }
+ok(map:at(1, 1).off and map:at(2, 1).off, "two values")
+map = dm.stability { system = open, rule = "cell(gauss(2))", h = 0.02, t = 1, u = dm.zeros(21), ut = 1, refine = false }
+ok(map.notes[1]:find "a function of x has values on finer ones", "no flow of a list", map.notes[1])
+raises("on lines observe u", function() dm.stability { system = open, rule = "cell(gauss(2))", h = 0.1, t = 1, u = 0, observe = "p1" } end)
 tap.done()
