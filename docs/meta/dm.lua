@@ -135,9 +135,9 @@ function dm_avi_cells_class:limits() end
 ---@return number
 function dm_avi_cells_class:resonances(margin) end
 
----cells:run({p=, half=, file=, from=, t0=, ending=}, h, times) -> dm.path, status, events, row, why
+---cells:run({p=, half=, file=, from=, t0=}, h, times) -> dm.path, status, events, row, why
 ---
----Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending`, the state at a row, the last one unless the run was stopped; a run that goes on from there is given it as `from`, and the time t0 of its start.
+---Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending` of the options, the state at a row, the last one unless the run was stopped; a run that goes on from there is given it as `from`, and the time t0 of its start.
 ---@param options? table
 ---@param h? any
 ---@param times? any
@@ -6349,6 +6349,9 @@ function dm.sqrt(x) end
 ---leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all), momenta
 ---(p_x), "energy", or name = f(q, v, t, p). accuracy = false: nothing is compared. Where the flow is
 ---chaotic it is known up to a time (horizon of map:at), and cells are compared up to there.
+---On lines (dm.field) the flow is that of the field itself, of cells ever finer in space and time, so
+---that a mesh too coarse is wrong, too; u and ut are then functions of x, and observe takes u (u1, ...
+---where it has several values; the range is that of all nodes) or name = f(u, nil, t).
 ---watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost, and to
 ---what is wrong, are refined to resolution = 1e-3 (refine = false: not). seconds: CPU time after which
 ---cells are left out; map.cut says which. map:limit(row), :limit(row, "right"), :theory(row),
