@@ -228,7 +228,9 @@ local dm_box_solver_class = {}
 ---their means over the first two steps point to (only their means over steps occur in the equations).
 ---What is given beside is moved onto its row without z_t (run.moved, and the text of a run, tell by
 ---how much), or refused where it is off by a quarter of its size: at every level it would be off by
----the same, with alternating signs. file: a NumPy file that the rows go to as they come (t and the
+---the same, with alternating signs. Where the kernel of M lies along no component y (K z_x - grad S) =
+---0 is solved for all y with y M = 0: what is left out follows, what is given is moved along the
+---kernel. file: a NumPy file that the rows go to as they come (t and the
 ---components; dm.load reads it); the run keeps the first and the last one. checkpoint: a file for
 ---where it ended, also where it was stopped (run:checkpoint).
 ---@param options? table

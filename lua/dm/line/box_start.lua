@@ -2,9 +2,12 @@
 -- z_t. What is given and does not satisfy these rows is moved there, or refused: they would be off
 -- by the same at every level, with alternating signs.
 local algebra = require "dm.line.box_algebra"
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local follow = require "dm.line.box_follow"
 local grids = require "dm.line.grid"
+local kernel = require "dm.line.box_kernel"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -205,6 +208,40 @@ local function loose_of(state, known, given)
   return loose
 end
 
+-- what was given where M's kernel lies along no component, moved along that kernel
+local function moved_along_kernel(state, given)
+  local known = kernel.solve(state, given, state.slope)
+  for c, values in pairs(given) do
+    local off, size = apart(values, known[c], 0)
+    if off > FAR * size then
+      option.fail(WHERE, "'%s' of the start does not satisfy the rows without z_t (y (K z_x - grad "
+        .. "S) = 0 where y M = 0): it is off by %.3g from what follows, which is %.3g at most; "
+        .. "leave a component out, it follows", state.names[c], off, size)
+    end
+    if off > SAME * size then state.moved[state.names[c]] = off end
+  end
+  return known
+end
+
+-- all components, and those that nothing tells, row by row
+local function by_rows(state, given)
+  local known = compose(state, given)
+  local loose = loose_of(state, known, given)
+  bind(state, known, given, loose)
+  return known, loose
+end
+
+-- the same; where rows do not tell them, and M's kernel lies along no component, all at once
+local function known_of(state, given)
+  if kernel.is_aligned(state) then return by_rows(state, given) end
+  local slopes = lists.copy(state.slope)
+  local fine, known, loose = pcall(by_rows, state, given)
+  if fine then return known, loose end
+  if blame.is_stop(known) then error(known, 0) end
+  state.slope, state.moved = slopes, {}
+  return moved_along_kernel(state, given), {}
+end
+
 --- { z = vector of all nodes, node after node; slope = of gained components; loose = components
 -- that nothing tells; given, moved = by name, how far what was given is from where it starts }.
 function M.level(boxes, z, solver)
@@ -212,9 +249,7 @@ function M.level(boxes, z, solver)
     { __index = boxes })
   for c = 1, boxes.d do state.turns[c] = not algebra.is_zero(boxes.M[c]) end
   local given = given_of(state, z)
-  local known = compose(state, given)
-  local loose = loose_of(state, known, given)
-  bind(state, known, given, loose)
+  local known, loose = known_of(state, given)
   for _, gauge in ipairs(solver.gauges) do fit_slope(state, gauge, known, solver.h) end
   local all = core.zeros(boxes.cells * boxes.d)
   for i = 1, boxes.cells do

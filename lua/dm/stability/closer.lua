@@ -64,7 +64,8 @@ local function look(map, cell)
   cell.flow = flow
   cells.tell_right(job, { cell }, e)
   cell.flow = nil
-  cell.phase = not job.system.line and shift_of(e:path(1), flow, map.beside.observed.columns, map.beside.horizon) or nil
+  if job.system.line then return end
+  cell.phase = shift_of(e:path(1), flow, map.beside.observed.columns, map.beside.horizon)
 end
 
 ---- chaos ----

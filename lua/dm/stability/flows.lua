@@ -185,7 +185,8 @@ function M.prepare(map, system)
     return table.concat(text, "/")
   end
   return { accuracy = accuracy, finer = system.line and ON_LINES or FINER, t0 = t0,
-    observed = observables.read(map.options, system), horizon = t0 + map.options.t, flows = {}, flow_key = flow_key }
+    observed = observables.read(map.options, system), horizon = t0 + map.options.t, flows = {},
+    flow_key = flow_key }
 end
 
 local LEAST = 0.01  -- of the duration: what is resolved for less is not resolved

@@ -1,7 +1,7 @@
 --- Resolved flows of fields on lines for stability maps: the field's equation itself, as cells of
 -- finer lines and heights tell it. Errors of cells go by even powers of both, so that runs of (m
--- cells, s slabs), (2m, 2s) and (3m, 3s) make one of order 6 (Richardson); two unlike rules of cells
--- must agree on it, as for other systems (dm.stability.flows).
+-- cells, s slabs), (2m, 2s) and (3m, 3s) make one of order 6 (Richardson); two unlike rules of
+-- cells must agree on it, as for other systems (dm.stability.flows).
 local core = require "dm.core"
 local fields = require "dm.line"
 local grids = require "dm.line.grid"
@@ -57,8 +57,8 @@ end
 
 ---- how fine ----
 
--- m cells of a level for every cell: as many as its slabs of height h, and a third of it, are stable
--- on
+-- m cells of a level for every cell: as many as slabs of the height h, and a third of it, are
+-- stable on
 local function refinement(field, rule, h, u)
   local fine, limit = pcall(field.stability_limit, field, rule, { u = u })
   if not fine or not (limit < huge) then limit = 0.4 * field.dx end
