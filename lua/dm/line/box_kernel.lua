@@ -1,6 +1,6 @@
---- Starts of boxes whose M has a kernel that does not lie along components: y (K z_x - grad S(z)) = 0
--- for all y with y M = 0 is solved for all boxes at once, by Newton's method. What is not given is
--- found; where all is given, it is moved along the kernel.
+--- Starts of boxes whose M has a kernel that does not lie along components: y (K z_x - grad S(z))
+-- = 0 for all y with y M = 0 is solved for all boxes at once, by Newton's method. What is not given
+-- is found; where all is given, it is moved along the kernel.
 local algebra = require "dm.line.box_algebra"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -92,8 +92,8 @@ local function joined(boxes, given)
   return out
 end
 
-local OPEN = "the rows without z_t, y (K z_x - grad S) = 0 for all y with y M = 0, do not determine "
-  .. "the start (%s): %s"
+local OPEN = "the rows without z_t, y (K z_x - grad S) = 0 for all y with y M = 0, do not "
+  .. "determine the start (%s): %s"
 
 --- All components as vectors by number, from those that are given, which satisfy the bonds.
 function M.solve(boxes, given, slope)
