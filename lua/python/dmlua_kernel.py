@@ -11,6 +11,10 @@ import os
 import selectors
 import signal
 import subprocess
+import sys
+
+# Python is not what cells are debugged in: its debugger would take a third of the start and warn.
+sys.modules.setdefault("debugpy", None)
 
 from ipykernel.kernelapp import IPKernelApp
 from ipykernel.kernelbase import Kernel
