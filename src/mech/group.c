@@ -171,20 +171,16 @@ dm_status dm_group_directions(dm_node *X, dm_graph *g, const dm_chart_trace *exp
 }
 
 /* in a graph without e */
-static dm_status make_slopes(dm_joining *j, dm_group *out, dm_compile *compile) {
+static dm_status make_points(dm_joining *j, dm_group *out, dm_compile *compile) {
     const uint32_t n = j->n, d = j->d, inputs = n + 2 * d + 1;
     dm_graph *g = dm_graph_new(j->arena, inputs);
     dm_node *with = dm_joining_take(j, inputs + (size_t)d),
-            *roots = dm_joining_take(j, 3 * (size_t)d * (2 * d + 1));
+            *roots = dm_joining_take(j, 3 * (size_t)d);
     if (!g || !with || !roots) return DM_NO_MEMORY;
     dm_inputs(g, with, 0, inputs);
     memset(with + inputs, 0, d * sizeof *with);
     dm_transplant(g, j->g, j->slope, 3 * d, with, roots);
-    dm_jacobian(g, roots, 3 * d, n, 2 * d, roots + 3 * d);
-    dm_status status = dm_graph_status(g);
-    if (status == DM_OK) status = compile(&out->slope, g, roots, 3 * d, j->arena);
-    if (status == DM_OK) status = compile(&out->curve, g, roots, 3 * d * (2 * d + 1), j->arena);
-    return status;
+    return dm_group_map_make(&out->point, g, roots, 3 * d, n, 2 * d, compile, j->arena);
 }
 
 /* That of a force along V is a times its work on xi. */
@@ -213,16 +209,14 @@ static dm_status make_lines(const dm_model *m, dm_group *out, dm_tau tau, dm_com
     if (status != DM_OK) return status;
     dm_graph *g = dm_graph_new(j.arena, inputs);
     dm_node *with = dm_joining_take(&j, inputs + (size_t)d),
-            *roots = dm_joining_take(&j, 2 * (size_t)d * (d + 1));
+            *roots = dm_joining_take(&j, 2 * (size_t)d);
     if (!g || !with || !roots || !dm_joining_line_slopes(&j)) return DM_NO_MEMORY;
     dm_inputs(g, with, 0, inputs);
     memset(with + inputs, 0, d * sizeof *with);
     dm_transplant(g, j.g, j.slope, 2 * d, with, roots);
-    dm_jacobian(g, roots, 2 * d, n + d, d, roots + 2 * d);
     status = dm_graph_status(j.g);
-    if (status == DM_OK) status = dm_graph_status(g);
-    if (status == DM_OK) status = compile(&out->line, g, roots, 2 * d, j.arena);
-    if (status == DM_OK) status = compile(&out->line_curve, g, roots, 2 * d * (d + 1), j.arena);
+    if (status == DM_OK)
+        status = dm_group_map_make(&out->line, g, roots, 2 * d, n + d, d, compile, j.arena);
     out->straight = status == DM_OK;
     return status;
 }
@@ -252,17 +246,14 @@ dm_status dm_joining_pull(const dm_joining *j, dm_graph *last, dm_node *out) {
     return status != DM_OK ? status : dm_graph_status(last);
 }
 
-/* and its derivatives */
 static dm_status make_pull(dm_joining *j, dm_group *out, dm_compile *compile) {
     const uint32_t d = j->d;
     dm_graph *g = dm_graph_new(j->arena, 2 * d);
-    dm_node *roots = dm_joining_take(j, (size_t)d * (2 * d + 1));
+    dm_node *roots = dm_joining_take(j, d);
     if (!g || !roots) return DM_NO_MEMORY;
-    dm_status status = dm_joining_pull(j, g, roots);
-    dm_jacobian(g, roots, d, 0, 2 * d, roots + d);
-    if (status == DM_OK) status = dm_graph_status(g);
-    if (status == DM_OK) status = compile(&out->pulled, g, roots, d, j->arena);
-    return status == DM_OK ? compile(&out->pull, g, roots, d * (2 * d + 1), j->arena) : status;
+    const dm_status status = dm_joining_pull(j, g, roots);
+    if (status != DM_OK) return status;
+    return dm_group_map_make(&out->pull, g, roots, d, 0, 2 * d, compile, j->arena);
 }
 
 /* a trace with the inputs q0[n], xi[d], mu[d] as a kernel, in a graph of its own, since compilers
@@ -313,7 +304,7 @@ dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, int straig
         return status == DM_OK ? make_lines(m, out, tau, compile) : status;
     if (!dm_joining_slopes(&j)) return DM_NO_MEMORY;
     status = dm_graph_status(j.g);
-    if (status == DM_OK) status = make_slopes(&j, out, compile);
+    if (status == DM_OK) status = make_points(&j, out, compile);
     out->curved = status == DM_OK;
     return status;
 }

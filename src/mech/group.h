@@ -4,6 +4,7 @@
 #ifndef DM_GROUP_H
 #define DM_GROUP_H
 
+#include "mech/group_map.h"
 #include "mech/model.h"
 
 /* Maps tau from the algebra to the group whose charts g0 tau(xi) are known. */
@@ -86,17 +87,16 @@ typedef struct dm_group {
     dm_chart_trace trace[DM_TAUS];
     int ready; /* the kernels of the end of a step are made, of: */
     dm_tau tau;
-    int curved, straight; /* and slope and curve; line and line_curve */
-    /* take (q0[n], xi[d], rate[d], t): L_e, L_xi, L_rate of L(g0 near(e) tau(xi), velocity, t) at
-     * e = 0, forces added: [3d]; then their derivatives in (xi, rate), row by row [3d][2d] */
-    dm_kernel slope, curve;
-    /* of curves tau(a V), velocity V where tau is exp; take (q0[n], unused[d], V[d], t, a):
-     * L_e, dL/dV [2d]; then their derivatives by V, row by row [2d][d] */
-    dm_kernel line, line_curve;
-    dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
-    dm_kernel pulled; /* b alone */
-    dm_kernel finish; /* as dm_chart_trace.end */
-    dm_kernel change; /* as dm_chart_trace.change; no outputs: none */
+    int curved, straight; /* and point; line */
+    /* takes (q0[n], xi[d], rate[d], t): L_e, L_xi, L_rate of L(g0 near(e) tau(xi), velocity, t) at
+     * e = 0, forces added: [3d]; columns (xi, rate) */
+    dm_group_map point;
+    /* of curves tau(a V), velocity V where tau is exp; takes (q0[n], unused[d], V[d], t, a):
+     * L_e, dL/dV [2d]; columns V */
+    dm_group_map line;
+    dm_group_map pull; /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d]; columns (xi, mu) */
+    dm_kernel finish;  /* as dm_chart_trace.end */
+    dm_kernel change;  /* as dm_chart_trace.change; no outputs: none */
     uint32_t arcs;
     dm_group_joints joints;
     /* the collective lift (group_lift.c), where it is made: H on T*R^n; take (q[n], p[n], t) of
@@ -116,8 +116,8 @@ static inline uint32_t dm_momenta(const dm_model *m) {
  * that stay loops. */
 dm_graph *dm_group_graph(const dm_model *m);
 
-/* Make the kernels of tau for a model that was built, in its arena; `straight`: line and line_curve
- * in the place of slope and curve. */
+/* Make the kernels of tau for a model that was built, in its arena; `straight`: line in the place
+ * of point. */
 dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, int straight,
                         dm_compile *compile);
 

@@ -13,6 +13,7 @@
 --   acts                    its standard actions: acts[kind](m) gives map(g, z) on R^m, or nothing
 --   liftable                are its flat coordinates related by quadratic functions alone, which
 --                           translations keep, as |q| = 1 or g J g^T = J? (mech/group_lift.c)
+--   slope(xi, eta)          dexp with fewer operations in charts, of matrices with many dimensions
 --   parts                   kits of the factors of a product
 --   smooth                  flat coordinates of a run where those of `flat` jump (group/flat.lua)
 --   momenta                 of standard actions of other groups on it, by their names: f(g, mu)

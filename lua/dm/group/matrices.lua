@@ -26,6 +26,9 @@ function M.from_exponentials(kit)
   end
 end
 
+-- the differential of exp by a few tens of products of n x n matrices, or by a few of d x d ones
+local MANY = 3
+
 --- Complete a kit of n x n matrices: elements are these matrices.
 function M.complete(kit, n)
   kit.form = ("a matrix of %d x %d"):format(n, n)
@@ -34,6 +37,11 @@ function M.complete(kit, n)
   kit.compose = kit.compose or function(a, b) return a * b end
   kit.inverse = kit.inverse or function(g) return g:inverse() end
   kit.exp = kit.exp or function(xi) return matrix_functions.exp(kit.hat(xi)) end
+  if not kit.dexp and MANY * n ^ 3 < kit.dimension ^ 3 then
+    function kit.slope(xi, eta)
+      return kit.vee(matrix_functions.dexp(kit.hat(xi), kit.hat(eta)))
+    end
+  end
   kit.near = function(xi) return core.identity(n) + kit.hat(xi) end
   kit.log = kit.log or function(g) return kit.vee(matrix_functions.log(g)) end
   kit.Ad = kit.Ad or function(g, xi) return kit.vee(g * kit.hat(xi) * kit.inverse(g)) end

@@ -60,6 +60,31 @@ function M.exp(a)
   return core.identity(a.rows) + f
 end
 
+-- phi_series and its derivative at z along y
+local function phi_slope(z, y)
+  local z2, d2 = z * z, y * z + z * y
+  local z3, d3 = z2 * z, d2 * z + z2 * y
+  local z4, d4 = z2 * z2, d2 * z2 + z2 * d2
+  local one, sum, slope = core.identity(z.rows), nil, nil
+  for k = 12, 0, -4 do
+    local block = one * weights[k] + z * weights[k + 1] + z2 * weights[k + 2] + z3 * weights[k + 3]
+    local rate = y * weights[k + 1] + d2 * weights[k + 2] + d3 * weights[k + 3]
+    if sum then block, rate = sum * z4 + block, slope * z4 + sum * d4 + rate end
+    sum, slope = block, rate
+  end
+  return sum, slope
+end
+
+--- The derivative of exp at A along B, times exp(-A), by products of n x n matrices alone.
+function M.dexp(a, b)
+  local s = halvings(a)
+  local z, y = a * 0.5 ^ s, b * 0.5 ^ s
+  local phi, slope = phi_slope(z, y)
+  local f, df = z * phi, y * phi + z * slope
+  for _ = 1, s do f, df = f * 2 + f * f, df * 2 + df * f + f * df end
+  return df * M.exp(-a)
+end
+
 -- |det A|^(-1/n): A times it is of determinant 1, which starts Newton's methods below near the unit
 -- matrix
 local function scale_of(a)

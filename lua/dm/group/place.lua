@@ -156,7 +156,10 @@ local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }
 -- tau and its differential on coordinates, tau on elements: "exp", "cayley", "pade(2)" ...
 local function maps(place, tau)
   local kit, name, k = place.kit, DIFFERENTIALS[tau], tonumber(tau:match "^pade%((%d)%)$")
-  if not k then return place[tau], place[name] or kit[name], kit[tau] end
+  if not k then
+    local slope = tau == "exp" and kit.slope or kit[name]
+    return place[tau], place[name] or slope, kit[tau]
+  end
   if not kit.pade or not place.cayley then return end
   local cayley, dcay = place.cayley, place.dcay or kit.dcay
   return function(xi) return cayley((kit.pade(k, xi))) end,

@@ -32,7 +32,7 @@ static size_t arcs_of(const dm_group *g) {
 size_t dm_group_field_size(const dm_model *m) {
     const size_t n = m->n, d = m->group->momenta;
     return n + 2 * d + 1 + 3 * d + 2 * n + n + 2 * d + n + d + arcs_of(m->group) + d * (2 * d + 1) +
-           d * d + d + dm_legendre_work(m);
+           d * d + d + dm_group_map_room(5 * d) + dm_legendre_work(m);
 }
 
 /* The chart stays 0, the entries of p behind the momenta too. */
@@ -48,10 +48,11 @@ void dm_group_field_open(dm_group_field *f, const dm_model *m, double *memory) {
     f->end = f->in + n + 2 * d;
     f->pull = f->end + n + d + arcs_of(m->group);
     f->A = f->pull + d * (2 * d + 1);
-    f->work = f->A + d * d + d;
-    dm_kernel_prepare(&f->group->slope, f->slope);
+    f->room = f->A + d * d + d;
+    f->work = f->room + dm_group_map_room(5 * d);
+    dm_kernel_prepare(&f->group->point.plain, f->slope);
     dm_kernel_prepare(&f->group->finish, f->end);
-    dm_kernel_prepare(&f->group->pull, f->pull);
+    dm_group_map_prepare(&f->group->pull, 1, f->pull);
 }
 
 /* the body velocity into x: Newton's method begins at rest, so that xi depends on the state alone;
@@ -78,7 +79,7 @@ dm_status dm_group_field_at(dm_group_field *f, double *xi, double *torque, const
     if (status != DM_OK) return status;
     memcpy(f->x, q, n * sizeof *q);
     f->x[n + 2 * d] = t;
-    dm_kernel_eval(&f->group->slope, f->x, f->slope);
+    dm_kernel_eval(&f->group->point.plain, f->x, f->slope);
     memcpy(xi, of_H ? f->slope + 2 * d : f->x + n + d, d * sizeof *xi);
     for (size_t a = 0; a < d; a++) torque[a] = of_H ? -f->slope[a] : f->slope[a];
     return DM_OK;
@@ -143,7 +144,7 @@ dm_status dm_group_field_chart_rate(dm_group_field *f, double *xi, const double 
     const size_t d = f->d;
     uint32_t *pivot = (uint32_t *)(void *)(f->A + d * d);
     for (size_t a = 0; a < d; a++) f->in[a] = -u[a], f->in[d + a] = 0.0;
-    dm_kernel_eval(&f->group->pull, f->in, f->pull);
+    dm_group_map_eval(&f->group->pull, f->in, f->pull, 1, f->room);
     for (size_t a = 0; a < d; a++)
         for (size_t b = 0; b < d; b++) f->A[b * d + a] = f->pull[d + a * 2 * d + d + b];
     const dm_status status = dm_lu_factor(f->A, pivot, f->d);

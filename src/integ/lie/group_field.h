@@ -23,6 +23,7 @@ typedef struct {
     double *end;   /* [n + d + arcs] */
     double *pull;  /* [d (2d + 1)] the differential of the chart, and derivatives */
     double *A;     /* [d*d] then [d] pivots: it as a matrix */
+    double *room;  /* of its map */
     double *work;  /* of the Legendre transform */
     double turn;   /* rad, of a step that went past pi, else 0 */
     char text[DM_FIELD_TEXT];

@@ -92,6 +92,7 @@ size_t dm_lie_lay_out(dm_lie *e, uint32_t lanes, double *memory) {
     e->pulled = take(&to, d * w);
     e->end = take(&to, (n + d + arcs) * w);
     e->sizes = take(&to, m * w);
+    e->room = take(&to, dm_group_map_room(n + 7 * d + 2));
     e->memory = take(&to, (2 + DM_LIE_KEPT * m) * w);
     e->work = take(&to, 0);
     return to.used;
@@ -137,17 +138,23 @@ static const dm_kernel *end_kernel(const dm_group *group) {
     return group->change.outputs ? &group->change : &group->finish;
 }
 
+static void prepare(const dm_kernel *k, uint32_t lanes, double *out) {
+    if (lanes > 1)
+        dm_kernel_prepare_lanes(k, lanes, out);
+    else
+        dm_kernel_prepare(k, out);
+}
+
 /* Constant outputs of the kernels are filled in once, here. */
 void dm_lie_choose(dm_lie *e, const dm_group *group, uint32_t lanes) {
     e->group = group;
-    e->at = e->s == 1 ? &group->line : &group->slope;
-    e->around = e->s == 1 ? &group->line_curve : &group->curve;
+    e->at = e->s == 1 ? &group->line : &group->point;
     e->last = end_kernel(group);
-    dm_kernel_prepare_lanes(e->at, lanes, e->slope);
-    dm_kernel_prepare_lanes(e->around, lanes, e->curve);
-    dm_kernel_prepare_lanes(&group->pull, lanes, e->pull);
-    dm_kernel_prepare_lanes(&group->pulled, lanes, e->pulled);
-    dm_kernel_prepare_lanes(e->last, lanes, e->end);
+    prepare(&e->at->plain, lanes, e->slope);
+    dm_group_map_prepare(e->at, lanes, e->curve);
+    prepare(&group->pull.plain, lanes, e->pulled);
+    dm_group_map_prepare(&group->pull, lanes, e->pull);
+    prepare(e->last, lanes, e->end);
 }
 
 static dm_status open(dm_stepper *s) {
@@ -159,7 +166,7 @@ static dm_status open(dm_stepper *s) {
     fill(e, &g, e->work);
     memset(e->memory, 0, (2 + DM_LIE_KEPT * (size_t)e->m) * sizeof *e->memory);
     dm_lie_choose(e, e->group, 1);
-    s->report.operations = e->around->operations;
+    s->report.operations = (e->at->whole.outputs ? e->at->whole : e->at->row).operations;
     return DM_OK;
 }
 

@@ -17,7 +17,7 @@ typedef struct {
     double t, *h;                 /* of this step; h [1] */
     double *a, *D, *b, *c, *beta; /* [r*s], [r*s], [r], [r], [s]: coefficients */
     double *state;                /* of the run: q[n], p[n] ... */
-    const dm_kernel *at, *around; /* slope and curve of the group; s = 1: line and line_curve */
+    const dm_group_map *at;       /* point of the group; s = 1: line */
     const dm_kernel *last;        /* its change, where that is known, else its finish */
     double *x;                    /* [n + 2d + 2] inputs of a point */
     double *slope;                /* [3d] at a point */
@@ -35,6 +35,7 @@ typedef struct {
     double *pulled;               /* [d] */
     double *end;                  /* [n + d + arcs] */
     double *work;                 /* of Newton's method, or of the Legendre transform */
+    double *room;                 /* for maps */
     double *sizes;                /* [m] of the terms of each equation */
     double size;                  /* of the terms of the equation where it was last evaluated */
     /* what steps leave to the next: how many there are, their h, V of the last ones, newest first:

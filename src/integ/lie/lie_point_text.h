@@ -108,9 +108,18 @@ INLINE void add_curves(const dm_lie *e, double *J, uint32_t i) {
     }
 }
 
-/* what a point gives the equation */
-INLINE void add_point(const dm_lie *e, double *R, double *J, uint32_t i) {
-    const double *y = J ? e->curve : e->slope;
+/* values of a map, with their derivatives into `whole` where that is not NULL */
+INLINE const double *eval_map(const dm_lie *e, const dm_group_map *f, const double *in,
+                              double *plain, double *whole) {
+    if (whole)
+        dm_group_map_eval(f, in, whole, W, e->room);
+    else
+        dm_kernel_eval(&f->plain, in, plain);
+    return whole ? whole : plain;
+}
+
+/* what a point gives the equation, y where it was evaluated */
+INLINE void add_point(const dm_lie *e, double *R, double *J, uint32_t i, const double *y) {
     if (e->s == 1) {
         add_line(e, R, i, y);
         if (J) add_line_curve(e, J, i);

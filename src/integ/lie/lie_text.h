@@ -11,9 +11,7 @@ INLINE const double *pull_end(const dm_lie *e, const double *velocities, int wit
     combine(e->xi, e, e->beta, load(e->h), velocities);
     copy_lanes(e->in, e->xi, e->d);
     copy_lanes(e->in + e->d * W, e->mu, e->d);
-    double *out = with_curve ? e->pull : e->pulled;
-    dm_kernel_eval(with_curve ? &e->group->pull : &e->group->pulled, e->in, out);
-    return out;
+    return eval_map(e, &e->group->pull, e->in, e->pulled, with_curve ? e->pull : NULL);
 }
 
 /* R -= beta_j b */
@@ -87,8 +85,7 @@ INLINE V find_equation(const dm_lie *e, double *R, double *J, const double *velo
     if (J) clear(e->mu_V, (size_t)d * m);
     for (uint32_t i = 0; i < e->r; i++) {
         place_point(e, i, velocities);
-        dm_kernel_eval(J ? e->around : e->at, e->x, J ? e->curve : e->slope);
-        add_point(e, R, J, i);
+        add_point(e, R, J, i, eval_map(e, e->at, e->x, e->slope, J ? e->curve : NULL));
     }
     for (uint32_t k = 0; k < d; k++)
         store(e->mu + k * W, load(e->state + (e->n + k) * W) + load(e->gain + k * W));

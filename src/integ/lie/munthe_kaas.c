@@ -44,7 +44,7 @@ static dm_status open(dm_stepper *s) {
     l->mu = l->sum + 2 * d;
     l->q = l->mu + d;
     dm_group_field_open(&l->field, s->model, l->q + s->model->n);
-    s->report.operations = s->model->group->slope.operations;
+    s->report.operations = s->model->group->point.plain.operations;
     return DM_OK;
 }
 

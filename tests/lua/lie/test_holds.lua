@@ -154,7 +154,9 @@ end)
 local Sp4 = dm.Sp(4)
 local large = dm.system { Q = Sp4, L = function(_, x) return x:dot(x) / 2 end }
 raises("lie(s, cayley) needs far fewer", function()
-  large:solver { rule = "lie(2)", h = 0.1 }:run { q = Sp4:identity(), v = dm.zeros(10), steps = 1 }
+  local SO5 = dm.SO(5)
+  dm.system { Q = SO5, L = function(g, x) return x:dot(x) / 2 - g[1][1] ^ 2 end, constraint = function(g) return g[1][2] end }
+    :solver { rule = "lie(2)", h = 0.1 }:run { q = SO5:identity(), v = dm.zeros(10), steps = 1 }
 end)
 local swirl = {}
 for i = 1, 10 do swirl[i] = 0.01 * i end

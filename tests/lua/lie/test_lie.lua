@@ -77,6 +77,25 @@ for _, case in ipairs { { "SE(3)", body, swimming }, { "SL(2)", special, sheared
   end
 end
 
+---- large charts: exp by products of small matrices, its second derivatives row by row (mech/group_map.h) ----
+
+for _, Q in ipairs { dm.SO(4), dm.SO(5), dm.SL(3), dm.GL(3), dm.Sp(4) } do
+  local xi, rate = {}, {}
+  for i = 1, Q.dimension do xi[i], rate[i] = 0.1 + 0.03 * i, 0.4 - 0.05 * i end
+  local kit = require "dm.group.kit".of(Q)
+  ok((kit.slope(dm.vector(xi), dm.vector(rate)) - kit.dexp(xi, dm.vector(rate))):norm() < 1e-14, "the differential of exp on " .. tostring(Q))
+  local solid = dm.system { Q = Q, L = function(g, x)
+    local sum = -(g[1][1] - 1) ^ 2 - g[1][2] ^ 2 - 0.3 * g[2][2]
+    for i = 1, Q.dimension do sum = sum + (0.5 + 0.1 * i) * x[i] ^ 2 / 2 end
+    return sum
+  end }
+  local swing = { q = Q:exp(xi), v = rate }
+  local fine = finish(solid, "gauss(4)", 1 / 80, 64, swing)
+  for _, row in ipairs { { "lie(2)", 4, 8 }, { "lie(3)", 6, 4 } } do
+    near(order(solid, row[1], 0.8, row[3], swing, fine), row[2], 0.15, row[1] .. " on " .. tostring(Q))
+  end
+end
+
 ---- the right trivialization is the same motion ----
 
 local spatial = dm.system { Q = SO3, trivialization = "right", L = function(g, w)
