@@ -6,6 +6,7 @@ local choice = require "dm.scene.choice"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local deadline = require "dm.scene.deadline"
+local linear = require "dm.scene.linear"
 local lists = require "dm.base.lists"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
@@ -216,6 +217,12 @@ local function keep_deadline(scene, given)
   return conclude(scene)
 end
 
+-- linear models: in modes where there is nothing but a potential, else by the whole matrix
+local function linear_models(problem, options)
+  local out = modes.models(problem, options)
+  return #out == 0 and linear.models(problem, options) or out
+end
+
 -- find the choice, once
 local function decide(scene)
   if scene.best then return scene end
@@ -236,7 +243,7 @@ local function decide(scene)
   end
   allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, splits,
-    elsewhere and modes.models(scene.problem, scene.options) or {})
+    elsewhere and linear_models(scene.problem, scene.options) or {})
   allow(RULES_TIME, 1 / 4)
   for _, rung in ipairs(search.smallest_first(scene.rungs)) do search.model(scene.search, rung) end
   scene.finalists = search.finalists(scene.search)

@@ -68,10 +68,10 @@ local function equilibrium(problem, L)
   end
 end
 
--- rows of all watched numbers by q and v at the equilibrium, in tolerances
-local function sensitivities(problem, q)
+--- Rows of all watched numbers by q and v at an equilibrium q and at the start, where what bends
+-- (an energy) does not vanish: { row =, tolerance = }.
+function M.sensitivities(problem, q)
   local n, out = problem.n, {}
-  local rest = core.zeros(n)
   local slope = core.derivative(problem.L, n, n, "number")
   for name, f in pairs(problem.watched) do
     local g = core.trace(function(x, v, t)
@@ -79,30 +79,28 @@ local function sensitivities(problem, q)
       for i = 1, n do p[i] = s[n + i] end
       return f(x, v, t, core.vector(p))
     end, n, n, "number")
-    local J = g:jacobian(q, rest, problem.t0)
-    for i = 1, J.rows do
-      out[#out + 1] = { row = J[i],
-        tolerance = problem.tolerance[name] or problem.tolerance[name .. i] }
+    for _, place in ipairs { { q, core.zeros(n) }, { problem.q, problem.v } } do
+      local J = g:jacobian(place[1], place[2], problem.t0)
+      for i = 1, J.rows do
+        out[#out + 1] = { row = J[i],
+          tolerance = problem.tolerance[name] or problem.tolerance[name .. i] }
+      end
     end
   end
   return out
 end
 
--- how much each mode moves what is watched, in tolerances
-local function seen(problem, q, modes)
-  local n, out = problem.n, {}
-  local rows = sensitivities(problem, q)
-  for k, mode in ipairs(modes) do
-    out[k] = 0
-    for _, s in ipairs(rows) do
-      local by_q, by_v = 0, 0
-      for i = 1, n do
-        by_q, by_v = by_q + s.row[i] * mode.x[i], by_v + s.row[n + i] * mode.x[i]
-      end
-      out[k] = max(out[k], (abs(by_q) * mode.amplitude + abs(by_v) * mode.speed) / s.tolerance)
+-- how much a mode moves what is watched, in tolerances
+local function seen(problem, rows, mode)
+  local worst = 0
+  for _, s in ipairs(rows) do
+    local by_q, by_v = 0, 0
+    for i = 1, problem.n do
+      by_q, by_v = by_q + s.row[i] * mode.x[i], by_v + s.row[problem.n + i] * mode.x[i]
     end
+    worst = max(worst, (abs(by_q) * mode.amplitude + abs(by_v) * mode.speed) / s.tolerance)
   end
-  return out
+  return worst
 end
 
 -- modes with x, omega^2, where they start, how far they go
@@ -129,29 +127,35 @@ local function modes_of(problem, q, K, mass)
   return out
 end
 
--- functions of (q, v) of the modes
-local function lifted(problem, q, modes)
+-- what is watched of a model whose state (y, w, t) stands for q, v = state(y, w, t)
+local function watched_at(problem, state)
   local out, n = {}, problem.n
   local slope = core.derivative(problem.L, n, n, "number")
   for name, f in pairs(problem.watched) do
+    local needs, any = core.trace(f, n, n, "number", n):depends()[4], false
+    for i = 1, n do any = any or needs[i] end
     out[name] = function(y, w, t)
-      local x, v = {}, {}
-      for i = 1, n do
-        x[i], v[i] = q[i], 0
-        for k, mode in ipairs(modes) do
-          if mode.x[i] ~= 0 then x[i], v[i] = x[i] + mode.x[i] * y[k], v[i] + mode.x[i] * w[k] end
-        end
-      end
-      x, v = core.vector(x), core.vector(v)
-      local needs = core.trace(f, n, n, "number", n):depends()[4]
-      local any, p = false, {}
-      for i = 1, n do any = any or needs[i] end
-      local g = any and slope(x, v, t)
+      local x, v = state(y, w, t)
+      local g, p = any and slope(x, v, t), {}
       for i = 1, n do p[i] = g and g[n + i] or 0 end
       return f(x, v, t, core.vector(p))
     end
   end
   return out
+end
+
+-- q and v of the modes at y, w
+local function lifted(problem, q, modes)
+  return function(y, w)
+    local x, v = {}, {}
+    for i = 1, problem.n do
+      x[i], v[i] = q[i], 0
+      for k, mode in ipairs(modes) do
+        if mode.x[i] ~= 0 then x[i], v[i] = x[i] + mode.x[i] * y[k], v[i] + mode.x[i] * w[k] end
+      end
+    end
+    return core.vector(x), core.vector(v)
+  end
 end
 
 local function model_with(problem, options, q, modes, all)
@@ -163,7 +167,8 @@ local function model_with(problem, options, q, modes, all)
     return sum
   end }
   local other = model_of.problem(system, { q = y, v = w, t0 = problem.t0,
-    until_t = options.until_t, watch = lifted(problem, q, modes), tolerance = problem.tolerance })
+    until_t = options.until_t, watch = watched_at(problem, lifted(problem, q, modes)),
+    tolerance = problem.tolerance })
   other.parent = problem
   local out = model_of.given(other)
   out.steps = { ("linear about an equilibrium, %d of %d modes"):format(k, all) }
@@ -183,34 +188,38 @@ local function exact_mode(mode, after)
   return c * mode.y + s * mode.w, c * mode.w - mode.square * s * mode.y
 end
 
--- The same solved: what is watched becomes functions of time. What is stepped, with any rule and
--- any step, is a system of as many coordinates that rests.
-local function solved_model(problem, options, q, modes, all)
-  local of_modes, watch, rest = lifted(problem, q, modes), {}, {}
-  for name, f in pairs(of_modes) do
-    watch[name] = function(_, _, t)
-      local y, w = {}, {}
-      for k, mode in ipairs(modes) do y[k], w[k] = exact_mode(mode, t - problem.t0) end
-      return f(y, w, t)
-    end
-  end
-  for k = 1, #modes do rest[k] = 0 end
-  local system = core.system { Q = core.R(#modes), L = function(x, v)
+--- The model whose motion is known, q, v = motion(t): what is watched becomes functions of time.
+-- What is stepped, with any rule and any step, is a system of `size` coordinates that rests.
+function M.solved(problem, options, size, motion, words)
+  local rest = {}
+  for k = 1, size do rest[k] = 0 end
+  local system = core.system { Q = core.R(size), L = function(x, v)
     return (v:dot(v) - x:dot(x)) / 2
   end }
   local other = model_of.problem(system, { q = rest, v = rest, t0 = problem.t0,
-    until_t = options.until_t, watch = watch, tolerance = problem.tolerance })
+    until_t = options.until_t, tolerance = problem.tolerance,
+    watch = watched_at(problem, function(_, _, t) return motion(t) end) })
   other.parent = problem
   local out = model_of.given(other)
-  out.steps = { ("linear about an equilibrium, %d of %d modes, solved"):format(#modes, all) }
+  out.steps = { words }
   out.is_solved = true
   return out
 end
 
--- the least number of modes: the others add up to less than is seen
-local function excited(problem, q, modes)
-  local size, order, left, out = seen(problem, q, modes), {}, 0, {}
-  for k = 1, #modes do order[k] = k end
+local function solved_modes(problem, options, q, modes, all)
+  local state = lifted(problem, q, modes)
+  return M.solved(problem, options, #modes, function(t)
+    local y, w = {}, {}
+    for k, mode in ipairs(modes) do y[k], w[k] = exact_mode(mode, t - problem.t0) end
+    return state(y, w)
+  end, ("linear about an equilibrium, %d of %d modes, solved"):format(#modes, all))
+end
+
+--- Of a list of parts of a motion as few as are needed: the others add up to less than is seen,
+-- by their sizes in tolerances.
+function M.largest(parts, size_of)
+  local size, order, left, out = {}, {}, 0, {}
+  for k, part in ipairs(parts) do size[k], order[k] = size_of(part), k end
   table.sort(order, function(a, b) return size[a] > size[b] or (size[a] == size[b] and a < b) end)
   for at = #order, 2, -1 do
     left = left + size[order[at]]
@@ -218,7 +227,7 @@ local function excited(problem, q, modes)
     order[at] = nil
   end
   table.sort(order)
-  for _, k in ipairs(order) do out[#out + 1] = modes[k] end
+  for _, k in ipairs(order) do out[#out + 1] = parts[k] end
   return out
 end
 
@@ -240,9 +249,10 @@ function M.models(problem, options)
     local q, K, mass = equilibrium(problem, L)
     if not q then return {} end
     local modes = modes_of(problem, q, K, mass)
-    local left = excited(problem, q, modes)
+    local rows = M.sensitivities(problem, q)
+    local left = M.largest(modes, function(mode) return seen(problem, rows, mode) end)
     local stepped = options.rules or options.frame
-    return { (stepped and model_with or solved_model)(problem, options, q, left, n) }
+    return { (stepped and model_with or solved_modes)(problem, options, q, left, n) }
   end)
   if not fine then pilot.pass_stop(out) end
   return fine and out or {}
