@@ -6218,8 +6218,9 @@ function dm.scaling(options) end
 ---table name -> tolerance. Models: the system as given; without coordinates that nothing watched
 ---feels; in the plane of motion where turns change nothing; cyclic coordinates reduced away (Routh),
 ---also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear,
----in the modes that are seen, solved in closed form (scene.best.rule is "exact"); stiff terms of L as
----constraints; coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
+---in the modes that are seen, with drag, gyroscopic terms and forces in t too that are sums of c t^k
+---e^(mu t), solved in closed form (scene.best.rule is "exact"); stiff terms of L as constraints;
+---coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
 ---all of dm.rules(), log-hamiltonian(...) and "controlled(rk8)", whose steps are as long as their
 ---error allows, or a list `rules`. All of it is measured against two unlike methods with controlled
 ---steps that jump over nothing hidden in the forces, and checked at other times and between them;

@@ -2,6 +2,7 @@
 -- ns for an operation, over the median of these; how many are inside of 0.7 to 1.4, and those that are not.
 local dm = require "dm"
 local model_of = require "dm.scene.model"
+local on_group = require "dm.scene.on_group"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
 local search = require "dm.scene.search"
@@ -16,6 +17,11 @@ local function three(q, v)
   end
   return L
 end
+local function chain(q, v)
+  local U = (q[1] ^ 2 + q[10] ^ 2) / 2
+  for i = 1, 9 do U = U + (q[i + 1] - q[i]) ^ 2 / 2 + (q[i + 1] - q[i]) ^ 4 / 40 end
+  return v:dot(v) / 2 - U
+end
 -- name, system, q, v, until_t, steps
 local MODELS = {
   { "kepler", { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }, { 0.4, 0 }, { 0, 2 }, 20, 2000 },
@@ -25,11 +31,22 @@ local MODELS = {
   { "henon", { Q = dm.R(2), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 - q[1] ^ 2 * q[2] + q[2] ^ 3 / 3 end }, { 0, 0.1 }, { 0.3, 0.1 }, 20, 1000 },
   { "rod", { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return { q:dot(q) - 1 } end }, { 0.6, -0.8 },
     { 0.8, 0.6 }, 10, 1000 },
+  { "rods", { Q = dm.R(4), L = function(q, v) return v:dot(v) / 2 - q[2] - q[4] end, constraint = function(q)
+    return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - 1 }
+  end }, { 0.6, -0.8, 0.6, -1.8 }, { 0, 0, 0, 0 }, 10, 1000 },
   { "three", { Q = dm.R(6), L = three }, { 1, 3, -2, -1, 1, -1 }, { 0, 0, 0, 0, 0, 0 }, 1, 1000 },
+  { "pendulum", { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + cos(q[1]) end }, { 1 }, { 0.3 }, 20, 1000 },
+  { "driven", { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 + cos(q[1]) + 0.1 * q[1] * cos(t) end, force = function(_, v) return -0.1 * v end },
+    { 1 }, { 0.3 }, 20, 1000 },
+  { "chain", { Q = dm.R(10), L = chain }, { 1, 0, -1, 0, 1, 0, -1, 0, 1, 0 }, { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }, 10, 500 },
+  { "body", { Q = dm.SO(3), L = function(g, xi) return (xi[1] ^ 2 + 2 * xi[2] ^ 2 + 3 * xi[3] ^ 2) / 2 - g[3][3] end },
+    { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0.1, 2, 0.1 }, 10, 500 },
 }
 
 local function rates(row)
-  local problem = model_of.problem(dm.system(row[2]), { q = row[3], v = row[4], until_t = row[5], watch = { "q1" }, tolerance = 1e-6 })
+  local system = dm.system(row[2])
+  local problem = (system.place and on_group or model_of).problem(system, { q = row[3], v = row[4], until_t = row[5],
+    watch = { system.place and "energy" or "q1" }, tolerance = 1e-6 })
   local model, counted, out = model_of.given(problem):ready(), profile.new(), {}
   for _, rule in ipairs(search.rules(nil, model.system)) do
     local N = pilot.is_even(rule.rule) and row[6] or 64

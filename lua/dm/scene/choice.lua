@@ -74,6 +74,20 @@ function M.leave(scene, part)
   end
 end
 
+local FINER = 1.3
+
+--- More steps of the choice, where one of them fails; false: it errs by more with them, or its
+-- steps are those of a deadline.
+function M.finer(scene)
+  local c = scene.best
+  if c.per_frame then return false end
+  local N = math.ceil(FINER * c.N)
+  local err = check_error(scene, c, N)
+  if err + scene.uncertainty > 1 then return false end
+  c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
+  return true
+end
+
 --- Sets best and checked_error of a scene: the cheapest finalist that stands the check; a few more
 -- steps are allowed to it. Raises what was tried where there is none.
 function M.choose(scene)

@@ -279,8 +279,8 @@ local function polynomial(part, d)
   return out
 end
 
---- The solution: a list of { re, im, P, count }, x(u) = sum of Re(e^((re + i im) u) sum_k P[k] u^k),
--- P[k] complex vectors { re, im }; count: how many of `values`, the list of the eigenvalues
+--- The solution: a list of { re, im, P, count }, x(u) = sum of Re(e^((re + i im) u) sum_k P[k]
+-- u^k), P[k] complex vectors { re, im }; count: how many of `values`, the list of the eigenvalues
 -- { re, im } of A, it stands for, beside those that are marked `forcing`. A by rows (changed by it:
 -- balanced), z a list. nil where no clusters can be told apart.
 function M.solve(A, z, values, N)

@@ -7,10 +7,8 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local deadline = require "dm.scene.deadline"
 local linear = require "dm.scene.linear"
-local lists = require "dm.base.lists"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
-local modes = require "dm.scene.modes"
 local narrow = require "dm.scene.narrow"
 local on_group = require "dm.scene.on_group"
 local option = require "dm.base.options"
@@ -19,6 +17,7 @@ local profile = require "dm.scene.profile"
 local reduce = require "dm.scene.reduce"
 local report = require "dm.scene.report"
 local rows = require "dm.scene.rows"
+local runs = require "dm.scene.run"
 local search = require "dm.scene.search"
 
 local M = {}
@@ -36,7 +35,6 @@ local fail = option.failing(WHERE)
 
 local KNOWN = { 1, "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules",
   "symmetry", "profile", "costs", "seconds", "project", "frame", "per_step" }
-local ROWS = { "at", "every", "file" }
 
 local function check_system(options)
   local system = options.system or options[1]
@@ -217,12 +215,6 @@ local function keep_deadline(scene, given)
   return conclude(scene)
 end
 
--- linear models: in modes where there is nothing but a potential, else by the whole matrix
-local function linear_models(problem, options)
-  local out = modes.models(problem, options)
-  return #out == 0 and linear.models(problem, options) or out
-end
-
 -- find the choice, once
 local function decide(scene)
   if scene.best then return scene end
@@ -243,7 +235,7 @@ local function decide(scene)
   end
   allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, splits,
-    elsewhere and linear_models(scene.problem, scene.options) or {})
+    elsewhere and linear.models(scene.problem, scene.options) or {})
   allow(RULES_TIME, 1 / 4)
   for _, rung in ipairs(search.smallest_first(scene.rungs)) do search.model(scene.search, rung) end
   scene.finalists = search.finalists(scene.search)
@@ -255,67 +247,11 @@ local function decide(scene)
   return conclude(scene)
 end
 
-local ROW_ROOM = 0.1  -- of the tolerance, for straight lines between rows
-
--- how many rows straight lines need, once; of even steps so many of these apart
-local function space_rows(scene)
-  if scene.row_error then return end
-  choice.leave(scene, ROW_ROOM)
-  local room = 1 - scene.checked_error - scene.uncertainty
-  local every, err = rows.every(scene, room)
-  if not (err <= room) then
-    every = nil
-    scene.lines, err = rows.lines(scene, room)
-    if not scene.lines then
-      fail("scene:run(): straight lines between rows err by more than the tolerance leaves, %s, "
-        .. "with 10^6 of them: give the times, scene:run { at = { ... } }",
-        report.error(scene, room))
-    end
-  end
-  scene.every, scene.row_error = every, err
-  scene.rows_text = ("rows: %s; straight lines between them err by %s"):format(every
-    and ("one in %d steps"):format(every) or ("%d"):format(scene.lines + 1),
-    report.error(scene, err))
-end
-
 ---- what a scene does ----
-
--- which rows: as asked for, else as many as straight lines need; and what lines add to the error
-local function rows_of(scene, options)
-  option.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
-  if options.at then
-    if not lists.count(options.at) then
-      option.fail("scene:run", "option 'at' must be a list of times (got %s)",
-        option.got(options.at))
-    end
-    local last = options.at[#options.at]
-    if type(last) == "number" and last > scene.options.until_t then
-      option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the "
-        .. "tolerance is known", last, scene.options.until_t)
-    end
-    return options, 0
-  end
-  if options.every and pilot.is_even(scene.best.rule) then
-    return { steps = scene.best.N, every = options.every, file = options.file }, 0
-  end
-  if scene.best.per_frame then
-    return { steps = scene.best.N, every = scene.best.per_frame, file = options.file }, 0
-  end
-  space_rows(scene)
-  if scene.every then
-    return { steps = scene.best.N, every = scene.every, file = options.file }, scene.row_error
-  end
-  return { at = rows.times(scene.problem, scene.lines), file = options.file }, scene.row_error
-end
 
 local function run(scene, options)
   decide(scene)
-  local which, lines = rows_of(scene, options or {})
-  local err = scene.checked_error + scene.uncertainty + lines
-  return rows.path(scene.best, which,
-    { error_estimate = err * (scene.unit or 1),
-    in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance")
-      :format(err) })
+  return runs.run(scene, options or {})
 end
 
 class.method("dm.scene", "run", run, [[
@@ -336,7 +272,7 @@ local FRAMES = 600
 
 class.method("dm.scene", "animate", function(scene, file, options)
   decide(scene)
-  if not scene.best.per_frame then space_rows(scene) end
+  if not scene.best.per_frame then runs.space(scene) end
   local path = run(scene, { at = rows.times(scene.problem,
     max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
   return path:animate(file, options)
@@ -359,8 +295,9 @@ tolerance: the largest error of each watched number at every time up to until_t,
 table name -> tolerance. Models: the system as given; without coordinates that nothing watched
 feels; in the plane of motion where turns change nothing; cyclic coordinates reduced away (Routh),
 also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear,
-in the modes that are seen, solved in closed form (scene.best.rule is "exact"); stiff terms of L as
-constraints; coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
+in the modes that are seen, with drag, gyroscopic terms and forces in t too that are sums of c t^k
+e^(mu t), solved in closed form (scene.best.rule is "exact"); stiff terms of L as constraints;
+coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
 all of dm.rules(), log-hamiltonian(...) and "controlled(rk8)", whose steps are as long as their
 error allows, or a list `rules`. All of it is measured against two unlike methods with controlled
 steps that jump over nothing hidden in the forces, and checked at other times and between them;

@@ -246,8 +246,11 @@ local function model_of(problem, options)
 end
 
 --- The linear model of a problem, solved, with the parts of the solution that are seen: a list,
--- empty where there is none, or rules are named.
+-- empty where there is none. In modes where there is nothing but a potential, else by the whole
+-- matrix, where no rules are named.
 function M.models(problem, options)
+  local in_modes = modes.models(problem, options)
+  if #in_modes > 0 then return in_modes end
   if not is_plain(problem) or options.rules or options.frame then return {} end
   local fine, out = pcall(model_of, problem, options)
   if not fine then pilot.pass_stop(out) end

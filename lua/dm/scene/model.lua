@@ -332,13 +332,19 @@ local function graphs_beside(system)
   return out
 end
 
+--- The graphs of L, of the constraints and of the force as one text.
+function M:graphs()
+  if not self.graph_text then
+    local fine, text = pcall(self:ready().system.graph, self.system)
+    self.graph_text = table.concat({ fine and text or tostring(self.system),
+      table.unpack(graphs_beside(self.system)) }, "|")
+  end
+  return self.graph_text
+end
+
 --- A name of the model that is the same in another session: of its graphs and its dimension.
 function M:fingerprint()
-  if self.print then return self.print end
-  local fine, text = pcall(self:ready().system.graph, self.system)
-  text = { fine and text or tostring(self.system), tostring(self.system),
-    table.unpack(graphs_beside(self.system)) }
-  self.print = hash(table.concat(text, "|"))
+  self.print = self.print or hash(self:graphs() .. "|" .. tostring(self.system))
   return self.print
 end
 

@@ -27,6 +27,14 @@ for i = 1, #few.t do
 end
 near(few.megno[#few.t], mean / few.t[#few.t], 1e-13, "MEGNO is the mean of 2/t int s d ln|u|")
 
+-- a million steps, growth by e^100000 and e^1000: of verlet's own map on a hill, 2 cosh(rate h) = 2 + (w h)^2
+for _, c in ipairs { { 1e-2 }, { 1e-6, 2 } } do
+  local hill = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 + c[1] * q[1] ^ 2) / 2 end }:solver { rule = "verlet", h = 1 }
+  local last = hill:lyapunov { q = { 0 }, v = { 0 }, t = 1e6, exponents = c[2] }
+  near(last.exponent, 2 * math.log(math.sqrt(c[1]) / 2 + math.sqrt(1 + c[1] / 4)), 1e-5, "growth is taken off as it comes, over t = 1e6")
+  if c[2] then near(last.sum, 0, 1e-12, "and decay with it") end
+end
+
 -- exponents of a chaotic flow come in pairs
 local henon = dm.system { Q = dm.R(2), L = function(q, v)
   return (v:dot(v) - q:dot(q)) / 2 - q[1] ^ 2 * q[2] + q[2] ^ 3 / 3
