@@ -302,9 +302,18 @@ end
 M.names = { "grid", "triangle", "annulus", "hex_torus", "square_torus", "torus", "klein",
   "icosphere", "bcc", "cube_tiling", "simplex_boundary", "cross_polytope", "shells", "named" }
 
+-- 4.0 as 4, also in a list
+local function whole_numbers(size)
+  if type(size) == "number" then return math.tointeger(size) or size end
+  if type(size) ~= "table" then return size end
+  local out = {}
+  for key, x in pairs(size) do out[key] = whole_numbers(x) end
+  return out
+end
+
 --- What dm.complex takes, points as a dm.matrix; simplices are lists, or with degree a dm.vector.
 function M.make(name, options)
-  local made = M[name](options[name], options)
+  local made = M[name](whole_numbers(options[name]), options)
   made.points = made.points and core.matrix(made.points)
   return made
 end

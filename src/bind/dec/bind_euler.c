@@ -120,6 +120,7 @@ static int engine_fail(lua_State *L) {
                            .step = (long)luaL_checkinteger(L, 2) + (e->status != DM_STOPPED),
                            .time = luaL_checknumber(L, 3),
                            .h = luaL_checknumber(L, 4),
+                           .residual = e->flow.change,
                            .iterations = (int)e->sweeps,
                            .rule = luaL_checkstring(L, 5)};
     lua_settop(L, 6);

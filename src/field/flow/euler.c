@@ -82,7 +82,7 @@ static dm_status sweep(dm_euler *e, double h, double *y, const double *x, double
         y[i] = 0.5 * h * e->rate[i];
         at[i] = y[i] - x[i];
     }
-    *change = sqrt(square(e, at));
+    *change = e->change = sqrt(square(e, at));
     return isfinite(*change) ? DM_OK : DM_NO_CONVERGENCE; /* the iteration ran away */
 }
 

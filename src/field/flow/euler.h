@@ -37,6 +37,7 @@ typedef struct {
     double *w, *low;         /* [vertices] */
     double *psi, *rate;      /* [vertices] of the last dm_euler_rate */
     double *mean, *area;     /* [components + 1] */
+    double change;           /* |y - x| of the last sweep of a step */
     double *work;
 } dm_euler;
 

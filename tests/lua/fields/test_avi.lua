@@ -106,4 +106,21 @@ raises("one of 'v'", function() springs:solver { rule = "avi", h = 1 }:run { q =
 raises("for fields on meshes", function() dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end }:solver { rule = "avi" } end)
 raises("take rattle", function() cavity:field { L = wave, on = dm.S(2) }:solver { rule = "avi", h = 0.1 }:run { q = function() return { 1, 0, 0 } end, v = function() return { 0, 0, 0 } end, t = 1 } end)
 
+-- growth without end is told, also where the energy overflows and where rows are in a file
+local plate = dm.mesh { triangle = 6 }:field { form = 0, L = wave }
+local name = os.tmpname() .. ".npy"
+for _, rule in ipairs { "avi", "verlet" } do
+  for _, t in ipairs { 20, 50 } do
+    for _, file in ipairs { false, name } do
+      local fine, failure = pcall(function()
+        return plate:solver { rule = rule, h = 0.2 }:run { q = function(x, y) return math.sin(3 * x) * y end, v = function() return 0 end, t = t,
+          file = file or nil }
+      end)
+      ok(not fine and failure.code == "blow_up" and failure.message:find(rule == "avi" and "63 of 63 cells" or "limit of stability, 0.136083"),
+        ("%s to t = %d%s"):format(rule, t, file and ", rows in a file" or ""), failure.message)
+    end
+  end
+end
+os.remove(name)
+
 tap.done()

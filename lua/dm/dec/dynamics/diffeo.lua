@@ -90,7 +90,7 @@ names their cell (Leok 3.13).]]
 
 ---- families ----
 
-function Diffeo.__call(phi, t)
+Diffeo.__call = blame.caller(function(phi, t)
   if not phi.family then option.fail("phi(t)", "this map does not depend on time") end
   if type(t) ~= "number" or t - t ~= 0 then
     option.fail("phi(t)", "a time is needed (got %s)", option.got(t))
@@ -98,7 +98,7 @@ function Diffeo.__call(phi, t)
   local member = phi.members[t] or new(phi.from, motion.mesh_at(phi, t))
   phi.members[t] = member
   return member
-end
+end)
 
 -- the map itself: not a family
 local function single(phi, where)

@@ -5,6 +5,7 @@ local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local endings = require "dm.dec.fields.ending"
+local failure = require "dm.dec.fields.failure"
 local option = require "dm.base.options"
 
 local M = {}
@@ -202,6 +203,14 @@ local function begin(s, options)
   return out
 end
 
+-- what a failed run may come from
+local function blamed(report)
+  local first = report.first_beyond
+  return ("%d of %d cells have steps beyond their own limit%s, and %d pairs of cells are near a "
+    .. "resonance: solver:report() tells more"):format(report.beyond, report.cells,
+    first and (" (the first is cell %d)"):format(first) or "", report.resonances)
+end
+
 local function run(s, options)
   option.check(options, { "q", "v", "p", "t", "t0", "at", "every", "file", "checkpoint" }, RUN)
   local b = begin(s, options)
@@ -214,12 +223,10 @@ local function run(s, options)
   describe(s, b.h, b.limits, events, path.t[#path] - times[1], b.cells)
   if file then path:checkpoint(file) end
   if status ~= 0 then
-    local first = s.last.first_beyond
     core.strip_fail({ status = status, done = events, time = path.t[#path], h = path.h }, "avi",
-      path, why or ("%d of %d cells have steps beyond their own limit%s: solver:report() tells "
-        .. "more"):format(s.last.beyond, #b.h, first and (" (the first is cell %d)"):format(first)
-        or ""))
+      path, why or blamed(s.last))
   end
+  failure.check_growth(s.system, path, options, path.h, blamed(s.last))
   return path
 end
 

@@ -20,13 +20,14 @@ end
 
 -- the limit about the first row or the last one, where h is beyond it
 local function beyond(system, rule, h, path)
-  local f = system.field
-  for row, name in pairs { [1] = "the start", [#path] = "the last row" } do
-    local fine, limit = pcall(system.stability_limit, system, rule, { q = path.q[row] })
+  local f, rows = system.field, { { #path, "the last row" } }
+  if not path.file then table.insert(rows, 1, { 1, "the start" }) end
+  for _, row in ipairs(rows) do
+    local fine, limit = pcall(system.stability_limit, system, rule, { q = path.q[row[1]] })
     if not fine and blame.is_stop(limit) then error(limit, 0) end
     if fine and h > limit * (1 + 1e-9) then
       return ("h = %.6g is beyond the limit of stability, %.6g about %s (field:stability_limit)")
-        :format(h, limit, name) .. largest_text(f, path.q[#path])
+        :format(h, limit, row[2]) .. largest_text(f, path.q[#path])
     end
   end
 end
@@ -71,28 +72,43 @@ local function kinetic(f, p)
   return sum
 end
 
+-- q, p of the start: the first row, or, where rows are in a file, what the run was given
+local function first_of(f, path, options)
+  if #path > 1 then return path.q[1], path.p[1] end
+  if not options.q or not (options.v or options.p) then return nil end
+  local q = core.vector(f.start(options.q, "q"))
+  local x = core.vector(f.start(options.p or options.v, options.p and "p" or "v"))
+  return q, options.p and x or x:map(function(v, i) return f.masses[i] * v end)
+end
+
 -- Has the energy of a closed system grown as no motion makes it? What leaves an unstable rest has
 -- errors that are far below its kinetic energy.
-local function has_grown(system, path)
+local function has_grown(system, path, options)
   local f, last = system.field, #path
-  if f.force or f.absorbing or last < 2 or not system:structure().autonomous then return false end
-  local q, p = path.q, path.p
-  local size = q[1]:norm() + p[1]:norm()
-  if not (q[last]:norm() + p[last]:norm() > GROWN ^ 0.4 * size) then return false end
-  local first, moving = kinetic(f, p[1]), kinetic(f, p[last])
-  local before = system:energy(q[1], p[1])
-  local off = math.abs(system:energy(q[last], p[last]) - before)
+  if f.force or f.absorbing or last < 1 or not system:structure().autonomous then return false end
+  local q, p = first_of(f, path, options)
+  if not q then return false end
+  local q1, p1 = path.q[last], path.p[last]
+  if not (q1:norm() + p1:norm() > GROWN ^ 0.4 * (q:norm() + p:norm())) then return false end
+  local first, moving = kinetic(f, p), kinetic(f, p1)
+  local before = system:energy(q, p)
+  local finite, after = pcall(system.energy, system, q1, p1)
+  if not finite and blame.is_stop(after) then error(after, 0) end
+  if not finite or moving == math.huge then return true end -- its squares overflow
+  local off = math.abs(after - before)
   return off > GROWN * (first + math.abs(before - first)) and off > 0.1 * moving
 end
 
--- Raises for a path whose energy has grown so
-local function check_growth(system, path, h)
-  local seen, grown = pcall(has_grown, system, path)
+--- Raises for a path whose energy has grown so; options: of its run; h: the largest step; why: what
+-- it comes from, where that is known.
+function M.check_growth(system, path, options, h, why)
+  local seen, grown = pcall(has_grown, system, path, options)
   if not seen and blame.is_stop(grown) then error(grown, 0) end
   if not seen or not grown then return end
   local rule = tostring(path.rule)
-  local why = beyond(system, rule, h, path) or ("a smaller step (h = %.6g) may be stable"):format(
-    h / 2) .. largest_text(system.field, path.q[#path])
+  why = why and why .. largest_text(system.field, path.q[#path]) or beyond(system, rule, h, path)
+    or ("a smaller step (h = %.6g) may be stable"):format(h / 2)
+      .. largest_text(system.field, path.q[#path])
   core.strip_fail({ code = "blow_up", done = path.steps, time = path.t[#path], h = h }, rule, path,
     why)
 end
@@ -102,7 +118,7 @@ end
 function M.run(plain, solver, system, options, h)
   local fine, path = pcall(plain, solver, options)
   if fine then
-    check_growth(system, path, h)
+    M.check_growth(system, path, options, h)
     return path
   end
   local failure, f = path, system.field
