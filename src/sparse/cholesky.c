@@ -2,8 +2,6 @@
  * much) and of supernodes. */
 #include "sparse/factor.h"
 
-#include <string.h>
-
 /* the matrix as CHOLMOD sees it: the upper triangle of a symmetric one */
 static cholmod_sparse view(const dm_sparse *A) {
     return (cholmod_sparse){.nrow = (size_t)A->rows,
@@ -20,14 +18,19 @@ static cholmod_sparse view(const dm_sparse *A) {
                             .packed = 1};
 }
 
+/* the numbers of f->L */
+static dm_status fill_in(dm_factor *f, cholmod_sparse *A) {
+    cholmod_common *c = &f->common;
+    cholmod_factorize(A, f->L, c);
+    if (c->status == CHOLMOD_NOT_POSDEF) return DM_SINGULAR;
+    return c->status == CHOLMOD_OK ? DM_OK : DM_NO_MEMORY;
+}
+
 /* analysis, where none is known, and numbers */
 static dm_status factorize(dm_factor *f, cholmod_sparse *A, const dm_analysis *known) {
     cholmod_common *c = &f->common;
     f->L = known ? cholmod_copy_factor(known->f.L, c) : cholmod_analyze(A, c);
-    if (!f->L) return DM_NO_MEMORY;
-    cholmod_factorize(A, f->L, c);
-    if (c->status == CHOLMOD_NOT_POSDEF) return DM_SINGULAR;
-    return c->status == CHOLMOD_OK ? DM_OK : DM_NO_MEMORY;
+    return f->L ? fill_in(f, A) : DM_NO_MEMORY;
 }
 
 /* between dm_library_enter and dm_library_leave */
@@ -42,6 +45,7 @@ dm_status dm_cholesky_analyse(dm_factor *f) {
     dm_library_enter(f);
     begin(f);
     f->L = cholmod_analyze(&A, &f->common);
+    f->operations = f->common.fl;
     dm_library_leave();
     return f->L ? DM_OK : DM_NO_MEMORY;
 }
@@ -56,23 +60,34 @@ dm_status dm_cholesky_factor(dm_factor *f, const dm_analysis *known, double *con
     return status;
 }
 
-/* CHOLMOD keeps its own x and workspace for the next solve */
-dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b) {
-    const size_t n = (size_t)f->A->columns;
-    cholmod_dense right = {.nrow = n,
+dm_status dm_cholesky_refactor(dm_factor *f) {
+    cholmod_sparse A = view(f->A);
+    dm_library_enter(f);
+    const dm_status status = fill_in(f, &A);
+    dm_library_leave();
+    return status;
+}
+
+/* a vector as CHOLMOD sees it */
+static cholmod_dense view_vector(const double *x, size_t n) {
+    return (cholmod_dense){.nrow = n,
                            .ncol = 1,
                            .nzmax = n,
                            .d = n,
-                           .x = (double *)(uintptr_t)b,
+                           .x = (double *)(uintptr_t)x,
                            .xtype = CHOLMOD_REAL,
                            .dtype = CHOLMOD_DOUBLE};
+}
+
+/* x has the size that CHOLMOD asks for, so it writes there; its workspace stays for the next. */
+dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b) {
+    const size_t n = (size_t)f->A->columns;
+    cholmod_dense right = view_vector(b, n), left = view_vector(x, n), *place = &left;
     dm_library_enter(f);
     const int fine =
-        cholmod_solve2(CHOLMOD_A, f->L, &right, NULL, &f->x, NULL, &f->y, &f->e, &f->common);
+        cholmod_solve2(CHOLMOD_A, f->L, &right, NULL, &place, NULL, &f->y, &f->e, &f->common);
     dm_library_leave();
-    if (!fine) return DM_NO_MEMORY;
-    memcpy(x, f->x->x, n * sizeof *x);
-    return DM_OK;
+    return fine && place == &left ? DM_OK : DM_NO_MEMORY;
 }
 
 /* D of L D L^T has the signs of the eigenvalues (Sylvester); column j of L begins with D_j */

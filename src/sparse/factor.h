@@ -19,8 +19,9 @@ struct dm_factor {
     /* Cholesky: workspace and factors */
     cholmod_common common;
     cholmod_factor *L;
-    cholmod_dense *x, *y, *e; /* of solves: kept for the next */
+    cholmod_dense *y, *e;     /* of solves: kept for the next */
     void *numeric, *symbolic; /* LU; of an analysis */
+    double operations;        /* of an analysis */
 };
 
 /* L, or symbolic, without numbers */
@@ -40,11 +41,13 @@ void dm_library_release(dm_factor *f);
  * the pattern, or NULL. */
 dm_status dm_cholesky_analyse(dm_factor *f);
 dm_status dm_cholesky_factor(dm_factor *f, const dm_analysis *known, double *condition);
+dm_status dm_cholesky_refactor(dm_factor *f);
 dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b);
 dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena);
 /* LU of the whole matrix; its solves refine until rounding. */
 dm_status dm_umfpack_analyse(dm_factor *f);
 dm_status dm_umfpack_factor(dm_factor *f, const dm_analysis *known, double *condition);
+dm_status dm_umfpack_refactor(dm_factor *f, const dm_analysis *known);
 dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b);
 /* eigen of the table */
 dm_status dm_lanczos(dm_eigen_problem *problem, dm_arena *arena);

@@ -38,6 +38,14 @@ static dm_status analyse(dm_analysis **out, dm_factorization kind, const dm_spar
     return status;
 }
 
+static double operations(const dm_analysis *known) {
+    return known->f.operations;
+}
+
+static dm_status refactor(dm_factor *f, const dm_analysis *known) {
+    return f->kind == DM_CHOLESKY ? dm_cholesky_refactor(f) : dm_umfpack_refactor(f, known);
+}
+
 static void release_analysis(dm_analysis *a) {
     dm_library_release(&a->f);
 }
@@ -54,6 +62,8 @@ const dm_solvers dm_solvers_table = {
     .factor = factor,
     .analyse = analyse,
     .factor_by = factor_by,
+    .operations = operations,
+    .refactor = refactor,
     .solve = dm_factor_solve,
     .release = dm_library_release,
     .release_analysis = release_analysis,

@@ -12,10 +12,12 @@ static dm_status status_of(int status) {
 /* Of the numbers it is only asked which pivots are there: those of a step equation all are. */
 dm_status dm_umfpack_analyse(dm_factor *f) {
     const dm_sparse *A = f->A;
+    double info[UMFPACK_INFO];
     dm_library_enter(f);
     const int status = umfpack_di_symbolic(A->rows, A->columns, A->start, A->row, A->value,
-                                           &f->symbolic, NULL, NULL);
+                                           &f->symbolic, NULL, info);
     dm_library_leave();
+    f->operations = status == UMFPACK_OK ? info[UMFPACK_FLOPS_ESTIMATE] : 0.0;
     return status_of(status);
 }
 
@@ -36,6 +38,15 @@ dm_status dm_umfpack_factor(dm_factor *f, const dm_analysis *known, double *cond
     dm_library_leave();
     *condition = status == UMFPACK_OK ? info[UMFPACK_RCOND] : 0.0;
     return status_of(status);
+}
+
+/* UMFPACK has no numbers in place */
+dm_status dm_umfpack_refactor(dm_factor *f, const dm_analysis *known) {
+    double condition;
+    dm_library_enter(f);
+    umfpack_di_free_numeric(&f->numeric);
+    dm_library_leave();
+    return dm_umfpack_factor(f, known, &condition);
 }
 
 /* with its steps of refinement */

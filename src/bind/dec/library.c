@@ -1,5 +1,5 @@
-/* library.c - dm/sparse.so, opened when the first solver is asked for. Large matrices are
- * factorized in a process of its own, which Ctrl-C ends: orderings and factors ask nobody. */
+/* library.c - dm/sparse.so, opened when the first solver is asked for. What takes long, large
+ * orderings and factors, works in a process of its own, which Ctrl-C ends: they ask nobody. */
 #include "bind/core/bind.h"
 #include "bind/core/child_process.h"
 #include "bind/core/module.h"
@@ -7,6 +7,7 @@
 
 /* entries of a matrix: fewer are factorized in less time than a process takes to make */
 enum { FEW = 20000 };
+static const double MANY = 2e8; /* operations: a tenth of a second, which Ctrl-C can wait for */
 
 static const dm_solvers *loaded;
 
@@ -36,8 +37,11 @@ static dm_status count_negatives(void *given, dm_arena *arena) {
     return loaded->inertia(&j->negatives, j->A, arena);
 }
 
+/* Short ones come many in a row, in one step, so that stop is looked at before each. */
 static dm_status run(dml_work *work, job *j, dm_arena *arena) {
-    if (j->A->start[j->A->columns] <= FEW) return work(j, arena);
+    const int is_short = j->known && loaded->operations(j->known) <= MANY;
+    if (is_short && dml_stop) return DM_STOPPED;
+    if (is_short || j->A->start[j->A->columns] <= FEW) return work(j, arena);
     return dml_child(work, j, sizeof *j, arena, &dml_stop);
 }
 
@@ -63,6 +67,11 @@ static dm_status analyse(dm_analysis **out, dm_factorization kind, const dm_spar
     return status;
 }
 
+static dm_status refactor(dm_factor *f, const dm_analysis *known) {
+    if (dml_stop) return DM_STOPPED;
+    return loaded->operations(known) <= MANY ? loaded->refactor(f, known) : DM_TOO_LARGE;
+}
+
 static dm_status inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena) {
     job j = {.A = A};
     const dm_status status = run(count_negatives, &j, arena);
@@ -81,6 +90,7 @@ const dm_solvers *dml_solvers(const char **why) {
         solvers.factor = factor;
         solvers.factor_by = factor_by;
         solvers.analyse = analyse;
+        solvers.refactor = refactor;
         solvers.inertia = inertia;
     }
     *why = loaded ? NULL : reason;

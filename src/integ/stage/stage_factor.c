@@ -7,11 +7,16 @@ void dm_stage_factor_open(dm_stage_factor *f, const dm_arena *from) {
     dm_arena_init(&f->plans, from->allocate, from->ud);
 }
 
+/* by the analysis of its kind; factors of that kind get new numbers in their place */
 static dm_status make(dm_stage_factor *f, const dm_solvers *solvers, const dm_sparse *S,
                       dm_factorization kind, int once) {
     double condition;
     dm_analysis **known = f->known + (kind == DM_LU);
     dm_status status = DM_OK;
+    if (f->factor && !once && f->kind == kind && solvers->refactor(f->factor, *known) == DM_OK)
+        return DM_OK;
+    dm_stage_factor_drop(f, solvers);
+    f->kind = kind;
     if (once) return solvers->factor(&f->factor, kind, S, &f->arena, &condition);
     if (!*known) status = solvers->analyse(known, kind, S, &f->plans);
     if (status != DM_OK) return status;

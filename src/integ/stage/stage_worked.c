@@ -6,6 +6,7 @@
 #include "chain/loops.h"
 #include "chain/virtual_work.h"
 #include "integ/method/stage_table.h"
+#include "integ/stage/stage_continue.h"
 #include "integ/stage/stage_factor.h"
 #include "linalg/sparse/conjugate_gradient.h"
 #include "numbers/compensated.h"
@@ -24,6 +25,7 @@ typedef struct {
     double *x, *u, *F;       /* (q, v, t); [r][n] each */
     double *f, *f_q, *f_v;   /* [n], [r][n][values] */
     double *R, *dx, *cg;     /* [n r], [4 n r] */
+    double *root;            /* [r][n] u of a shorter step, while it is continued */
     double *scratch, *begin; /* of the forces; the table */
 } layout;
 
@@ -61,7 +63,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, r = (size_t)g.q.r, v = m->work ? m->work->values : 1;
     const size_t all = m->curvature && m->work ? entries(m, r) : 0;
     return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 2 * r * n + n +
-           2 * r * n * v + 6 * r * n + (m->work ? m->work->room : 0) + all + (all + r * n + 4) / 2 +
+           2 * r * n * v + 7 * r * n + (m->work ? m->work->room : 0) + all + (all + r * n + 4) / 2 +
            8;
 }
 
@@ -123,7 +125,8 @@ static dm_status open(dm_stepper *s) {
     l->R = l->f_v + r * n * v;
     l->dx = l->R + r * n;
     l->cg = l->dx + r * n;
-    l->scratch = l->cg + 4 * r * n;
+    l->root = l->cg + 4 * r * n;
+    l->scratch = l->root + r * n;
     l->S.value = l->scratch + m->work->room;
     l->S.start = (int32_t *)(void *)(l->S.value + all);
     l->S.row = l->S.start + r * n + 1;
@@ -135,12 +138,6 @@ static dm_status open(dm_stepper *s) {
     /* several points, or blocks of several values, need not give a symmetric matrix */
     l->symmetric = r == 1 && v == 1;
     return l->symmetric || s->solvers ? DM_OK : DM_NO_START;
-}
-
-/* The factorization goes. */
-static void drop(dm_stepper *s, layout *l) {
-    dm_stage_factor_drop(&l->factors, s->solvers);
-    l->h = 0.0;
 }
 
 static void close(dm_stepper *s) {
@@ -180,62 +177,52 @@ static void evaluate(dm_stepper *s, layout *l, uint32_t m, int anew) {
     s->report.evaluations++;
 }
 
-/* The values of S in the order of lay_pattern: column j of point b has the rows of L_qq and of the
- * block of its cell, each once for every point a, where the derivatives of its force are taken;
- * rows of entries that are held are those of 1 */
-static void fill(const dm_stepper *s, layout *l, double h) {
+/* Rows of the equation of point a, with L_qq as it stands and the derivatives of f at `from`:
+ * column j of point b has the rows of L_qq and of the block of its cell, each once for every
+ * a (lay_pattern); rows of entries that are held are those of 1. */
+static void fill(const dm_stepper *s, layout *l, double h, uint32_t a, uint32_t from) {
     const dm_model *m = s->model;
     const dm_sparse *A = &m->curvature->A;
     const uint32_t r = l->table.r, v = m->work->values;
-    double *value = l->S.value;
     int32_t *place = (int32_t *)(void *)l->dx; /* free until it is solved for */
     for (int32_t j = 0; j < (int32_t)m->n; j++) {
+        const uint32_t count = rows_of(m, j, NULL, place);
         for (uint32_t b = 0; b < r; b++) {
-            const int32_t *row = l->S.row + l->S.start[(uint32_t)j * r + b];
-            const uint32_t count = rows_of(m, j, NULL, place);
-            for (uint32_t k = 0; k < count; k++)
-                for (uint32_t a = 0; a < r; a++) {
-                    const uint32_t i = (uint32_t)row[k * r] / r;
-                    const int own = i / v == (uint32_t)j / v;
-                    const double w = dm_weight_double(l->table.A[a * r + b]);
-                    double curve = place[k] >= 0 ? A->value[place[k]] : 0.0;
-                    const size_t at = ((size_t)a * m->n + i) * v + (uint32_t)j % v;
-                    if (own) curve += l->f_q[at];
-                    double x = -h * h * w * curve;
-                    if (own) x -= h * dm_weight_double(l->table.rate[a * r + b]) * l->f_v[at];
-                    if (i == (uint32_t)j && a == b)
-                        x += m->held && m->held[j] ? 1.0 : m->mass_matrix[j];
-                    *value++ = x;
-                }
+            const int32_t first = l->S.start[(uint32_t)j * r + b], *row = l->S.row + first;
+            const double w = dm_weight_double(l->table.A[a * r + b]);
+            for (uint32_t k = 0; k < count; k++) {
+                const uint32_t i = (uint32_t)row[k * r] / r;
+                const int own = i / v == (uint32_t)j / v;
+                double curve = place[k] >= 0 ? A->value[place[k]] : 0.0;
+                const size_t at = ((size_t)from * m->n + i) * v + (uint32_t)j % v;
+                if (own) curve += l->f_q[at];
+                double x = -h * h * w * curve;
+                if (own) x -= h * dm_weight_double(l->table.rate[a * r + b]) * l->f_v[at];
+                if (i == (uint32_t)j && a == b)
+                    x += m->held && m->held[j] ? 1.0 : m->mass_matrix[j];
+                l->S.value[(uint32_t)first + k * r + a] = x;
+            }
         }
     }
 }
 
-/* Derivatives of the forces, and L_qq at the middle point: at the start of a step they are those of
- * the middle everywhere, anew each point has its own. */
-static void differentiate(dm_stepper *s, layout *l, const double *q, const double *p, double t,
-                          double h, int anew) {
-    const uint32_t r = l->table.r, middle = r / 2;
-    const size_t block = (size_t)s->model->n * s->model->work->values;
-    for (uint32_t m = 0; anew && m < r; m++)
-        if (m != middle) place(s, l, q, p, t, h, m), evaluate(s, l, m, 1);
-    place(s, l, q, p, t, h, middle);
-    evaluate(s, l, middle, 1);
-    for (uint32_t m = 0; !anew && m < r; m++) {
-        if (m == middle) continue;
-        memcpy(l->f_q + m * block, l->f_q + middle * block, block * sizeof *l->f_q);
-        memcpy(l->f_v + m * block, l->f_v + middle * block, block * sizeof *l->f_v);
-    }
-    dm_curvature_at(s->model->curvature, dm_loops_factors(&s->model->force, l->x), l->x);
-}
-
-/* the matrix and its factors */
+/* The matrix and its factors: at the start of a step with the derivatives at the middle point
+ * everywhere, anew each point has its own. */
 static dm_status prepare(dm_stepper *s, layout *l, const double *q, const double *p, double t,
                          double h, int anew) {
+    const dm_model *m = s->model;
+    const uint32_t r = l->table.r;
     if (l->h == h && l->constant && !anew) return DM_OK;
-    drop(s, l);
-    differentiate(s, l, q, p, t, h, anew);
-    fill(s, l, h);
+    l->h = 0.0;
+    for (uint32_t a = 0; a < r; a++) {
+        const uint32_t from = anew ? a : r / 2;
+        if (anew || a == 0) {
+            place(s, l, q, p, t, h, from);
+            evaluate(s, l, from, 1);
+            dm_curvature_at(m->curvature, dm_loops_factors(&m->force, l->x), l->x);
+        }
+        fill(s, l, h, a, from);
+    }
     l->h = h;
     if (!s->solvers) return DM_OK;
     return dm_stage_factor_make(&l->factors, s->solvers, &l->S, l->symmetric, l->constant);
@@ -265,13 +252,12 @@ static void residual(dm_stepper *s, layout *l, const double *q, const double *p,
     }
 }
 
-/* Accelerations from 0 on, until a change is below the tolerance or no longer gets smaller; the
- * matrix is made anew where that goes slowly. */
+/* Accelerations from those in u on, until a change is below the tolerance or no longer gets
+ * smaller; the matrix is made anew where that goes slowly. */
 static dm_status newton(dm_stepper *s, layout *l, const double *q, const double *p, double t,
                         double h) {
     const uint32_t n = s->model->n, r = l->table.r;
     double last = INFINITY;
-    memset(l->u, 0, (size_t)r * n * sizeof *l->u);
     dm_status status = prepare(s, l, q, p, t, h, 0);
     for (int pass = 1; status == DM_OK; pass++) {
         double step = 0.0, size = 0.0;
@@ -299,12 +285,27 @@ static dm_status newton(dm_stepper *s, layout *l, const double *q, const double 
     return status;
 }
 
+/* a dm_stage_try: of a shorter step accelerations are the same */
+static dm_status find_accelerations(dm_stepper *s, const double *state, double t, double h,
+                                    double ratio) {
+    layout *l = (layout *)(void *)s->work;
+    const size_t n = s->model->n, all = l->table.r * n * sizeof *l->u;
+    if (ratio > 0.0)
+        memcpy(l->u, l->root, all);
+    else
+        memset(l->u, 0, all);
+    const dm_status status = newton(s, l, state, state + n, t, h);
+    if (status == DM_OK && !l->constant) memcpy(l->root, l->u, all);
+    return status;
+}
+
 /* q1 and p1 of the forces at the accelerations that were found, into the compensated state */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     layout *l = (layout *)(void *)s->work;
     const uint32_t n = s->model->n, r = l->table.r;
     double *p = state + n, *low_q = p + n, *low_p = low_q + n;
-    const dm_status status = newton(s, l, state, p, t, h);
+    const dm_status status = l->constant ? find_accelerations(s, state, t, h, 0.0)
+                                         : dm_stage_continue(s, find_accelerations, state, t, h);
     if (status != DM_OK) return status;
     for (uint32_t m = 0; m < r; m++) {
         place(s, l, state, p, t, h, m);

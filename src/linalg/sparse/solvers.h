@@ -44,6 +44,12 @@ typedef struct dm_solvers {
                          dm_arena *arena);
     dm_status (*factor_by)(dm_factor **out, dm_factorization kind, const dm_sparse *A,
                            const dm_analysis *known, dm_arena *arena, double *condition);
+    /* Floating-point operations of such factors, an estimate. */
+    double (*operations)(const dm_analysis *known);
+    /* Factors of f's own matrix, whose values have changed, in the memory that they have; known:
+     * its analysis. On a failure f can only be released. DM_TOO_LARGE: they are better made anew,
+     * where they can be stopped. */
+    dm_status (*refactor)(dm_factor *f, const dm_analysis *known);
     /* x[n] = A^-1 b[n] */
     dm_status (*solve)(const dm_factor *f, double *x, const double *b);
     /* Gives the memory back, where that is not a collector's task. */
