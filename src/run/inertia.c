@@ -7,9 +7,9 @@
 #include <string.h>
 
 enum { MOST = 512 }; /* steps between looks */
-/* Of the steps to zero by how a value moved last, the part that is not looked at: at a fold of the
- * momentum it goes like a root, and arrives in half of them. */
-static const double OF_POSITION = 0.5, OF_VELOCITY = 0.2;
+/* Of the steps until a value vanishes, the part that is not looked at: of a mass that depends on
+ * positions alone, and of others. */
+static const double OF_POSITION = 0.8, OF_VELOCITY = 0.4;
 
 int dm_inertia_may_change(const dm_model *m) {
     const unsigned never = DM_CONSTANT_MASS | DM_LINEAR_IN_V | DM_LOOPS;
@@ -50,14 +50,15 @@ static size_t room(const dm_model *m) {
 }
 
 size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
-    return room(m) + dm_state_size(m->n) + memory + members * m->n;
+    return room(m) + 3 * (dm_state_size(m->n) + memory) + members * m->n;
 }
 
 void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *work) {
     *x = (dm_inertia){.model = m, .room = work, .memory_size = memory};
     x->state = work + room(m);
     x->memory = x->state + dm_state_size(m->n);
-    x->scale = x->scales = x->memory + memory;
+    x->aside = x->memory + memory;
+    x->scale = x->scales = x->aside + 2 * (dm_state_size(m->n) + memory);
     memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);
 }
 
@@ -137,20 +138,68 @@ static uint32_t count(const dm_inertia *x, double *least) {
     return dm_negative_values(A, (uint32_t)N, least);
 }
 
-void dm_inertia_begin(dm_inertia *x, const double *state, double t) {
+int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
+                  double *least) {
+    if (!find_mass(x, state, t)) return 0;
+    *negative = count(x, least);
+    return 1;
+}
+
+const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t) {
+    const dm_model *m = x->model;
+    const size_t n = m->n, N = order(m);
+    double *v = x->room + 2 * n + 1 + outputs(m), *work = v + N * N;
+    memset(v, 0, n * sizeof *v);
+    return dm_legendre_inverse(m, v, state, state + n, t, work) == DM_OK ? v : NULL;
+}
+
+/* The size of the value next to zero one step on, if no force acted; *changed: and behind zero.
+ * What depends on the velocity alone does not move. */
+static double look_ahead(const dm_inertia *x, const double *state, double t, double h,
+                         int *changed) {
+    const size_t n = x->model->n;
+    const double *v = dm_inertia_velocity(x, state, t);
+    double *ahead = x->aside, least = x->seen.least;
+    uint32_t negative = x->seen.negative;
+    *changed = 0;
+    for (size_t i = 0; i < n && v; i++) {
+        ahead[i] = state[i] + h * v[i];
+        ahead[n + i] = state[n + i];
+    }
+    if (!v || !dm_inertia_at(x, ahead, t, &negative, &least)) return x->seen.least;
+    *changed = negative != x->seen.negative;
+    return least;
+}
+
+void dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
+    dm_inertia_seen *s = &x->seen;
     const size_t n = x->model->n;
     const double *M = x->room + 2 * n + 1 + n;
-    x->seen = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t)};
-    for (size_t i = 0; i < n && x->seen.known; i++) {
+    *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t)};
+    for (size_t i = 0; i < n && s->known; i++) {
         const double own = fabs(M[i * n + i]);
         x->scale[i] = own > 0.0 && own < INFINITY ? 1.0 / sqrt(own) : 1.0;
     }
-    if (x->seen.known) x->seen.negative = count(x, &x->seen.least);
+    if (!s->known) return;
+    s->negative = count(x, &s->least);
+    int changed = 0;
+    const double ahead = look_ahead(x, state, t, h, &changed), falls = s->least - ahead;
+    s->left = changed ? 0.0 : falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
 }
 
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t) {
+    uint32_t negative;
     double least;
-    return x->seen.known && find_mass(x, state, t) && count(x, &least) != x->seen.negative;
+    return x->seen.known && dm_inertia_at(x, state, t, &negative, &least) &&
+           negative != x->seen.negative;
+}
+
+/* Like (t0 - t)^(2/3) where the mass depends on positions alone, since M v^2 stays finite; else
+ * like the root of t0 - t, as at a fold of the momentum. */
+double dm_inertia_left(const dm_inertia *x, double before, double now, double since) {
+    const double ratio = before / now;
+    if (!(ratio > 1.0)) return INFINITY;
+    return since / (ratio * (sees_velocity(x->model) ? ratio : sqrt(ratio)) - 1.0);
 }
 
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
@@ -160,22 +209,27 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     const int changed = found && count(x, &least) != s->negative;
     if (!found) least = 0.0;               /* so near to a fold that no velocity is found */
     if (done == s->looked) return changed; /* a step from here failed */
+    x->before = s->left;
     const long since = done > s->looked ? done - s->looked : 1;
-    const double rate = fabs(least - s->least) / (double)since;
     const double part = sees_velocity(x->model) ? OF_VELOCITY : OF_POSITION;
-    const double safe = rate > 0.0 ? part * least / rate : INFINITY;
+    s->left = dm_inertia_left(x, s->least, least, (double)since);
+    /* one that grew may fall as fast */
+    const double back = dm_inertia_left(x, least, s->least, (double)since) + (double)since;
+    const double safe = part * fmin(s->left, back);
     const double far = fmin(fmin(safe, MOST), 2.0 * (double)since);
     s->due = done + (found && far >= 1.0 ? (long)far : 1);
-    s->rate = rate;
-    s->falls = least < s->least;
     s->least = least;
     s->looked = done;
     return changed;
 }
 
 int dm_inertia_is_fading(const dm_inertia *x) {
-    static const double STEPS = 4.0; /* as it moved last; by a root there are half of them */
-    return x->seen.known && x->seen.falls && x->seen.least <= STEPS * x->seen.rate;
+    static const double STEPS = 2.5;
+    return x->seen.known && x->seen.left <= STEPS;
+}
+
+int dm_inertia_is_steep(const dm_inertia *x) {
+    return x->seen.known && x->seen.left <= DM_INERTIA_STEEP;
 }
 
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state) {

@@ -12,14 +12,14 @@ typedef struct {
     uint32_t negative; /* at the start */
     int known;         /* is it? a start without a velocity has none */
     double least;      /* size of the value next to zero, when it was looked at last */
-    double rate;       /* how fast it moved before that, a step */
-    int falls;         /* did it come nearer to zero? */
+    double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
 } dm_inertia_seen;
 
 typedef struct {
     const dm_model *model;
     dm_inertia_seen seen;
+    double before; /* what was left before the last look */
     double *scale; /* [n] of the velocities: the mass at the start has ones on its diagonal; in
                       scales[members][n] */
     double *scales;
@@ -29,6 +29,8 @@ typedef struct {
     double *state, *memory;
     size_t memory_size;
     long done, rows;
+    double t;      /* its time */
+    double *aside; /* states and memories of parts of a step */
 } dm_inertia;
 
 /* Can the inertia of a model change? Not where its mass is constant. */
@@ -41,8 +43,8 @@ void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *ro
 /* Whose turn it is, and what was seen of it. */
 void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen);
 
-/* The state of a start. */
-void dm_inertia_begin(dm_inertia *x, const double *state, double t);
+/* The state of a start, from which the first step is h long. */
+void dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
 
 /* Has it changed since? */
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);
@@ -52,6 +54,29 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
 
 /* Was a value about to vanish within a few steps of the last look? */
 int dm_inertia_is_fading(const dm_inertia *x);
+
+/* Steps until a value vanishes that was `before` so many steps ago; infinite: it does not fall. */
+double dm_inertia_left(const dm_inertia *x, double before, double now, double since);
+
+/* May it vanish in the next step? */
+#define DM_INERTIA_STEEP 1.25
+int dm_inertia_is_steep(const dm_inertia *x);
+
+/* How many values are negative at a state, and the size of the one next to zero; 0: no velocity is
+ * known there. */
+int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
+                  double *least);
+
+/* The velocity v[n] there, until something else is asked; NULL: none is known. */
+const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t);
+
+/* After a look at its end: does a value vanish inside the step of h from the kept state, at time t,
+ * and have the same sign at its end? The step is made again in parts, which leave nothing behind
+ * but arrays of the engine (dm_stepper.goes_on). */
+int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, double t, double h);
+
+/* The same of the step of h from another state, which takes up nothing of the steps before. */
+int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, double t, double h);
 
 /* Keep a state, and go back to it. */
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state);

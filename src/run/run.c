@@ -53,7 +53,6 @@ static double time_now(const loop *l) {
 
 /* ---- recording ---- */
 
-/* By a zero that ends the run. */
 static int is_ended(const loop *l) {
     return l->plan->events && l->plan->events->ended;
 }
@@ -260,8 +259,7 @@ static int looks_here(const loop *l) {
 static void keep(loop *l) {
     dm_inertia *x = l->plan->inertia;
     dm_inertia_keep(x, l->s, l->state);
-    x->done = l->done;
-    x->rows = l->rows_done;
+    x->done = l->done, x->rows = l->rows_done, x->t = time_now(l);
 }
 
 /* from the kept state again, step by step up to the one that goes over, which is not taken */
@@ -270,8 +268,7 @@ static dm_status stop_before(loop *l, long end) {
     l->goes_on = 0;
     dm_inertia_go_back(x, l->s, l->state);
     const int one = l->done == x->done + 1;
-    l->done = x->done;
-    l->rows_done = x->rows;
+    l->done = x->done, l->rows_done = x->rows;
     if (one) return DM_INERTIA;
     while (l->done < end) {
         keep(l);
@@ -287,16 +284,20 @@ static dm_status stop_before(loop *l, long end) {
     return DM_OK;
 }
 
-/* steps up to `end`, or to the one that goes over a change of inertia */
+/* steps up to `end`, or to one that goes over a change of inertia, or has one inside */
 static dm_status advance(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     while (x && l->done < end && !is_finished(l)) {
+        const int steep = dm_inertia_is_steep(x) && (!l->own || l->plan->control);
         const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
         const long next = due > l->done ? dm_lesser(due, end) : end;
         if (l->done == x->seen.looked) keep(l);
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
-        if (looks && dm_inertia_look(x, l->state, time_now(l), l->done)) {
+        const int crossed = looks && dm_inertia_look(x, l->state, time_now(l), l->done);
+        const int one = steep && status == DM_OK && l->done == x->done + 1;
+        if (one) l->goes_on = 0;
+        if (crossed || (one && dm_inertia_vanishes(x, l->s, x->t, time_now(l) - x->t))) {
             const dm_status again = stop_before(l, next);
             if (status == DM_OK || again == DM_INERTIA) status = again;
         }
@@ -371,7 +372,7 @@ static dm_status begin(loop *l) {
     if (status == DM_OK && l->plan->control)
         dm_control_begin(l->plan->control, l->s, l->state, l->plan->t0, l->plan->h);
     if (status == DM_OK && l->plan->inertia)
-        dm_inertia_begin(l->plan->inertia, l->state, time_now(l));
+        dm_inertia_begin(l->plan->inertia, l->state, time_now(l), l->plan->h);
     if (status == DM_OK && l->plan->events)
         status = dm_events_begin(l->plan->events, l->state, time_now(l), l->plan->h);
     return status;

@@ -24,6 +24,13 @@ int dm_block_open(dm_block *b, dm_stepper *s);
 /* May members with steps of their own go side by side? */
 int dm_block_is_paced(const dm_block *b);
 
+/* Keep the states, as they are before a step. */
+void dm_block_keep(dm_block *b);
+
+/* The step of member i from the kept state to the time t, before which a value of d2L/dv2 fell
+ * steeply: does it vanish inside? Not known of steps that choose their own length. */
+int dm_block_vanishes(dm_block *b, uint32_t i, double t);
+
 /* Who runs a member alone, and who is told of its steps (may be NULL). */
 typedef struct {
     dm_stepper *stepper;

@@ -1,5 +1,4 @@
-/* ensemble_lanes.c - a block of members stepped side by side; who fails is stepped again alone
- * and leaves.
+/* ensemble_lanes.c - a block of members side by side; who fails is stepped again alone and leaves.
  * Speed: ensembles, J2 satellite by gauss(3): 4.0x, against a run of its own. */
 #include "base/largest.h"
 #include "run/ensemble/ensemble_block.h"
@@ -203,7 +202,7 @@ static void begin(block *x) {
         *m = (dm_member){.status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i])};
         if (m->status != DM_OK) continue;
         if (x->b->inertia) {
-            dm_inertia_begin(inertia_of(x, i), state_of(x, i), x->e->t0);
+            dm_inertia_begin(inertia_of(x, i), state_of(x, i), x->e->t0, x->b->h[i]);
             x->seen[i] = x->b->inertia->seen;
         }
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
@@ -231,21 +230,23 @@ static void run_alone(block *x, long i) {
     x->ended[i] = 1;
 }
 
-/* Has member i gone over a change of inertia? Then it is run again alone, up to the step that
- * does. */
+/* Has member i gone over a change of inertia? Then it runs again alone, up to that step. */
 static int has_crossed(block *x, long i) {
     dm_inertia *inertia = inertia_of(x, i);
     const double *now = x->b->lanes.alone;
     if (!inertia || x->done == 0) return 0;
+    const int steep = dm_inertia_is_steep(inertia) && x->done == inertia->seen.looked + 1;
     dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
-    const int crossed = dm_inertia_look(inertia, now, time_of(x, i, now, x->done), x->done);
+    const double t = time_of(x, i, now, x->done);
+    const int crossed = dm_inertia_look(inertia, now, t, x->done);
     x->seen[i] = inertia->seen;
-    if (crossed) run_alone(x, i);
-    return crossed;
+    choose_member(x, i);
+    if (!crossed && !(steep && dm_block_vanishes(x->b, (uint32_t)i, t))) return 0;
+    run_alone(x, i);
+    return 1;
 }
 
-/* member i is not finite after `count` steps: from the kept state alone, up to the step that
- * fails */
+/* member i is not finite after `count` steps: from the kept state alone, to the step that fails */
 static void repeat_alone(block *x, long i, double t, long count) {
     dm_lanes kept = x->b->lanes; /* but for the states */
     dm_stepper *s = x->b->stepper;
@@ -288,6 +289,7 @@ static void leave(block *x, long i) {
 static void advance_told(block *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
+    if (x->b->inertia && count == 1) dm_block_keep(x->b);
     s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     for (long i = 0; i < x->count; i++)
         if (runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
@@ -297,8 +299,7 @@ static void advance_told(block *x, double t, long count) {
 static void advance_seen(block *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
-    const size_t all = (size_t)lanes->groups * lanes->lanes;
-    memcpy(lanes->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
+    dm_block_keep(x->b);
     s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     if (dm_lanes_are_finite(lanes, dim(x))) return;
     for (long i = 0; i < x->count; i++)
@@ -318,7 +319,7 @@ static void advance(block *x, long count) {
     if (x->alive < before) pad(x);
 }
 
-/* what becomes of member i, which goes no further */
+/* member i goes no further */
 static void end(block *x, long i, dm_status status) {
     if (status == DM_OK && has_crossed(x, i)) return;
     dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
@@ -347,8 +348,7 @@ static void end_some(block *x) {
     if (x->alive < before) pad(x);
 }
 
-/* steps up to the end or the stop flag; where L depends on t one by one, as a run of its own
- * does */
+/* steps up to the end or the stop flag; where L depends on t one by one, as a run alone does */
 static dm_status run(block *x) {
     const dm_stepper *s = x->b->stepper;
     const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
