@@ -205,8 +205,13 @@ for _, name in ipairs { "semidirect", "discrete_lagrangian" } do
 end
 -- asked for where an error speaks of a nil: the module puts its own functions here
 local registry = debug.getregistry()
-for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_forget = "forget" } do
+for name, own in pairs { dm_explain = "explain", dm_noted = "noted" } do
   registry[name] = function(...) return require "dm.session.missing"[own](...) end
+end
+-- what is noted is forgotten before a function is called whose nil is looked into
+function registry.dm_forget()
+  local note = registry.dm_missed
+  if note then note.of = nil end
 end
 -- what stands for modules alone is not seen in dm: its doc begins with "core."
 for name, value in pairs(core) do

@@ -1,7 +1,7 @@
 /* inertia_parts.c - does d2L/dv2 lose a value inside a step that has the right inertia at both
  * ends? Where a mass M(q) goes to zero, M v^2 stays finite: v grows like 1/sqrt(M) and the place
  * is reached in no time, but a long step is thrown back by it or jumps over it. So a step before
- * which a value fell steeply is made again in parts, shorter ones as the value is nearer to zero. */
+ * which a value fell steeply is made again in parts, shorter ones as the value nears zero. */
 #include "run/inertia.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 --- Group actions: dm.action{group =, on =, map =} with its axioms tested, generators, momentum.
--- Prolongations are in dm.action_lift, tests of freeness and invariance in dm.action_test.
+-- Prolongations are in dm.action.lift, tests of freeness and invariance in dm.action.test.
 local blame = require "dm.base.blame"
+local class_methods = require "dm.base.class"
 local core = require "dm.core"
 local groups = require "dm.group"
 local axioms = require "dm.action.axioms"
@@ -252,10 +253,10 @@ M.method("on_pairs", function(action) return on_points(action, 2) end, [[
 action:on_pairs() -> dm.action
 The joint action on two points, action:on_points(2).]])
 
--- prolongations and questions add their methods; they find this module complete
-package.loaded["dm.action"] = M
-require "dm.action.lift"
-require "dm.action.jet"
-require "dm.action.test"
+-- prolongations and questions come with modules of their own
+for name, module in pairs { tangent = "lift", cotangent = "lift", jet = "jet", isotropy = "test",
+  free = "test", transitive = "test", invariant = "test" } do
+  class_methods.later("dm.action", name, "dm.action." .. module)
+end
 
 return M

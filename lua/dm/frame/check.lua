@@ -1,5 +1,6 @@
 --- Is a moving frame one? Its defining properties at random points.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local options = require "dm.base.options"
 local points = require "dm.frame.points"
@@ -122,5 +123,7 @@ function M.run(frame, o)
   worst.samples = found
   return largest, worst
 end
+
+class.method("dm.frame", "check", M.run, M.doc)
 
 return M

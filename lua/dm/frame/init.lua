@@ -8,6 +8,7 @@
 local actions = require "dm.action"
 local groups = require "dm.group"
 local blame = require "dm.base.blame"
+local class_methods = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
@@ -356,11 +357,8 @@ method("phantom", function(self, count)
   return core.result(tangent.phantom(self, count))
 end, tangent.docs.phantom)
 
-package.loaded["dm.frame"] = M
-local check = require "dm.frame.check"
-method("check", check.run, check.doc)
-local invariantize = require "dm.frame.invariantize"
-method("invariantize", invariantize.method, invariantize.doc)
+class_methods.later("dm.frame", "check", "dm.frame.check")
+class_methods.later("dm.frame", "invariantize", "dm.frame.invariantize")
 
 core.docs[M.moving_frame] = doc_new
 

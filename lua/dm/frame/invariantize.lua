@@ -1,5 +1,6 @@
 --- Functions and discrete Lagrangians at normalized points, z -> F(rho(z) z): invariant whatever
 -- F is (Bogfjellmo ch. 2 and 3).
+local class = require "dm.base.class"
 local core = require "dm.core"
 local frames = require "dm.frame"
 local options = require "dm.base.options"
@@ -81,5 +82,7 @@ function M.method(self, what)
   end
   return invariant_lagrangian(self, what, what.Ld)
 end
+
+class.method("dm.frame", "invariantize", M.method, M.doc)
 
 return M

@@ -122,13 +122,7 @@ function M.noted()
   return is_shown and explained(note) or nil
 end
 
---- Forget it, before a function is called whose nil is looked into.
-function M.forget()
-  local note = getregistry().dm_missed
-  if note then note.of = nil end
-end
-
 local registry = getregistry()
-registry.dm_explain, registry.dm_noted, registry.dm_forget = M.explain, M.noted, M.forget
+registry.dm_explain, registry.dm_noted = M.explain, M.noted
 
 return M
