@@ -207,7 +207,7 @@ static dm_status advance_own(loop *l, long end) {
     return DM_OK;
 }
 
-/* Does somebody look at a time of its own between two steps? */
+/* Does somebody look at a time of its own? */
 static int looks_at_time(const loop *l, int timed) {
     const dm_run_plan *p = l->plan;
     return l->own && (timed || p->control || p->events || p->at || isfinite(p->until));
@@ -288,15 +288,15 @@ static dm_status stop_before(loop *l, long end) {
 static dm_status advance(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     while (x && l->done < end && !is_finished(l)) {
-        const int steep = dm_inertia_is_steep(x) && (!l->own || l->plan->control);
+        int one = dm_inertia_is_steep(x) && (!l->own || l->plan->control);
         const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
         const long next = due > l->done ? dm_lesser(due, end) : end;
         if (l->done == x->seen.looked) keep(l);
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
         const int crossed = looks && dm_inertia_look(x, l->state, time_now(l), l->done);
-        const int one = steep && status == DM_OK && l->done == x->done + 1;
-        if (one) l->goes_on = 0;
+        one = one && status == DM_OK && l->done == x->done + 1;
+        l->goes_on = l->goes_on && !one;
         if (crossed || (one && dm_inertia_vanishes(x, l->s, x->t, time_now(l) - x->t))) {
             const dm_status again = stop_before(l, next);
             if (status == DM_OK || again == DM_INERTIA) status = again;
@@ -378,8 +378,7 @@ static dm_status begin(loop *l) {
     return status;
 }
 
-/* The row of a start that fails is kept, unless rows are wanted at given times; rows are valid up
- * to rows_done whatever happens. */
+/* The row of a start that fails is kept, unless rows are wanted at given times. */
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
                  long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
