@@ -146,22 +146,13 @@ Flows.__index = Flows
 
 function Flows:failures() return {} end
 
-function Flows:summary(name)
-  local out = { first = {} }
-  for i, one in ipairs(self.list) do
-    local now = one.rows and values_at(self.columns[name], one.rows[1], one.t[1], self.n)
-    out.first[i] = now and largest(now) or 0
-  end
-  return out
-end
-
 function Flows:range(i, name)
   local low, high, one = huge, -huge, self.list[i]
   for r = 1, #one.rows do
     local now = values_at(self.columns[name], one.rows[r], one.t[r], self.n)
     for k = 1, #now do low, high = min(low, now[k]), max(high, now[k]) end
   end
-  return high - low
+  return high - low, largest(values_at(self.columns[name], one.rows[1], one.t[1], self.n))
 end
 
 -- the row of one flow at time t: the polynomial through rows around it
@@ -184,9 +175,9 @@ local function row_at(one, t)
   return sum
 end
 
---- How far rows t, u are from member j of flows, by column, up to a time; and the last time up to
+-- How far rows t, u are from member j of flows, by column, up to a time; and the last time up to
 -- which that stays within bounds, huge where it always does.
-function M.departure(t, rows, flows, j, columns, until_t, bounds)
+local function departure(t, rows, flows, j, columns, until_t, bounds)
   local off, one, good = {}, flows.list[j], -huge
   for k = 1, #columns do off[k] = 0 end
   for r = 1, #t do
@@ -207,7 +198,14 @@ end
 
 function Flows:departure(i, flows, j, columns, until_t, bounds)
   local one = self.list[i]
-  return M.departure(one.t, one.rows, flows, j, columns, until_t, bounds)
+  return departure(one.t, one.rows, flows, j, columns, until_t, bounds)
+end
+
+--- By the names of columns how far the rows of a run are from a flow { e, i, horizon }.
+function M.off(run, flow, names)
+  local out, off = {}, departure(run.t, run.u, flow.e, flow.i, names, flow.horizon)
+  for k, name in ipairs(names) do out[name] = off[k] end
+  return out
 end
 
 -- what a parabola through three rows, k apart, misses in the middle of the first two

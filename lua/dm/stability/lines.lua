@@ -55,19 +55,22 @@ local function columns_of(run, watch)
   return out
 end
 
--- one member: { status, steps, t, columns }; raises what refuses the start
+-- one member: { status, steps, t, columns, off = how far its columns are from its flow (o.beside:
+-- dm.stability.cells) }; raises what refuses the start
 local function member(solver_of, o, i)
-  local h = o.h[i]
+  local h, flow = o.h[i], o.beside and o.beside.flows[i]
   local steps = o.steps or math.ceil(o.t / h - 1e-9)
+  local rows = max(o.rows or 1, flow and flow.rows or 1)
   local fine, run = pcall(function()
     return solver_of(h):run { u = o.q[i], ut = o.v and o.v[i], p = o.p and o.p[i], t0 = o.t0,
-      steps = steps, every = max(1, steps // (o.rows or 1)) }
+      steps = steps, every = max(1, steps // rows) }
   end)
   local failure = not fine and type(run) ~= "string" and run.path and run
   if not fine and not failure then error(run, 0) end
   if failure then run = failure.path end
-  return { status = failure and failure.code or "ok", steps = run.steps, t = run.t, rows = run.u,
-    columns = columns_of(run, o.watch), failure = failure or nil }
+  return { status = failure and failure.code or "ok", steps = run.steps, t = run.t,
+    columns = columns_of(run, o.watch), failure = failure or nil,
+    off = flow and line_flows.off(run, flow, o.beside.compared) or {} }
 end
 
 local Ensemble = {}
@@ -84,9 +87,7 @@ function Ensemble:summary(name)
   return out
 end
 
-function Ensemble:departure(i, ...)
-  return line_flows.departure(self.list[i].t, self.list[i].rows, ...)
-end
+function Ensemble:followed(i) return self.list[i].off end
 
 function Ensemble:failures()
   local out = {}

@@ -78,4 +78,20 @@ local map = plate:field { form = 0, on = dm.S(2), L = wave }
 raises("neighbours opposite on the sphere: the values of the vertices {6, 10}", function()
   map:solver { rule = "rattle", h = 0.01 }:run { q = function(_, y) return { 0, 0, y > 0.3 and 1 or -1 } end, v = function() return { 0, 0, 0 } end, t = 0.1 }
 end)
+-- limits of rules whose steps do not keep areas: below them a spring is damped, above it grows; and a scalar on a line is no
+-- bar that turns inside out
+local line = dm.mesh { simplices = { { 1, 2 } }, points = { { 0 }, { 1 } } }
+local spring = line:field { form = 0, fixed = { 1 }, L = function(u, v)
+  return line:sum(0, function(x) return x ^ 2 / 2 end, v) - line:sum(1, function(a) return (a[2] - a[1]) ^ 2 / 2 end, u)
+end }
+for _, rule in ipairs { "rk4", "rk8", "yoshida(4)" } do
+  local limit = spring:stability_limit(rule)
+  local function run(part)
+    return spring:solver { rule = rule, h = part * limit }:run { q = { 0, 1 }, v = { 0, 0 }, steps = 10000, every = 10000 }
+  end
+  ok(run(0.99).q[2]:norm() < 2, rule .. " below its limit")
+  local fine, failure = pcall(run, 1.01)
+  ok(not fine and failure.message:find "is beyond the limit of stability", rule .. " beyond it", failure.message)
+end
+raises("one step tells no limit", function() spring:stability_limit "gauss(2, 3)" end)
 tap.done()

@@ -32,11 +32,22 @@ local function beyond(system, rule, h, path)
   end
 end
 
+local FAR = 1e100 -- values that are larger have left by themselves
+
+-- the cell that is inside out at x, and by which L has no value there
+local function inverted(system, x)
+  local cell = x:norm() < FAR and images.inverted(system.field, x)
+  if not cell then return nil end
+  local fine, why = pcall(system.energy, system, x, 0 * x)
+  if not fine and blame.is_stop(why) then error(why, 0) end
+  return not fine and cell or nil
+end
+
 -- the cell that is inside out at the last row, or where its velocity takes it in a step
-local function turned(f, h, path)
-  local x, p = 1 * path.q[#path], path.p[#path]
+local function turned(system, h, path)
+  local f, x, p = system.field, 1 * path.q[#path], path.p[#path]
   local drifted = x:map(function(q, i) return f.held[i] and q or q + h * p[i] / f.masses[i] end)
-  local cell = images.inverted(f, x) or images.inverted(f, drifted)
+  local cell = inverted(system, x) or inverted(system, drifted)
   return cell and ("cell {%s} turns inside out there: try a smaller step (h = %.6g), or a slower "
     .. "start"):format(table.concat(cell, ", "), h / 2)
 end
@@ -44,7 +55,7 @@ end
 local function reason(system, rule, h, path)
   local f = system.field
   if f.sphere or f.n > LARGE or #path == 0 then return nil end
-  return turned(f, h, path) or beyond(system, rule, h, path)
+  return turned(system, h, path) or beyond(system, rule, h, path)
 end
 M.reason = reason
 

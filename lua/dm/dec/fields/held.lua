@@ -102,7 +102,8 @@ function M.met(f, met, faces)
       f.meeting[i] = (f.meeting[i] or 0) + 1
       if f.meeting[i] > 1 then
         option.fail(WHERE, "two cells without kinetic energy meet in cell %d of degree %d: they "
-          .. "cannot be eliminated one by one", i, f.mesh.dimension)
+          .. "cannot be eliminated one by one; dual = \"barycentric\" of the mesh gives every cell "
+          .. "a star", i, f.mesh.dimension)
       end
     end
   end
