@@ -11,22 +11,22 @@ enum { INPUTS = 3, BOXES = 60, POINTS = 20, MOST = 200 };
 /* f(x, y, z) = op(x, y, z) for operands between lo and hi; is its slope bounded in small boxes? */
 typedef struct {
     dm_op op;
-    double lo, hi, power; /* power: x^power */
     int bounded;
+    double lo, hi, power; /* power: x^power */
 } row;
 
 static const row rows[] = {
-    {DM_OP_NEG, -2, 2, 0, 1},     {DM_OP_ABS, -2, 2, 0, 1},      {DM_OP_SQRT, 0.1, 3, 0, 1},
-    {DM_OP_RSQRT, 0.1, 3, 0, 1},  {DM_OP_RSQRT3, 0.1, 3, 0, 1},  {DM_OP_EXP, -2, 2, 0, 1},
-    {DM_OP_LOG, 0.1, 3, 0, 1},    {DM_OP_SIN, -4, 4, 0, 1},      {DM_OP_COS, -4, 4, 0, 1},
-    {DM_OP_TAN, -1.4, 1.4, 0, 1}, {DM_OP_ASIN, -0.9, 0.9, 0, 0}, {DM_OP_ACOS, -0.9, 0.9, 0, 0},
-    {DM_OP_ATAN, -3, 3, 0, 1},    {DM_OP_SINH, -2, 2, 0, 1},     {DM_OP_COSH, -2, 2, 0, 1},
-    {DM_OP_TANH, -2, 2, 0, 1},    {DM_OP_ADD, -2, 2, 0, 1},      {DM_OP_SUB, -2, 2, 0, 1},
-    {DM_OP_MUL, -2, 2, 0, 1},     {DM_OP_DIV, 0.2, 3, 0, 1},     {DM_OP_DIV, -3, -0.2, 0, 1},
-    {DM_OP_POW, 0.2, 3, 2.5, 1},  {DM_OP_POW, -3, -0.2, -3, 1},  {DM_OP_POW, -2, 2, 4, 1},
-    {DM_OP_ATAN2, 0.2, 3, 0, 0},  {DM_OP_MIN, -2, 2, 0, 1},      {DM_OP_MAX, -2, 2, 0, 1},
-    {DM_OP_WHERE, -2, 2, 0, 1},   {DM_OP_FMA, -2, 2, 0, 1},      {DM_OP_FMS, -2, 2, 0, 1},
-    {DM_OP_FNMA, -2, 2, 0, 1},
+    {DM_OP_NEG, 1, -2, 2, 0},     {DM_OP_ABS, 1, -2, 2, 0},      {DM_OP_SQRT, 1, 0.1, 3, 0},
+    {DM_OP_RSQRT, 1, 0.1, 3, 0},  {DM_OP_RSQRT3, 1, 0.1, 3, 0},  {DM_OP_EXP, 1, -2, 2, 0},
+    {DM_OP_LOG, 1, 0.1, 3, 0},    {DM_OP_SIN, 1, -4, 4, 0},      {DM_OP_COS, 1, -4, 4, 0},
+    {DM_OP_TAN, 1, -1.4, 1.4, 0}, {DM_OP_ASIN, 0, -0.9, 0.9, 0}, {DM_OP_ACOS, 0, -0.9, 0.9, 0},
+    {DM_OP_ATAN, 1, -3, 3, 0},    {DM_OP_SINH, 1, -2, 2, 0},     {DM_OP_COSH, 1, -2, 2, 0},
+    {DM_OP_TANH, 1, -2, 2, 0},    {DM_OP_ADD, 1, -2, 2, 0},      {DM_OP_SUB, 1, -2, 2, 0},
+    {DM_OP_MUL, 1, -2, 2, 0},     {DM_OP_DIV, 1, 0.2, 3, 0},     {DM_OP_DIV, 1, -3, -0.2, 0},
+    {DM_OP_POW, 1, 0.2, 3, 2.5},  {DM_OP_POW, 1, -3, -0.2, -3},  {DM_OP_POW, 1, -2, 2, 4},
+    {DM_OP_ATAN2, 0, 0.2, 3, 0},  {DM_OP_MIN, 1, -2, 2, 0},      {DM_OP_MAX, 1, -2, 2, 0},
+    {DM_OP_WHERE, 1, -2, 2, 0},   {DM_OP_FMA, 1, -2, 2, 0},      {DM_OP_FMS, 1, -2, 2, 0},
+    {DM_OP_FNMA, 1, -2, 2, 0},
 };
 
 static dm_graph *g;
