@@ -57,6 +57,10 @@ for i = 1, #E do
   if i < #E // 2 then first = max(first, off) else second = max(second, off) end
 end
 ok(second < 1.05 * first and first < 1e-5, "its energy stays in a band", second)
+-- symplectic Euler makes the quaternion longer in every step: it is brought back by powers of 2, its momentum with it
+local lengthened = hanging:solver { rule = "symplectic-euler", h = 0.1 }:run { q = tilt.q, p = tilt.p, steps = 2000, every = 10 }
+ok(lengthened:drift(lengthened:momentum(dm.SO(2))).largest < 1e-14 and abs(lengthened:drift("energy").per_time) < 1e-4,
+  "symplectic-euler: vertical momentum where coordinates are scaled", lengthened:drift(lengthened:momentum(dm.SO(2))).largest)
 local once, by_one = solver:run { q = tilt.q, p = tilt.p, steps = 200, every = 200 }, solver:run { q = tilt.q, p = tilt.p, steps = 200 }
 ok(far(once.p[2], by_one.p[201]) == 0 and far(once.q[2], by_one.q[201]) == 0, "a burst has the bits of its steps")
 local file = os.tmpname()
