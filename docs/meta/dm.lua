@@ -5510,15 +5510,20 @@ function dm.compare(a, b, options) end
 ---@return dm.mesh
 function dm.complex(options) end
 
----dm.connection{group=, base=, local_form= | one_form= | horizontal= | lift= | splitting= | horizontal_splitting=, complete=, name=} -> dm.connection   or   {group=, base=, form=, by=, raw=, metric=, log=} A discrete connection A_d(q0, q1) in G on Q = base x group (Leok 4.4), from one of
+---dm.connection{group=, base=, local_form= | one_form= | ..., complete=, name=} -> dm.connection
 ---
----local_form(x0, x1) -> A = A_d((x0, e), (x1, e)), with A_d = g1 A g0^-1; one_form(q0, q1) -> A_d;
----horizontal(q0, q1) -> the second point of hor(q0, q1), A_d^-1 q1; lift(x0, x1, q0) -> the second
----point of the lift from q0; splitting(q0, q1) -> { q, g }, any representative of [q0, A_d];
----horizontal_splitting(x0, x1) -> q0, q1, any representative. Points are lists { x, g }; base is
----dm.R(n), dm.T(n) or a product of these. Tried at random points: equivariance (i) and splitting (ii)
----must hold (else an error with sample and defect); without composition (iii), A_d(q0, h q1) = h
----A_d(q0, q1), it is completed, A_d the g with F(q0, g^-1 q1) = e (complete = false: refused).
+---dm.connection{group=, base=, form=, by=, raw=, metric=, log=} -> dm.connection
+---A discrete connection A_d(q0, q1) in G on Q = base x group (Leok 4.4), from one of
+---local_form(x0, x1) -> A = A_d((x0, e), (x1, e)), with A_d = g1 A g0^-1;
+---one_form(q0, q1) -> A_d;
+---horizontal(q0, q1) -> the second point of hor(q0, q1), A_d^-1 q1;
+---lift(x0, x1, q0) -> the second point of the lift from q0;
+---splitting(q0, q1) -> { q, g }, any representative of [q0, A_d];
+---horizontal_splitting(x0, x1) -> q0, q1, any representative.
+---Points are lists { x, g }; base is dm.R(n), dm.T(n) or a product of these. Tried at random points:
+---equivariance (i) and splitting (ii) must hold (else an error with sample and defect); without
+---composition (iii), A_d(q0, h q1) = h A_d(q0, q1), it is completed, A_d the g with F(q0, g^-1 q1) = e
+---(complete = false: refused).
 ---
 ---form(x) -> dim G x dim S, a continuous connection g^-1 g' + form(x) x', is made discrete by "exp"
 ---(default), "cayley", "pade(k)", A_d = g0 exp(form(x0) (x1 - x0) + log(g0^-1 g1)) g0^-1, or
@@ -5528,8 +5533,7 @@ function dm.complex(options) end
 ---semidirect product of G and R^n, as SE(3) over R^3 for SO(3); or a function log(q0, q1) -> { x',
 ---g^-1 g' }.
 ---@param options? table
----@return dm.connection|table
----@return any
+---@return dm.connection
 function dm.connection(options) end
 
 ---math.cos(x) -> number
@@ -5987,8 +5991,9 @@ function dm.moving_frame(options) end
 ---The shape functions follow a (shape = "multiscale", unless given), so that the values at the nodes
 ---are those of the solution to round-off on any mesh; shape = "linear": hats, for comparison. period:
 ---of a, where it varies fast; antiderivative: of 1/a, where it is known (it is checked). Integrals are
----by 12 Gauss points on panels that are halved until nothing changes. Raises on a <= 0, on nodes that
----do not grow, and on integrals that do not settle.
+---by 12 Gauss points on panels that are halved until nothing changes; what is narrow in f or 1/a
+---between nodes is looked for by their bounds, where they can be traced (f:bounds), else put nodes
+---beside it. Raises on a <= 0, on nodes that do not grow, and on integrals that do not settle.
 ---@param options? table
 ---@return dm.msfem_solution
 function dm.msfem(options) end

@@ -155,16 +155,19 @@ M.connection = blame.caller(function(given)
 end)
 
 core.docs[M.connection] = [[
-dm.connection{group=, base=, local_form= | one_form= | horizontal= | lift= | splitting= |
-horizontal_splitting=, complete=, name=} -> dm.connection   or   {group=, base=, form=, by=, raw=,
-metric=, log=} A discrete connection A_d(q0, q1) in G on Q = base x group (Leok 4.4), from one of
-local_form(x0, x1) -> A = A_d((x0, e), (x1, e)), with A_d = g1 A g0^-1; one_form(q0, q1) -> A_d;
-horizontal(q0, q1) -> the second point of hor(q0, q1), A_d^-1 q1; lift(x0, x1, q0) -> the second
-point of the lift from q0; splitting(q0, q1) -> { q, g }, any representative of [q0, A_d];
-horizontal_splitting(x0, x1) -> q0, q1, any representative. Points are lists { x, g }; base is
-dm.R(n), dm.T(n) or a product of these. Tried at random points: equivariance (i) and splitting (ii)
-must hold (else an error with sample and defect); without composition (iii), A_d(q0, h q1) = h
-A_d(q0, q1), it is completed, A_d the g with F(q0, g^-1 q1) = e (complete = false: refused).
+dm.connection{group=, base=, local_form= | one_form= | ..., complete=, name=} -> dm.connection
+dm.connection{group=, base=, form=, by=, raw=, metric=, log=} -> dm.connection
+A discrete connection A_d(q0, q1) in G on Q = base x group (Leok 4.4), from one of
+local_form(x0, x1) -> A = A_d((x0, e), (x1, e)), with A_d = g1 A g0^-1;
+one_form(q0, q1) -> A_d;
+horizontal(q0, q1) -> the second point of hor(q0, q1), A_d^-1 q1;
+lift(x0, x1, q0) -> the second point of the lift from q0;
+splitting(q0, q1) -> { q, g }, any representative of [q0, A_d];
+horizontal_splitting(x0, x1) -> q0, q1, any representative.
+Points are lists { x, g }; base is dm.R(n), dm.T(n) or a product of these. Tried at random points:
+equivariance (i) and splitting (ii) must hold (else an error with sample and defect); without
+composition (iii), A_d(q0, h q1) = h A_d(q0, q1), it is completed, A_d the g with F(q0, g^-1 q1) = e
+(complete = false: refused).
 
 form(x) -> dim G x dim S, a continuous connection g^-1 g' + form(x) x', is made discrete by "exp"
 (default), "cayley", "pade(k)", A_d = g0 exp(form(x0) (x1 - x0) + log(g0^-1 g1)) g0^-1, or

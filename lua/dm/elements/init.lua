@@ -7,6 +7,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local integrals = require "dm.elements.integrals"
 local lists = require "dm.base.lists"
+local narrow = require "dm.elements.narrow"
 local option = require "dm.base.options"
 
 local M = {}
@@ -59,13 +60,15 @@ end
 ---- integrals ----
 
 local MOST_PANELS = 4096  -- or 8 times those that the period asks for
+local BESIDE = 512        -- or so many times those where some end beside what is narrow
 local SETTLED = 3e-15  -- of the largest, between two halvings
 
--- G and F, and the integrals of F/a, a and x f, on panels of a length
-local function integrate(given, length)
-  local edges = integrals.edges(given.x, length)
+-- G and F, and the integrals of F/a, a and x f, on panels of a length, at least so many between
+-- two places where they must end
+local function integrate(given, places, length, least)
+  local edges = integrals.edges(places, length, least)
   local out = integrals.together(given.f, given.inverse, edges)
-  out.panels = #edges - 1
+  out.panels, out.edges = #edges - 1, edges
   if given.antiderivative then out.G = given.antiderivative end
   return out
 end
@@ -100,25 +103,52 @@ local function check_antiderivative(given, own)
   end
 end
 
+-- the nodes and more places, growing, each once
+local function merged(places, more)
+  local all, out = table.move(more, 1, #more, #places + 1, { table.unpack(places) }), {}
+  table.sort(all)
+  for _, x in ipairs(all) do
+    if x ~= out[#out] then out[#out + 1] = x end
+  end
+  return out
+end
+
+local LOOKS = 16 -- for what is narrow
+
+-- places at which panels must end: the nodes, and more beside what is narrow
+local function places_of(given, length)
+  local places = given.x
+  for _ = 1, LOOKS do
+    local edges = integrals.edges(places, length, 1)
+    local marks = narrow.marks(given.f, given.traced[1], edges)
+    local more = narrow.marks(given.inverse, given.traced[2], edges)
+    if #marks + #more == 0 then break end
+    places = merged(merged(places, marks), more)
+  end
+  return places
+end
+
+-- on panels that are halved until nothing changes any more
 local function settle(given)
   local width = given.x[#given.x] - given.x[1]
   local length = math.min(given.period and given.period / 2 or width / 8, width / 8)
-  local coarse, before = integrate(given, length), math.huge
-  local first = coarse.panels
+  local places, least, before = places_of(given, length), 1, math.huge
+  local coarse = integrate(given, places, length, 1)
+  local most = math.max(MOST_PANELS, (#places > #given.x and BESIDE or 8) * coarse.panels)
   while true do
-    length = length / 2
-    local fine = integrate(given, length)
+    length, least = length / 2, 2 * least
+    local fine = integrate(given, places, length, least)
     local off = difference(coarse, fine, given.x)
+    local is_last = fine.panels > most
     -- where rounding is what is left, halving changes nothing any more
-    if off <= SETTLED or off < 1e-13 and off > before / 4 then
-      check_antiderivative(given, integrals.running(given.inverse,
-        integrals.edges(given.x, length)))
+    if off <= SETTLED or off < 1e-13 and (off > before / 4 or is_last) then
+      check_antiderivative(given, integrals.running(given.inverse, fine.edges))
       return fine
     end
     if off == math.huge then
       fail("the integrals of 1/a, a, f and x f between the nodes overflow: take other units")
     end
-    if fine.panels > math.max(MOST_PANELS, 8 * first) then
+    if is_last then
       fail("the integrals of 1/a and f do not settle on %d panels (they change by %.1g): are they "
         .. "continuous? Give 'period', or put nodes where they jump", fine.panels, off)
     end
@@ -178,8 +208,9 @@ local DOC = "dm.msfem{a=, f=, x=, period=, antiderivative=, shape=} -> dm.msfem_
 The shape functions follow a (shape = "multiscale", unless given), so that the values at the nodes
 are those of the solution to round-off on any mesh; shape = "linear": hats, for comparison. period:
 of a, where it varies fast; antiderivative: of 1/a, where it is known (it is checked). Integrals are
-by 12 Gauss points on panels that are halved until nothing changes. Raises on a <= 0, on nodes that
-do not grow, and on integrals that do not settle.]]
+by 12 Gauss points on panels that are halved until nothing changes; what is narrow in f or 1/a
+between nodes is looked for by their bounds, where they can be traced (f:bounds), else put nodes
+beside it. Raises on a <= 0, on nodes that do not grow, and on integrals that do not settle.]]
 
 M.msfem = blame.caller(function(options)
   option.check(options, KNOWN, WHERE)
@@ -189,8 +220,9 @@ M.msfem = blame.caller(function(options)
   end
   option.callable(options, "antiderivative", WHERE, "x, the integral of 1/a")
   local shape = option.one_of(options, "shape", WHERE, { "multiscale", "linear" }, "multiscale")
-  local given = { x = read_nodes(options), inverse = inverse(option.single(options.a, "a")),
-    f = load_at(option.single(options.f, "f")),
+  local a, f = option.single(options.a, "a"), option.single(options.f, "f")
+  local given = { x = read_nodes(options), inverse = inverse(a), f = load_at(f),
+    traced = { f, function(x) return 1 / a(x) end },
     period = option.positive(options, "period", WHERE, "a length"),
     antiderivative = options.antiderivative, linear = shape == "linear" }
   local made = settle(given)

@@ -127,11 +127,19 @@ function M.together(f, g, edges)
   return out
 end
 
---- Edges of panels no longer than `length`, the nodes among them.
-function M.edges(x, length)
+--- The points of a panel.
+function M.points(a, b)
+  local out = {}
+  for i = 1, POINTS do out[i] = (a + b) / 2 + (b - a) / 2 * nodes[i] end
+  return out
+end
+
+--- Edges of panels no longer than `length`, at least so many between two nodes, which are among
+-- them.
+function M.edges(x, length, least)
   local out = { x[1] }
   for i = 2, #x do
-    local count = math.max(1, math.ceil((x[i] - x[i - 1]) / length - 1e-9))
+    local count = math.max(least, math.ceil((x[i] - x[i - 1]) / length - 1e-9))
     for k = 1, count - 1 do out[#out + 1] = x[i - 1] + (x[i] - x[i - 1]) * k / count end
     out[#out + 1] = x[i]
   end

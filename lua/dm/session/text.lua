@@ -46,16 +46,22 @@ function M.wrapped(text, width, indent, first)
   return table.concat(lines, "\n")
 end
 
--- the lines of a doc, a sentence that goes on in the next line in one
+local WIDE = 100 -- columns of the sources
+
+-- the lines of a doc, a sentence that goes on in the next line in one: one that does not look like
+-- an end, or that had no room for the next word
 local function paragraphs(doc)
-  local lines = {}
+  local lines, last = {}, ""
   for line in (doc .. "\n"):gmatch "(.-)\n" do
-    local before = lines[#lines]
-    if #lines > 1 and before:find "[%w,;=%)%]]$" and not before:find("->", 1, true) then
+    local before, word = lines[#lines], line:match "^%S+"
+    local goes_on = word and #last + 1 + #word > WIDE
+      or before and before:find "[%w,;=%)%]]$" and not before:find("->", 1, true)
+    if #lines > 1 and goes_on then
       lines[#lines] = before .. " " .. line
     else
       lines[#lines + 1] = line
     end
+    last = line
   end
   return lines
 end

@@ -42,6 +42,22 @@ near(rod:shape(3, 0.2) + rod:shape(2, 0.2), 1, 1e-15, "  and add up to 1")
 ok(math.abs(rod:shape(2, 0.13) - 0.96) > 1e-3, "  but are no hats", rod:shape(2, 0.13))
 ok(#dm.msfem { a = one, f = one, x = { 0, 1 } }.u == 2, "one element has two zeros")
 
+-- what is narrow: a load, a barrier and a crack at 0.3371, in long elements and in short ones; many periods
+local at = 0.3371
+local function bump(x, w) return exp(-((x - at) / w) ^ 2) / (w * math.sqrt(pi)) end
+for _, w in ipairs { 1e-2, 1e-3, 1e-4, 1e-5 } do
+  for _, x in ipairs { { 0, 0.5, 1 }, { 0, 0.336, 0.338, 0.5, 1 } } do
+    local load = dm.msfem { a = one, f = function(y) return -bump(y, w) end, x = x }
+    near(load:value(0.5), at / 2, 1e-13, ("a load of width %g, %d nodes"):format(w, #x))
+    for _, size in ipairs { 0.3, -w } do -- of the integral of 1/a; F = y
+      local G, F = { 0.5 + size, 1 + size }, { 0.125 + size * at, 0.5 + size * at }
+      local bent = dm.msfem { a = function(y) return 1 / (1 + size * bump(y, w)) end, f = one, x = x }
+      near(bent:value(0.5), F[1] - F[2] / G[2] * G[1], 1e-13, ("1/a with %g more, of width %g, %d nodes"):format(size, w, #x))
+    end
+  end
+end
+near(dm.msfem({ a = function(x) return 10 / (1 + 0.95 * sin(2000 * pi * x)) end, f = one, x = { 0, 0.5, 1 }, period = 1e-3 }):value(0.5),
+  -0.0125, 1e-13, "a thousand periods")
 raises("positive", dm.msfem, { a = function(x) return x - 0.5 end, f = one, x = mesh })
 raises("positive", dm.msfem, { a = log, f = one, x = mesh })
 raises("grow", dm.msfem, { a = one, f = one, x = { 0, 0.5, 0.5, 1 } })
