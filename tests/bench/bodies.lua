@@ -96,14 +96,14 @@ for _, rule in ipairs { "lie(1)", "lie(1, gauss(1), cayley)" } do
   local first
   for _, N in ipairs { 10, 20, 40, 80 } do
     local system, half = chain(N)
-    local R, q, n = G:exp { 0, 0.4, 0 }, {}, 2000 // N
+    local R, q, n = G:exp { 0, 0.4, 0 }, {}, 20000 // N
     for k = 1, N do q[2 * k - 1], q[2 * k] = R, R * half * (1 - 2 * k) end
     local solver = system:solver { rule = rule, h = 0.1 / N }
     local function steps(count)
       return function() solver:run { q = q, v = dm.zeros(6 * N), steps = count, every = count } end
     end
-    local start = best(5, steps(1))
-    local least = (best(5, steps(n + 1)) - start) / (n * N) * 1e9
+    local start = best(3, steps(1))
+    local least = (best(3, steps(n + 1)) - start) / (n * N) * 1e9
     first = first or least
     print(("chain of %2d links by %s: %.1f us a link and step, %.2f of 10 links; %.1f iterations"):format(N, rule, least / 1e3, least / first,
       solver:report().newton_per_step))

@@ -35,8 +35,8 @@ typedef struct {
     uint32_t places, shared;
     const double *place;
     double over;
-    /* J is exact: where increments of a new one do not shrink any more they are noise, and the
-     * smaller unknowns are not waited for. Not for what lanes solve, too. */
+    /* J is exact: where increments of a new one, or small ones, do not shrink any more they are
+     * noise: no other matrix is taken, and the smaller unknowns are not waited for. Not for what lanes solve, too. */
     int exact;
 } dm_newton_problem;
 

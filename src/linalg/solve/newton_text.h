@@ -94,7 +94,8 @@ INLINE void find_increment(chord *it, chord_solve *solve, void *ctx, uint32_t m)
  * stall, where it is `noise` at whatever size. By the rate so far, which one matrix does not lose
  * (from its first increment to the second it may double), what dx leaves may count for nothing,
  * too: what makes |dx| larger than foretold then is the noise of the residual, of which the next
- * one would be made as well. */
+ * one would be made as well. Of an exact matrix increments that small shrink fast while they are
+ * more than noise: a new matrix would not help. */
 INLINE I has_settled(const chord *it, const shrinking *a, V size, V left, V noise) {
     const V step = a->step, twice = 2.0 * a->rate;
     const V enough = DM_NEWTON_NEGLIGIBLE * it->tolerance * size;
@@ -108,6 +109,7 @@ INLINE I has_settled(const chord *it, const shrinking *a, V size, V left, V nois
     const V rate = pick(WHERE(a->last < INFINITY), step / a->last, same(DM_NEWTON_SLOW));
     last |= WHERE(rate < DM_NEWTON_SLOW) & WHERE(rate * step <= enough);
     last |= WHERE(rate > 0.5) & (small | WHERE(left <= noise));
+    if (it->exact) last |= WHERE(rate > DM_NEWTON_SLOW) & WHERE(step <= DM_NEWTON_FLOOR * size);
     return last;
 }
 
