@@ -36,7 +36,8 @@ typedef struct {
     const double *place;
     double over;
     /* J is exact: where increments of a new one, or small ones, do not shrink any more they are
-     * noise: no other matrix is taken, and the smaller unknowns are not waited for. Not for what lanes solve, too. */
+     * noise: no other matrix is taken, and the smaller unknowns are not waited for. Not for what
+     * lanes solve, too. */
     int exact;
 } dm_newton_problem;
 
