@@ -20,6 +20,7 @@
 --   body                    where its elements put a rigid body: { pose(g) -> rotation matrix,
 --                           place or nothing, turning =, moving = entries of the algebra before
 --                           the angular velocity and that of the place }
+--   by_series               is dexp a series of its matrices?
 --   arcs(xi)                squares of the angles by which exp(xi) turns, below pi^2 where log is
 --                           its inverse; nothing where it always is
 --   manifold                true where it is none: a space without a product of its points

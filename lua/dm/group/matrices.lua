@@ -37,6 +37,7 @@ function M.complete(kit, n)
   kit.compose = kit.compose or function(a, b) return a * b end
   kit.inverse = kit.inverse or function(g) return g:inverse() end
   kit.exp = kit.exp or function(xi) return matrix_functions.exp(kit.hat(xi)) end
+  kit.by_series = kit.dexp == nil
   if not kit.dexp and MANY * n ^ 3 < kit.dimension ^ 3 then
     function kit.slope(xi, eta)
       return kit.vee(matrix_functions.dexp(kit.hat(xi), kit.hat(eta)))

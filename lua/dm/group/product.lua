@@ -224,6 +224,16 @@ local function facts(kit, parts)
   kit.form = ("a list {%s}"):format(table.concat(forms, ", "))
 end
 
+-- the differential of exp where that of a factor has a shorter form (matrices.lua)
+local function slope_of(parts)
+  local of, any = {}, false
+  for k, part in ipairs(parts) do
+    of[k] = { dimension = part.dimension, slope = part.slope or part.dexp }
+    any = any or part.slope ~= nil
+  end
+  return any and by_factors(of, "slope", VECTORS.dexp, true) or nil
+end
+
 --- The product of spaces with these kits.
 function M.of(parts)
   local kit = { dimension = 0, coordinates = 0, parts = parts }
@@ -239,7 +249,7 @@ function M.of(parts)
   for name, kinds in pairs(VECTORS) do
     if has_all(parts, name) then kit[name] = by_factors(parts, name, kinds, true) end
   end
-  kit.no_cayley = not kit.cayley
+  kit.slope, kit.no_cayley = slope_of(parts), not kit.cayley
   if has_all(parts, "pade") then kit.pade = pade_of(parts) end
   matrix_maps(kit, parts)
   function kit.arcs(xi)

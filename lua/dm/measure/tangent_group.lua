@@ -8,7 +8,9 @@
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
+local matrix_functions = require "dm.group.matrix_functions"
 local place = require "dm.group.place"
 
 local M = {}
@@ -26,11 +28,58 @@ end
 
 -- Both are the tangent of that of G: (xi, omega) goes to (tau(xi), w) with w = slope_xi omega,
 -- slope the right-trivialized differential of tau; and with g' g^-1 = a = slope_xi eta, w' - [a, w]
--- is that of the tangent.
-local function give_map(tangent, own, name, slope_name)
-  local kit, d = own.kit, own.dimension
-  local slope = kit[slope_name]
+-- is that of the tangent: the function (xi, omega, eta, nu) -> a, w' - [a, w].
+local function second_slope(kit, slope)
+  local d = kit.dimension
   local along = core.derivative(slope, d, d)
+  return function(xi, omega, eta, nu)
+    local a, moved, J = slope(xi, eta), slope(xi, nu), along(xi, omega)
+    for i = 1, d do
+      for k = 1, d do moved[i] = moved[i] + J[i][k] * eta[k] end
+    end
+    return a, moved - kit.ad(a, slope(xi, omega))
+  end
+end
+
+-- the same of exp, by the matrices {{X, Y}, {0, X}} of T G where that of G is a series
+local function second_dexp(kit)
+  if not kit.by_series then return second_slope(kit, kit.dexp) end
+  local n = kit.matrix(kit.identity()).rows
+  local function doubled(x, y)
+    local X, Y = kit.hat(x), kit.hat(y)
+    return linear.fill(2 * n, 2 * n, function(i, j)
+      if j > n then return i > n and X[i - n][j - n] or Y[i][j - n] end
+      return i > n and 0 or X[i][j]
+    end)
+  end
+  local function block(W, first)
+    return kit.vee(linear.fill(n, n, function(i, j) return W[i][first + j] end))
+  end
+  return function(xi, omega, eta, nu)
+    local W = matrix_functions.dexp(doubled(xi, omega), doubled(eta, nu))
+    return block(W, 0), block(W, n)
+  end
+end
+
+-- of a product factor by factor
+local function by_factors(kit)
+  if not kit.parts then return second_dexp(kit) end
+  local of = {}
+  for i, factor in ipairs(kit.parts) do of[i] = by_factors(factor) end
+  return function(...)
+    local first, lists_of, a, b = 0, { ... }, {}, {}
+    for i, factor in ipairs(kit.parts) do
+      local own, d = {}, factor.dimension
+      for k, x in ipairs(lists_of) do own[k] = part(x, first, d) end
+      a[i], b[i] = of[i](table.unpack(own))
+      first = first + d
+    end
+    return joined(table.unpack(a)), joined(table.unpack(b))
+  end
+end
+
+local function give_map(tangent, own, name, slope_name, slope, second)
+  local kit, d = own.kit, own.dimension
   local function split(x) return part(x, 0, d), part(x, d, d) end
   tangent[name] = function(x)
     local xi, omega = split(x)
@@ -38,13 +87,7 @@ local function give_map(tangent, own, name, slope_name)
   end
   tangent[slope_name] = function(x, rate)
     local xi, omega = split(x)
-    local eta, nu = split(rate)
-    local a, moved, J = slope(xi, eta), slope(xi, nu), along(xi, omega)
-    local turned = kit.ad(a, slope(xi, omega))
-    for i = 1, d do
-      for k = 1, d do moved[i] = moved[i] + J[i][k] * eta[k] end
-    end
-    return joined(a, moved - turned)
+    return joined(second(xi, omega, split(rate)))
   end
   tangent.smooth[name] = function(x)
     local xi, omega = split(x)
@@ -81,8 +124,9 @@ local function space_of(system)
   local Q = core.semidirect(system.Q, core.R(d), function(g, w) return kit.Ad(g, w) end)
   local tangent = kits.of(Q)
   tangent.pade = nil
+  give_map(tangent, system.place, "exp", "dexp", kit.slope or kit.dexp, by_factors(kit))
   if kit.cayley and kit.dcay and not kit.no_cayley then
-    give_map(tangent, system.place, "cayley", "dcay")
+    give_map(tangent, system.place, "cayley", "dcay", kit.dcay, second_slope(kit, kit.dcay))
     if kit.pade then give_pade(tangent, kit, d) end
   end
   return Q

@@ -169,4 +169,36 @@ local singular = dm.system { Q = G, H = function(_, p) return 3 * p[1] end }
 near(singular:linearize { q = G:identity(), p = { 0, 1, 0 } }.fastest, 3, 1e-14,
   "H = 3 mu1 linearized")
 
+-- groups whose exp is a series of matrices: the chart is short enough for orders above 2, and for
+-- the tangent of steps
+local function weighted(x)
+  local sum = 0
+  for i = 1, #x do sum = sum + (0.7 + 0.3 * i) * x[i] ^ 2 / 2 end
+  return sum
+end
+local function pulled(g)
+  local sum = 0
+  for i = 1, #g do sum = sum + i * g[i][i] + 0.2 * g[1][i] end
+  return 0.3 * sum
+end
+for _, Q in ipairs { dm.GL(3), dm.Sp(4), dm.SE(4) } do
+  local system = dm.system { Q = Q, L = function(g, x) return weighted(x) - pulled(g) end }
+  local x, v = {}, {}
+  for i = 1, Q.dimension do x[i], v[i] = 0.2 / i, 0.3 / i end
+  local start = Q:exp(x)
+  local function end_of(rule, n)
+    return system:solver { rule = rule, h = 0.5 / n }:run { q = start, v = v, steps = n }.q[n + 1]
+  end
+  local exact = end_of("gauss(4)", 10)
+  local a, b = Q:distance(end_of("lie(2)", 5), exact), Q:distance(end_of("lie(2)", 10), exact)
+  near(math.log(a / b, 2), 4, 0.15, tostring(Q) .. ": lie(2) by the series of exp")
+  local w = dm.vector(v)
+  local D = (dm.vector(Q:log(Q:compose(Q:exp(dm.vector(x) + 1e-4 * w), Q:inverse(start))))
+    - dm.vector(Q:log(Q:compose(Q:exp(dm.vector(x) - 1e-4 * w), Q:inverse(start))))) * 5e3
+  near((D - Q:dexp(x, v)):norm(), 0, 1e-8, "its differential is that of exp")
+  local defect = system:solver { rule = "lie(1)", h = 0.05 }
+    :symplecticity { q = start, v = v, steps = 2 }
+  ok(defect < 1e-14, tostring(Q) .. ": lie(1) is symplectic", defect)
+end
+
 tap.done()
