@@ -118,7 +118,8 @@ end
 
 -- what a direct product does factor by factor, and this one does not
 local NOT_BY_FACTORS = { "Ad", "coAd", "coad", "dexp", "slope", "dexpinv", "cayley", "cayleyinv",
-  "dcay", "dcayinv", "matrix", "hat", "vee", "left_tangent", "right_tangent", "distance", "from_matrix" }
+  "dcay", "dcayinv", "matrix", "hat", "vee", "left_tangent", "right_tangent", "distance",
+  "from_matrix" }
 
 -- those of g, then v (group/flat.lua)
 local function coordinates(kit, part, n)
