@@ -101,18 +101,30 @@ static const double *factor(const double *A, const dm_band *b, uint32_t k) {
     return A + 2 * (size_t)b->width + k + k * 3 * (size_t)b->width;
 }
 
-/* y[i] -= x a[i] for i < count, two at a time: every entry is rounded by itself */
+enum { TOGETHER = 4 }; /* columns whose parts of a vector are taken off in one pass over it */
+
+/* y[i] -= x a[i], i < count */
 static void subtract(double *restrict y, const double *restrict a, double x, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) y[i] -= a[i] * x;
+}
+
+/* The same of several columns, one after the other for every entry, which is rounded each time, and
+ * two entries at a time: a pass for each would read what the one before has only just written. */
+static void subtract_together(double *restrict y, const double *const *a, const double *x,
+                              uint32_t count) {
     typedef double pair __attribute__((vector_size(16)));
     uint32_t i = 0;
     for (; i + 2 <= count; i += 2) {
         pair u, v;
         memcpy(&u, y + i, sizeof u);
-        memcpy(&v, a + i, sizeof v);
-        u -= v * x;
+#pragma GCC unroll 4
+        for (int j = 0; j < TOGETHER; j++) {
+            memcpy(&v, a[j] + i, sizeof v);
+            u -= v * x[j];
+        }
         memcpy(y + i, &u, sizeof u);
     }
-    if (i < count) y[i] -= a[i] * x;
+    for (int j = 0; i < count && j < TOGETHER; j++) y[i] -= a[j][i] * x[j];
 }
 
 /* how far above its diagonal the upper factor reaches: exchanges have moved rows up so far */
@@ -122,18 +134,101 @@ static uint32_t reach_of(const uint32_t *pivot, const dm_band *b) {
     return b->width + farthest;
 }
 
+/* row k of y takes its place, and goes off rows k + 1 .. end - 1 by column k */
+static void step_forward(double *y, const double *column, uint32_t k, uint32_t exchange,
+                         uint32_t end) {
+    const double top = y[k + exchange];
+    y[k + exchange] = y[k];
+    y[k] = top;
+    if (end > k + 1) subtract(y + k + 1, column + 1, top, end - k - 1);
+}
+
+/* Four rows in a row by the columns of the same numbers, which exchange nothing: in registers, since
+ * each waits for the one before. x[j] = row k + j, lower triangle of 1. */
+static void lead_forward(double *y, const double *const *a, double *x) {
+    double x1 = y[1], x2 = y[2], x3 = y[3];
+    x[0] = y[0];
+    x1 -= a[0][1] * x[0], x2 -= a[0][2] * x[0], x3 -= a[0][3] * x[0];
+    x2 -= a[1][1] * x1, x3 -= a[1][2] * x1;
+    x3 -= a[2][1] * x2;
+    y[1] = x[1] = x1, y[2] = x[2] = x2, y[3] = x[3] = x3;
+}
+
+/* The same upwards from y[0], whose columns have their inverse pivots. */
+static void lead_backward(double *y, const double *const *a, double *x) {
+    double x1 = y[-1], x2 = y[-2], x3 = y[-3];
+    x[0] = y[0] * a[0][0];
+    x1 -= a[0][-1] * x[0], x2 -= a[0][-2] * x[0], x3 -= a[0][-3] * x[0];
+    x1 *= a[1][0];
+    x2 -= a[1][-1] * x1, x3 -= a[1][-2] * x1;
+    x2 *= a[2][0];
+    x3 -= a[2][-1] * x2;
+    x3 *= a[3][0];
+    y[0] = x[0], y[-1] = x[1] = x1, y[-2] = x[2] = x2, y[-3] = x[3] = x3;
+}
+
+/* Columns k .. k + 3: rows up to the farthest that they exchange one by one, then those that all of
+ * them reach, then the last few; 0: they exchange rows that are farther away than they reach. */
+static int forward_together(double *y, const double *A, const uint32_t *pivot, const dm_band *b,
+                            uint32_t k) {
+    const uint32_t w = b->width, end = k + w + 1; /* of the rows that the first column reaches */
+    const double *a[TOGETHER];
+    double x[TOGETHER];
+    uint32_t lead = k + TOGETHER;
+    if (end + TOGETHER - 1 > b->n) return 0;
+    for (uint32_t j = 0; j < TOGETHER; j++) {
+        if (pivot[k + j] && k + j + pivot[k + j] >= lead) lead = k + j + pivot[k + j] + 1;
+        a[j] = factor(A, b, k + j);
+    }
+    if (lead > end) return 0;
+    if (!(pivot[k] | pivot[k + 1] | pivot[k + 2] | pivot[k + 3]))
+        lead_forward(y + k, a, x);
+    else
+        for (uint32_t j = 0; j < TOGETHER; j++) {
+            step_forward(y, a[j], k + j, pivot[k + j], lead);
+            x[j] = y[k + j];
+        }
+    for (uint32_t j = 0; j < TOGETHER; j++) a[j] += lead - k - j;
+    subtract_together(y + lead, a, x, end - lead);
+    for (uint32_t j = 1; j < TOGETHER; j++) subtract(y + end, a[j] + (end - lead), x[j], j);
+    return 1;
+}
+
+/* Columns k, k - 1, k - 2, k - 3 of the upper factor, the same from below. Above their reach they
+ * are 0 as far as their room goes. */
+static void backward_together(double *y, const double *A, const dm_band *b, uint32_t reach,
+                              uint32_t k) {
+    const uint32_t first = k - (TOGETHER - 1), most = smaller(reach + TOGETHER - 1, 2 * b->width);
+    const uint32_t begin = k > most ? k - most : 0;
+    const double *a[TOGETHER];
+    double x[TOGETHER];
+    for (uint32_t j = 0; j < TOGETHER; j++) a[j] = factor(A, b, k - j);
+    lead_backward(y + k, a, x);
+    for (uint32_t j = 0; j < TOGETHER; j++) a[j] -= k - j - begin;
+    subtract_together(y + begin, a, x, first - begin);
+    for (uint32_t j = 1; j < TOGETHER && begin; j++) {
+        const uint32_t reached = k - j > reach ? k - j - reach : 0;
+        if (reached < begin) subtract(y + reached, a[j] - (begin - reached), x[j], begin - reached);
+    }
+}
+
 void dm_band_solve(double *x, const double *A, const uint32_t *pivot, const dm_band *b,
                    double *scratch) {
     const uint32_t n = b->n, w = b->width, reach = reach_of(pivot, b);
     double *y = scratch;
+    uint32_t k = 0;
     for (uint32_t i = 0; i < n; i++) y[b->order[i]] = x[i];
-    for (uint32_t k = 0; k < n; k++) {
-        const double *column = factor(A, b, k), top = y[k + pivot[k]];
-        y[k + pivot[k]] = y[k];
-        y[k] = top;
-        subtract(y + k + 1, column + 1, top, smaller(w, n - 1 - k));
+    while (k < n) {
+        if (forward_together(y, A, pivot, b, k)) {
+            k += TOGETHER;
+            continue;
+        }
+        step_forward(y, factor(A, b, k), k, pivot[k], smaller(k + w, n - 1) + 1);
+        k++;
     }
-    for (uint32_t k = n; k-- > 0;) {
+    for (k = n; k >= TOGETHER && reach >= TOGETHER; k -= TOGETHER)
+        backward_together(y, A, b, reach, k - 1);
+    while (k-- > 0) {
         const double *column = factor(A, b, k);
         const uint32_t above = smaller(reach, k);
         y[k] *= column[0];
