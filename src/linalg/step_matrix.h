@@ -20,6 +20,11 @@ size_t dm_step_matrix_work(uint32_t unknowns);
 void dm_step_matrix_open(dm_step_matrix *m, uint32_t n, double *memory);
 void dm_step_matrix_narrow(dm_step_matrix *m, const double *J, uint32_t *scratch);
 
+/* The same of a matrix of blocks: unknown i * count + k, where k and l meet as in pattern[count^2]
+ * for all i and j. Unknowns of one k lie side by side. */
+void dm_step_matrix_narrow_blocks(dm_step_matrix *m, const double *pattern, uint32_t count,
+                                  uint32_t *scratch);
+
 /* All entries, wherever they are kept. */
 void dm_step_matrix_zero(double *J, const dm_step_matrix *m);
 

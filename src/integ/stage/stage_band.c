@@ -27,16 +27,12 @@ static uint32_t solved_points(const dm_stage *g, uint32_t *list) {
     return count;
 }
 
-/* J = 1 where an entry may differ from 0: coordinates of L_qq, at all pairs of points */
-static void mark(const dm_stage *g, double *J, uint32_t points) {
-    const size_t n = g->n, m = points * n;
-    memset(J, 0, m * m * sizeof *J);
+/* J = 1 where coordinates meet in L_qq: [n][n] */
+static void mark(const dm_stage *g, double *J) {
+    const size_t n = g->n;
     for (size_t k = 0; k < n; k++)
-        for (size_t l = 0; l < n; l++) {
-            if (k != l && is_zero(g->newton.stage, curve_of(g) + l * n + k)) continue;
-            for (size_t i = 0; i < points; i++)
-                for (size_t j = 0; j < points; j++) J[(i * n + k) * m + j * n + l] = 1.0;
-        }
+        for (size_t l = 0; l < n; l++)
+            J[k * n + l] = k == l || !is_zero(g->newton.stage, curve_of(g) + l * n + k);
 }
 
 /* V is quadratic, but for what is linear in q */
@@ -67,8 +63,9 @@ void dm_stage_band_open(dm_stage *g) {
     w->factored = NAN;
     dm_step_matrix_open(&w->matrix, m, w->lists);
     if (m < LEAST || !(g->m->structure & DM_DIAGONAL_MASS)) return;
-    mark(g, g->scratch, points);
-    dm_step_matrix_narrow(&w->matrix, g->scratch, (uint32_t *)(void *)(g->scratch + (size_t)m * m));
+    mark(g, g->scratch);
+    dm_step_matrix_narrow_blocks(&w->matrix, g->scratch, g->n,
+                                 (uint32_t *)(void *)(g->scratch + (size_t)g->n * g->n));
     if (w->matrix.banded && is_linear(g)) w->linear = has_room(g, dm_newton_work(m));
 }
 
