@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { LEAST = 65 }; /* unknowns: members of an ensemble solve for fewer in lanes, densely */
-
 /* Entries k of its rows of L_qq among the outputs of the kernel: [n][n]. */
 static size_t curve_of(const dm_stage *g) {
     return 2 * (size_t)g->n;
@@ -48,7 +46,7 @@ static int is_linear(const dm_stage *g) {
 static int has_room(dm_stage *g, size_t room) {
     dm_stage_newton *w = &g->newton;
     const size_t m = w->matrix.band.n, n = g->n;
-    const size_t before = dm_legendre_work(g->m) + n * n + n + 3 * m;
+    const size_t before = dm_legendre_work(g->m) + n * n + n + 4 * m;
     const size_t size = dm_band_size(&w->matrix.band);
     w->factors = g->scratch + before;
     w->pivot = (uint32_t *)(void *)(w->factors + size);
@@ -59,14 +57,16 @@ void dm_stage_band_open(dm_stage *g) {
     dm_stage_newton *w = &g->newton;
     const uint32_t points = solved_points(g, w->solved), m = points * g->n;
     w->points = points;
-    w->linear = 0;
+    w->linear = w->keeps = 0;
     w->factored = NAN;
     dm_step_matrix_open(&w->matrix, m, w->lists);
-    if (m < LEAST || !(g->m->structure & DM_DIAGONAL_MASS)) return;
+    if (m < DM_STAGE_BAND_LEAST || !(g->m->structure & DM_DIAGONAL_MASS)) return;
     mark(g, g->scratch);
     dm_step_matrix_narrow_blocks(&w->matrix, g->scratch, g->n,
                                  (uint32_t *)(void *)(g->scratch + (size_t)g->n * g->n));
-    if (w->matrix.banded && is_linear(g)) w->linear = has_room(g, dm_newton_work(m));
+    if (!w->matrix.banded || !has_room(g, dm_newton_work(m))) return;
+    w->linear = is_linear(g);
+    w->keeps = !w->linear;
 }
 
 /* entry (i, m) of the blocks: delta_im - h^2 A_im M^-1 L_qq(m) */

@@ -4,6 +4,7 @@
 
 #include "integ/stage/stage.h"
 #include "integ/stage/workspace/workspace.h"
+#include "linalg/solve/newton.h"
 
 /* Kernel arguments: x = (q0 + shift[n], v[n], t + after); v NULL: the start's. */
 void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after);
@@ -20,6 +21,15 @@ void dm_stage_separable_open(dm_stage *g);
 void dm_stage_band_open(dm_stage *g);
 void dm_stage_band_fill(const dm_stage *g, double *J);
 dm_status dm_stage_band_factor(dm_stage *g);
+
+/* Newton's method from the root's guess with factors of an earlier step, which the memory tells of:
+ * the root, or not DM_OK and the guess as it was. Doubles of that memory. */
+dm_status dm_stage_kept(dm_stage *g, const dm_newton_problem *problem, dm_newton_report *report);
+size_t dm_stage_kept_size(const dm_stage *g);
+
+/* Unknowns from which on a band is looked for: members of an ensemble solve for fewer in lanes,
+ * densely. */
+enum { DM_STAGE_BAND_LEAST = 65 };
 
 /* One step of one stage, separable, few coordinates, of g->group.state in place (one_point.h):
  * doubles; open it where there is a kernel for it; doubles of its memory. DM_NO_CONVERGENCE leaves

@@ -33,7 +33,7 @@ size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
     return dm_stage_doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
            dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n +
-           2 * n + 2 * r * n + 4 * n + 2 * dm_stage_doubles(r * 4) + scratch_size(s, r, m) +
+           2 * n + 2 * r * n + 4 * n + n + 1 + 2 * dm_stage_doubles(r * 4) + scratch_size(s, r, m) +
            dm_step_matrix_work((uint32_t)(larger(s, r) * n)) + dm_one_point_size(m) +
            dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
 }
@@ -61,6 +61,7 @@ static double *lay_out(dm_stage *g, double *memory) {
     g->group.next = take(&memory, 4 * n);
     p->kind = (uint32_t *)(void *)take(&memory, dm_stage_doubles(r * sizeof(uint32_t)));
     w->solved = (uint32_t *)(void *)take(&memory, dm_stage_doubles(r * sizeof(uint32_t)));
+    w->place = take(&memory, n + 1);
     w->lists = take(&memory, dm_step_matrix_work((uint32_t)(larger(s, r) * n)));
     g->scratch = take(&memory, scratch_size(s, r, g->m));
     g->before.root = take(&memory, larger(s, r) * n);

@@ -265,7 +265,6 @@ static dm_status solve_linear(dm_stage *g, dm_stepper *stepper, uint32_t unknown
 
 static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
     if (g->newton.linear && solve_linear(g, stepper, unknowns) == DM_OK) return DM_OK;
-    g->newton.factored = NAN; /* their room is taken */
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = unknowns,
                                        .equation = equation,
@@ -278,11 +277,16 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .over = 1.0,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
-    const dm_status status = dm_newton(g->newton.root, &problem, g->scratch, &report);
+    dm_status status = dm_stage_kept(g, &problem, &report);
+    const int kept = status == DM_OK;
+    if (!kept) {
+        g->newton.factored = NAN; /* their room is taken */
+        status = dm_newton(g->newton.root, &problem, g->scratch, &report);
+    }
     stepper->report.iterations = report.iterations;
     stepper->report.outside = report.outside;
     stepper->report.residual = report.residual * dm_stage_heaviest(g->m) / fabs(g->weights.h);
-    if (status == DM_OK && report.jacobians) correct_forces(g, g->scratch);
+    if (status == DM_OK && (kept || report.jacobians)) correct_forces(g, g->scratch);
     return status;
 }
 

@@ -19,8 +19,9 @@ enum {
 typedef struct {
     const dm_newton_problem *p;
     chord it;
-    double *trial, *start, *J; /* [m], [m], [m*m] */
-    uint32_t *pivot;           /* [m] */
+    double *trial, *start, *J;     /* [m], [m], [m*m] */
+    uint32_t *pivot;               /* [m] */
+    const dm_newton_factors *kept; /* of an earlier solve, which alone are used; NULL: none */
     dm_newton_report *report;
     dm_status status; /* of the last evaluation */
 } solver;
@@ -49,6 +50,11 @@ INLINE dm_status evaluate_at(solver *s, const double *x, int with_jacobian, uint
 INLINE void evaluate(chord *it, void *ctx, uint32_t m, int all) {
     solver *s = ctx;
     (void)all;
+    if (s->kept && it->fresh) { /* increments shrink too slowly, unless that is rounding */
+        it->fresh = 0;
+        it->todo = it->all.step <= DM_NEWTON_ROUND_OFF * norm_of(it->x, m);
+        if (!it->todo) return;
+    }
     s->status = evaluate_at(s, it->x, it->fresh, m);
     if (s->status != DM_OK) it->todo = it->fresh = 0;
 }
@@ -56,7 +62,9 @@ INLINE void evaluate(chord *it, void *ctx, uint32_t m, int all) {
 /* before the first matrix it is 1, and x stays as it is */
 INLINE void solve(const chord *it, void *ctx, double *x, uint32_t m) {
     const solver *s = ctx;
-    if (it->factored && s->p->band)
+    if (s->kept)
+        dm_band_solve(x, s->kept->J, s->kept->pivot, s->p->band, s->trial);
+    else if (it->factored && s->p->band)
         dm_band_solve(x, s->J, s->pivot, s->p->band, s->trial);
     else if (it->factored)
         dm_lu_solve(x, s->J, s->pivot, m);
@@ -179,8 +187,9 @@ static dm_status find_root(solver *s) {
     }
 }
 
-dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
-                    dm_newton_report *report) {
+/* with its workspace laid out, at x */
+static solver solver_of(double *x, const dm_newton_problem *problem, double *work,
+                        dm_newton_report *report) {
     const uint32_t m = problem->m;
     solver s = {.p = problem, .report = report};
     s.it = (chord){.x = x,
@@ -198,10 +207,28 @@ dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
     s.pivot = (uint32_t *)(void *)(s.J + (size_t)m * m);
     *report = (dm_newton_report){0};
     memcpy(s.start, x, m * sizeof *x);
+    return s;
+}
+
+dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
+                    dm_newton_report *report) {
+    solver s = solver_of(x, problem, work, report);
     const dm_status status = find_root(&s);
     report->iterations = s.it.count;
     report->residual = s.it.residual;
     return status;
+}
+
+dm_status dm_newton_kept(double *x, const dm_newton_problem *problem,
+                         const dm_newton_factors *factors, double *work, dm_newton_report *report) {
+    solver s = solver_of(x, problem, work, report);
+    s.kept = factors;
+    s.it.factored = s.it.todo = 1;
+    const int found =
+        iterate_chord(&s.it, evaluate, solve, &s, problem->m, problem->max_iterations, NULL) != 0;
+    report->iterations = s.it.count;
+    report->residual = s.it.residual;
+    return found ? DM_OK : s.status == DM_CALLBACK ? DM_CALLBACK : DM_NO_CONVERGENCE;
 }
 
 int dm_newton_small_settled(dm_newton_wait *wait, const dm_newton_problem *problem, const double *x,

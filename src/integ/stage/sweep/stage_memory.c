@@ -2,6 +2,8 @@
  * Speed: steps, J2 satellite by gauss(3): 3.1x, against Newton's method; 6.6x by gauss(6). */
 #include "integ/stage/sweep/stage_sweep.h"
 
+#include "integ/stage/stage_inside.h"
+
 #include <string.h>
 
 enum {
@@ -16,8 +18,12 @@ static size_t unknowns(const dm_stage *g) {
 
 static const double USUAL = 0.01; /* contraction, squared, where none was measured */
 
+size_t dm_stage_memory_u(const dm_stage *g) {
+    return DM_SWEPT_END + 4 * (size_t)g->n;
+}
+
 size_t dm_stage_memory_size(const dm_stage *g) {
-    return DM_SWEPT_END + 4 * (size_t)g->n + unknowns(g);
+    return dm_stage_memory_u(g) + unknowns(g) + dm_stage_kept_size(g);
 }
 
 void dm_stage_memory_clear(dm_stage *g, double h) {

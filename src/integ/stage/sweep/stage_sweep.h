@@ -54,7 +54,7 @@ typedef struct dm_stage_sweeps {
 } dm_stage_sweeps;
 
 /* What a step leaves to the next one: h, a mark, the contraction of its sweeps squared, the state
- * at its end [4n], and u of its stages [n][width]. Mark: 0: nothing; DM_SWEPT_FULL: all of it is
+ * at its end [4n], u of its stages [n][width], and what dm_stage_kept has there. Mark: 0: nothing; DM_SWEPT_FULL: all of it is
  * of the step that ended at END; below zero: sweeps failed not long ago, so many steps by
  * Newton's method are left before they are tried again. */
 enum { DM_SWEPT_STEP, DM_SWEPT_MARK, DM_SWEPT_RATE, DM_SWEPT_END, DM_SWEPT_FULL = 1 };
@@ -81,6 +81,7 @@ const double *dm_stage_sweeps_u(const dm_stage *g);
 /* The memory. Another h (a step to a time between, a part of a composition) neither uses it nor
  * changes it. */
 size_t dm_stage_memory_size(const dm_stage *g);
+size_t dm_stage_memory_u(const dm_stage *g); /* doubles in front of u */
 void dm_stage_memory_clear(dm_stage *g, double h);
 int dm_stage_memory_fits(const dm_stage *g);         /* it was left by the step that ended here */
 int dm_stage_memory_is_stiff(const dm_stage *g);     /* sweeps failed not long ago */

@@ -28,7 +28,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     if (!separable && !dm_hamilton_fits(m)) return 0;
     return dm_stage_doubles(sizeof(dm_stage_sweeps)) +
            kernels_size(n, w, separable ? 0 : dm_hamilton_known(m->n)) + 4 * n * w + 5 * r * w +
-           9 * w + 10 * n + 3 + ARRAYS * LINE;
+           9 * w + 11 * n + 5 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -78,7 +78,7 @@ static void lay_out(dm_stage *g, double *memory) {
     w->share = take(&memory, 2 * n);
     w->drift = take(&memory, 2 * n);
     w->unit = take(&memory, 2 * n);
-    const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
+    const size_t before = dm_stage_memory_u(g); /* u begins a line, too */
     w->memory = memory + (LINE - before % LINE) % LINE;
 }
 
@@ -155,7 +155,7 @@ static void plan(dm_stage *g) {
     dm_stage_sweeps *w = g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
     const int diagonal = g->separable && g->m->structure & DM_DIAGONAL_MASS;
-    const double *kept = w->memory + dm_stage_memory_size(g) - n * width;
+    const double *kept = w->memory + dm_stage_memory_u(g);
     const dm_sweep all = {.rows = n, .columns = g->table.r, .start = w->none};
     w->q = w->p = w->v_ahead = all;
     w->q.x = w->force.in;

@@ -55,7 +55,9 @@ typedef struct {
     uint32_t *solved; /* [points] that are solved for */
     uint32_t points;  /* how many */
     int linear;       /* V is quadratic and the matrix a band: its factors are kept */
+    int keeps;        /* it is not, but they are tried in further steps (stage_kept.c) */
     double factored;  /* the h that they are of; NaN: there are none */
+    double *place;    /* [n + 1] q, t that they are of, where V is not quadratic */
     double *factors;  /* in the scratch */
     uint32_t *pivot;  /* behind them */
 } dm_stage_newton;
