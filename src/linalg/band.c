@@ -143,8 +143,8 @@ static void step_forward(double *y, const double *column, uint32_t k, uint32_t e
     if (end > k + 1) subtract(y + k + 1, column + 1, top, end - k - 1);
 }
 
-/* Four rows in a row by the columns of the same numbers, which exchange nothing: in registers, since
- * each waits for the one before. x[j] = row k + j, lower triangle of 1. */
+/* Four rows in a row by the columns of the same numbers, which exchange nothing: in registers,
+ * since each waits for the one before. x[j] = row k + j, lower triangle of 1. */
 static void lead_forward(double *y, const double *const *a, double *x) {
     double x1 = y[1], x2 = y[2], x3 = y[3];
     x[0] = y[0];

@@ -23,13 +23,8 @@ void dm_stage_band_fill(const dm_stage *g, double *J);
 dm_status dm_stage_band_factor(dm_stage *g);
 
 /* Newton's method from the root's guess with factors of an earlier step, which the memory tells of:
- * the root, or not DM_OK and the guess as it was. Doubles of that memory. */
+ * the root, or not DM_OK and the guess as it was. */
 dm_status dm_stage_kept(dm_stage *g, const dm_newton_problem *problem, dm_newton_report *report);
-size_t dm_stage_kept_size(const dm_stage *g);
-
-/* Unknowns from which on a band is looked for: members of an ensemble solve for fewer in lanes,
- * densely. */
-enum { DM_STAGE_BAND_LEAST = 65 };
 
 /* One step of one stage, separable, few coordinates, of g->group.state in place (one_point.h):
  * doubles; open it where there is a kernel for it; doubles of its memory. DM_NO_CONVERGENCE leaves

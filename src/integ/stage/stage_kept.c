@@ -1,6 +1,6 @@
-/* stage_kept.c - one factorization of the band for many steps, where V is nearly quadratic: Newton's
- * method with the matrix of an earlier place (Hairer & Wanner 1996, IV.8), as long as increments
- * shrink by ten at least. Where the matrix was made is part of the memory, so that a run that goes
+/* stage_kept.c - one factorization of the band for many steps, where V is nearly quadratic:
+ * Newton's method with the matrix of an earlier place (Hairer & Wanner 1996, IV.8), as long as
+ * increments shrink by ten at least. Where the matrix was made is part of the memory, so that a run that goes
  * on from a checkpoint has the same one. What does not converge so begins again, as it would have.
  * Speed: steps, chain of 30 with small quartic forces by gauss(8): 3.9x, against a new matrix. */
 #include "integ/stage/stage_inside.h"
@@ -23,12 +23,6 @@ static double *memory_of(const dm_stage *g) {
     double *memory = g->sweeps->memory;
     if (memory[DM_SWEPT_STEP] != g->weights.h) return NULL;
     return memory + dm_stage_memory_size(g) - dm_stage_kept_size(g);
-}
-
-size_t dm_stage_kept_size(const dm_stage *g) {
-    const int fits = g->separable && g->m->structure & DM_DIAGONAL_MASS &&
-                     g->n * g->table.r >= DM_STAGE_BAND_LEAST;
-    return fits ? g->n + 2 : 0;
 }
 
 /* the factors with L_qq of one place at all points */

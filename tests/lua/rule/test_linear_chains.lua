@@ -57,4 +57,37 @@ local bent = chain(20, 0.3)
 local coarse = bent:solver({ rule = "gauss(8)", h = 2 }):run { q = modes(20, 0), v = dm.zeros(20), steps = 10, every = 10 }
 local fine = bent:solver({ rule = "gauss(8)", h = 0.1 }):run { q = modes(20, 0), v = dm.zeros(20), steps = 200, every = 200 }
 ok(farthest(coarse.q[2], fine.q[2]) < 1e-7, "a chain that is nearly linear", farthest(coarse.q[2], fine.q[2]))
+-- its factors are kept while they converge: a rough start at which sweeps do not contract, counted; as right as with short steps; the same in two parts, from a file, as a member of an ensemble, after another run, at times between
+local function rough(n, size)
+  local out = {}
+  for i = 1, n do out[i] = size * sin(i * i) end
+  return out
+end
+local nearly = chain(30, 1e-3)
+local kept = nearly:solver { rule = "gauss(8)", h = 2.35 }
+local start = { q = rough(30, 0.3), v = dm.zeros(30), steps = 400, every = 400 }
+local all = kept:run(start)
+local report = kept:report()
+ok(report.newton < 8 * 400, "a kept matrix converges in few iterations", report.newton)
+local slow = nearly:solver({ rule = "gauss(8)", h = 0.47 }):run { q = rough(30, 0.3), v = dm.zeros(30), steps = 100, every = 100 }
+local quick = nearly:solver({ rule = "gauss(8)", h = 2.35 }):run { q = rough(30, 0.3), v = dm.zeros(30), steps = 20, every = 20 }
+ok(farthest(slow.q[2], quick.q[2]) < 2e-6, "and to what short steps find", farthest(slow.q[2], quick.q[2]))
+for _, cubic in ipairs { 1e-3, 0.3, 1 } do  -- 1: it has to be made again and again
+  local bends = chain(30, cubic)
+  local one = bends:solver { rule = "gauss(8)", h = 2.35 }
+  local energy = one:run({ q = rough(30, 0.3), v = dm.zeros(30), steps = 100, every = 100 })
+  local half = bends:solver({ rule = "gauss(8)", h = 2.35 }):run { q = rough(30, 0.3), v = dm.zeros(30), steps = 37, every = 37 }
+  local file = os.tmpname()
+  half:checkpoint(file)
+  local rest = dm.resume(file, chain(30, cubic)):run { steps = 63, every = 63 }
+  os.remove(file)
+  ok(farthest(rest.q[#rest.q], energy.q[2]) == 0 and farthest(rest.p[#rest.p], energy.p[2]) == 0, ("quartic part %g: two parts of a run, bit for bit"):format(cubic))
+  local other = one:run { q = rough(30, 0.2), v = dm.zeros(30), steps = 50, every = 50 }
+  local again = one:run { q = rough(30, 0.3), v = dm.zeros(30), steps = 100, every = 100 }
+  local members = bends:solver({ rule = "gauss(8)", h = 2.35 }):ensemble { members = 5, q = function(i) return rough(30, i == 2 and 0.2 or i == 4 and 0.3 or 0.1 * i) end, v = function() return dm.zeros(30) end, steps = 100 }
+  ok(farthest(again.q[2], energy.q[2]) == 0 and other, "after another run")
+  ok(farthest(members.q[4], energy.q[2]) == 0 and farthest(members.q[3], one:run({ q = rough(30, 0.1 * 3), v = dm.zeros(30), steps = 100, every = 100 }).q[2]) == 0, "as a member of an ensemble")
+  local looked = bends:solver({ rule = "gauss(8)", h = 2.35 }):run { q = rough(30, 0.3), v = dm.zeros(30), at = { 3.3, 77.7, 235 } }
+  ok(farthest(looked.q[3], energy.q[2]) == 0, "and looked at between")
+end
 tap.done()

@@ -2,8 +2,6 @@
  * Speed: steps, J2 satellite by gauss(3): 3.1x, against Newton's method; 6.6x by gauss(6). */
 #include "integ/stage/sweep/stage_sweep.h"
 
-#include "integ/stage/stage_inside.h"
-
 #include <string.h>
 
 enum {

@@ -119,6 +119,15 @@ void dm_stage_weights_complete(dm_stage *g);
 /* Largest entry of a constant M: over h it turns a displacement into a momentum. */
 double dm_stage_heaviest(const dm_model *m);
 
+/* Unknowns from which on a band is looked for: members of an ensemble solve for fewer in lanes,
+ * densely. Doubles of the memory that tells of its factors (stage_kept.c). */
+enum { DM_STAGE_BAND_LEAST = 65 };
+static inline size_t dm_stage_kept_size(const dm_stage *g) {
+    const int fits = g->separable && g->m->structure & DM_DIAGONAL_MASS &&
+                     g->n * g->table.r >= DM_STAGE_BAND_LEAST;
+    return fits ? g->n + 2 : 0;
+}
+
 /* One double at a time where they are few: a wide load would wait for the narrow stores that a
  * state has just had. */
 static inline void dm_stage_copy(double *to, const volatile double *from, uint32_t count) {
