@@ -1,7 +1,8 @@
 /* stage_kept.c - one factorization of the band for many steps, where V is nearly quadratic:
  * Newton's method with the matrix of an earlier place (Hairer & Wanner 1996, IV.8), as long as
- * increments shrink by ten at least. Where the matrix was made is part of the memory, so that a run that goes
- * on from a checkpoint has the same one. What does not converge so begins again, as it would have.
+ * increments shrink by ten at least. Where the matrix was made is part of the memory, so that a run
+ * that goes on from a checkpoint has the same one. What does not converge so begins again, as it
+ * would have.
  * Speed: steps, chain of 30 with small quartic forces by gauss(8): 3.9x, against a new matrix. */
 #include "integ/stage/stage_inside.h"
 #include "integ/stage/sweep/stage_sweep.h"
