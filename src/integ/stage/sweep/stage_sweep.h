@@ -55,8 +55,8 @@ typedef struct dm_stage_sweeps {
 
 /* What a step leaves to the next one: h, a mark, the contraction of its sweeps squared, the state
  * at its end [4n], u of its stages [n][width], and what dm_stage_kept has there. Mark: 0: nothing;
- * DM_SWEPT_FULL: all of it is of the step that ended at END; below zero: sweeps failed not long ago,
- * so many steps by Newton's method are left before they are tried again. */
+ * DM_SWEPT_FULL: all of it is of the step that ended at END; below zero: sweeps failed not long
+ * ago, so many steps by Newton's method are left before they are tried again. */
 enum { DM_SWEPT_STEP, DM_SWEPT_MARK, DM_SWEPT_RATE, DM_SWEPT_END, DM_SWEPT_FULL = 1 };
 
 /* Doubles of the sweeps; make their kernels and lay them out as g->sweeps, or leave that NULL;
