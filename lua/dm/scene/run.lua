@@ -34,6 +34,20 @@ function M.space(scene)
     report.error(scene, err))
 end
 
+-- the last time asked for, which rounding may have put behind until_t: T*i/n does that for i = n
+local function within(at, until_t)
+  local last = at[#at]
+  if type(last) ~= "number" or last <= until_t then return at end
+  if last - until_t > 1e-15 * math.abs(until_t) then
+    option.fail("scene:run", "option 'at': t = %.17g is after until_t = %.17g, up to which the "
+      .. "tolerance is known", last, until_t)
+  end
+  local out = {}
+  for i = 1, #at - 1 do out[i] = at[i] end
+  out[#at] = until_t
+  return out
+end
+
 -- which rows: as asked for, else as many as straight lines need; and what lines add to the error
 local function rows_of(scene, options)
   option.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
@@ -42,12 +56,10 @@ local function rows_of(scene, options)
       option.fail("scene:run", "option 'at' must be a list of times (got %s)",
         option.got(options.at))
     end
-    local last = options.at[#options.at]
-    if type(last) == "number" and last > scene.options.until_t then
-      option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the "
-        .. "tolerance is known", last, scene.options.until_t)
-    end
-    return options, 0
+    local asked = {}
+    for name, value in pairs(options) do asked[name] = value end
+    asked.at = within(options.at, scene.options.until_t)
+    return asked, 0
   end
   if options.every and pilot.is_even(scene.best.rule) then
     return { steps = scene.best.N, every = options.every, file = options.file }, 0
