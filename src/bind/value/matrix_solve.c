@@ -6,7 +6,6 @@
 #include "bind/core/state.h"
 
 #include <float.h>
-#include <gsl/gsl_eigen.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
@@ -70,25 +69,37 @@ static void raise_singular(lua_State *L, const factors *f, const double *a, size
 }
 
 /* NaN would come out as a wrong solution, without an error. */
-static void check_finite(lua_State *L, const double *a, size_t n) {
+void dml_checkfinite(lua_State *L, const double *a, size_t n) {
     for (size_t i = 0; i < n; i++)
         if (!isfinite(a[i]))
             luaL_error(L, "the matrix has an entry that is %s, not a finite number",
                        isnan(a[i]) ? "NaN" : "infinite");
 }
 
-static void factor_regular(lua_State *L, factors *f, const double *a, size_t n) {
-    check_finite(L, a, n * n);
-    factor(L, f, a, n);
-    if (is_singular(f, a, n)) raise_singular(L, f, a, n);
+/* Entries of 1e308 may become infinite on the way, and a solution 0. */
+static void check_factors(lua_State *L, const factors *f, size_t n) {
+    for (size_t i = 0; i < n * n; i++)
+        if (!isfinite(f->lu.matrix.data[i]))
+            luaL_error(L, "the elimination of this matrix overflows: take other units");
 }
 
-/* The product of the pivots, with the sign of the permutation. */
+static void factor_regular(lua_State *L, factors *f, const double *a, size_t n) {
+    dml_checkfinite(L, a, n * n);
+    factor(L, f, a, n);
+    if (is_singular(f, a, n)) raise_singular(L, f, a, n);
+    check_factors(L, f, n);
+}
+
+/* The product of the pivots, with the sign of the permutation. One that is zero leaves nothing to
+ * divide by, and GSL NaN behind it. */
 static void det_of_numbers(lua_State *L, const double *a, size_t n) {
     factors f;
-    check_finite(L, a, n * n);
+    dml_checkfinite(L, a, n * n);
     factor(L, &f, a, n);
-    lua_pushnumber(L, gsl_linalg_LU_det(&f.lu.matrix, f.sign));
+    double det = f.sign;
+    for (size_t i = 0; i < n && det != 0.0; i++) det *= f.lu.matrix.data[i * n + i];
+    if (isnan(det)) check_factors(L, &f, n);
+    lua_pushnumber(L, det == 0.0 ? 0.0 : det);
 }
 
 /* One factorization serves all columns; Ctrl-C is looked for between them. */
@@ -96,7 +107,7 @@ static void solve_numbers(lua_State *L, const double *a, const dml_array *b) {
     const size_t n = b->rows, k = b->columns;
     const double *rhs = dml_numbersof(b);
     factors f;
-    check_finite(L, rhs, n * k);
+    dml_checkfinite(L, rhs, n * k);
     factor_regular(L, &f, a, n);
     const dml_scalar kind = {.kind = DML_NUMBER};
     double *column = lua_newuserdatauv(L, n * sizeof *column, 0);
@@ -243,7 +254,7 @@ static void eliminate_solve(lua_State *L, dml_array *x, const dml_array *m, cons
 
 /* ---- any kind ---- */
 
-static void check_square(lua_State *L, const dml_array *m) {
+void dml_checksquare(lua_State *L, const dml_array *m) {
     if (m->rows != m->columns) luaL_error(L, "a square matrix is needed, not %s", dml_shape(L, m));
 }
 
@@ -254,7 +265,7 @@ static int by_cofactors(const dml_array *m) {
 /* Numbers by LU, all else by elimination. */
 void dml_det(lua_State *L, const dml_array *m) {
     const double *numbers = dml_numbersof(m);
-    check_square(L, m);
+    dml_checksquare(L, m);
     if (numbers) {
         det_of_numbers(L, numbers, m->rows);
         return;
@@ -272,7 +283,7 @@ void dml_det(lua_State *L, const dml_array *m) {
 /* m x = b for a vector or a matrix b. */
 void dml_solve(lua_State *L, const dml_array *m, const dml_array *b) {
     const double *numbers = dml_numbersof(m);
-    check_square(L, m);
+    dml_checksquare(L, m);
     if (b->rows != m->rows)
         luaL_error(L, "cannot solve with %s and a right-hand side that is %s", dml_shape(L, m),
                    dml_shape(L, b));
@@ -286,103 +297,4 @@ void dml_solve(lua_State *L, const dml_array *m, const dml_array *b) {
         cofactor_solve(L, x, m, b);
     else
         eliminate_solve(L, x, m, b);
-}
-
-/* ---- eigenvalues ---- */
-
-static int is_symmetric(const double *a, size_t n) {
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < i; j++)
-            if (a[i * n + j] != a[j * n + i]) return 0;
-    return 1;
-}
-
-/* returns a GSL status; a is overwritten */
-static int symmetric(double *re, double *a, size_t n) {
-    gsl_eigen_symm_workspace *w = gsl_eigen_symm_alloc(n);
-    if (!w) return GSL_ENOMEM;
-    gsl_matrix_view m = gsl_matrix_view_array(a, n, n);
-    gsl_vector_view v = gsl_vector_view_array(re, n);
-    const int status = gsl_eigen_symm(&m.matrix, &v.vector, w);
-    gsl_eigen_symm_free(w);
-    return status;
-}
-
-/* z: 2 n doubles of scratch */
-static int general(double *re, double *im, double *a, double *z, size_t n) {
-    gsl_eigen_nonsymm_workspace *w = gsl_eigen_nonsymm_alloc(n);
-    if (!w) return GSL_ENOMEM;
-    gsl_matrix_view m = gsl_matrix_view_array(a, n, n);
-    gsl_vector_complex_view v = gsl_vector_complex_view_array(z, n);
-    const int status = gsl_eigen_nonsymm(&m.matrix, &v.vector, w);
-    gsl_eigen_nonsymm_free(w);
-    for (size_t i = 0; i < n; i++) re[i] = z[2 * i], im[i] = z[2 * i + 1];
-    return status;
-}
-
-/* by real, then by imaginary part */
-static void sort_pairs(double *re, double *im, size_t n) {
-    for (size_t i = 1; i < n; i++)
-        for (size_t j = i; j > 0; j--) {
-            const double dr = re[j] - re[j - 1];
-            if (dr > 0 || (dr == 0 && im[j] >= im[j - 1])) break;
-            const double r = re[j], s = im[j];
-            re[j] = re[j - 1], im[j] = im[j - 1];
-            re[j - 1] = r, im[j - 1] = s;
-        }
-}
-
-/* Symmetric matrices by the symmetric solver, which gives real values; others by the general
- * one. Sorted. */
-void dml_eigenvalues(lua_State *L, const dml_array *m) {
-    const size_t n = m->rows;
-    check_square(L, m);
-    double *scratch = lua_newuserdatauv(L, (n * n + 2 * n) * sizeof *scratch, 0);
-    double *re = dml_pushvector(L, m->rows), *im = dml_pushvector(L, m->rows);
-    const double *numbers = dml_numbersof(m);
-    if (!numbers)
-        luaL_error(L, "eigenvalues are for matrices of numbers, not of symbols or hyper-dual "
-                      "numbers");
-    check_finite(L, numbers, n * n);
-    memcpy(scratch, numbers, n * n * sizeof *scratch);
-    const int status = is_symmetric(numbers, n) ? symmetric(re, scratch, n)
-                                                : general(re, im, scratch, scratch + n * n, n);
-    if (status != GSL_SUCCESS)
-        luaL_error(L, "the eigenvalues did not converge: %s", gsl_strerror(status));
-    sort_pairs(re, im, n);
-}
-
-/* x^T B x of column k of the vectors, which is made 1 */
-static void scale_mode(double *x, const double *b, size_t n, size_t k) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) sum += x[i * n + k] * b[i * n + j] * x[j * n + k];
-    for (size_t i = 0; i < n; i++) x[i * n + k] /= sqrt(sum);
-}
-
-/* By Cholesky's decomposition of B (GSL). */
-void dml_modes(lua_State *L, const dml_array *a, const dml_array *b) {
-    const size_t n = a->rows, size = n * n;
-    const double *A = dml_numbersof(a), *B = dml_numbersof(b);
-    if (!A || !B || a->columns != n || b->rows != n || b->columns != n || !is_symmetric(A, n) ||
-        !is_symmetric(B, n))
-        luaL_error(L, "a:modes(b) takes two symmetric matrices of numbers of one size");
-    check_finite(L, A, size);
-    check_finite(L, B, size);
-    double *copy = lua_newuserdatauv(L, 2 * size * sizeof *copy, 0);
-    double *values = dml_pushvector(L, a->rows), *vectors = dml_pushmatrix(L, a->rows, a->rows);
-    memcpy(copy, A, size * sizeof *copy);
-    memcpy(copy + size, B, size * sizeof *copy);
-    gsl_eigen_gensymmv_workspace *w = gsl_eigen_gensymmv_alloc(n);
-    if (!w) luaL_error(L, "not enough memory");
-    gsl_matrix_view ma = gsl_matrix_view_array(copy, n, n),
-                    mb = gsl_matrix_view_array(copy + size, n, n),
-                    mv = gsl_matrix_view_array(vectors, n, n);
-    gsl_vector_view v = gsl_vector_view_array(values, n);
-    const int status = gsl_eigen_gensymmv(&ma.matrix, &mb.matrix, &v.vector, &mv.matrix, w);
-    gsl_eigen_gensymmv_free(w);
-    if (status != GSL_SUCCESS)
-        luaL_error(L, "a:modes(b): %s; is b positive definite?", gsl_strerror(status));
-    gsl_eigen_gensymmv_sort(&v.vector, &mv.matrix, GSL_EIGEN_SORT_VAL_ASC);
-    for (size_t k = 0; k < n; k++) scale_mode(vectors, B, n, k);
 }

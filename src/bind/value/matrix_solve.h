@@ -1,8 +1,13 @@
-/* matrix_solve.h - determinants and linear systems of a `dm.matrix` of any kind of entries. */
+/* matrix_solve.h - determinants and linear systems of a `dm.matrix` of any kind of entries, and
+ * eigenvalues of numbers (matrix_eigen.c). */
 #ifndef DML_MATRIX_SOLVE_H
 #define DML_MATRIX_SOLVE_H
 
 #include "bind/value/array.h"
+
+/* Raise where m is not square; where one of a[n] is not finite. */
+void dml_checksquare(lua_State *L, const dml_array *m);
+void dml_checkfinite(lua_State *L, const double *a, size_t n);
 
 /* The square matrix m at stack index `arg`; each pushes its result. Singular matrices
  * raise. */

@@ -256,4 +256,19 @@ raises("cannot compute", function() return h(1) + "x" end)
 
 -- options and their messages
 raises("did you mean 'derivatives'", dm.system, { Q = dm.R(1), L = print, derivative = "exact" })
+-- singular matrices have the determinant 0; what overflows on the way is told; eigenvalues in any units
+for _, rows in ipairs { { { 0, 1 }, { 0, 2 } }, { { 0, 0 }, { 0, 0 } }, { { 1, 2 }, { 2, 4 } }, { { 0, 1, 0 }, { 0, 0, 1 }, { 0, 0, 0 } },
+  { { 1, 0, 2 }, { 3, 0, 4 }, { 5, 0, 6 } }, { { 1, 2, 3, 4 }, { 2, 4, 6, 8 }, { 0, 0, 1, 1 }, { 1, 0, 0, 1 } } } do
+  ok(dm.matrix(rows):det() == 0, #rows .. " x " .. #rows .. ": a determinant that is 0", dm.matrix(rows):det())
+end
+raises("overflows", function() return dm.matrix { { 1e308, 1e308 }, { 1e308, -1e308 } }:inverse() end)
+raises("overflows", function() return dm.matrix { { 1e308, 1e308, 0 }, { 1e308, -1e308, 1 }, { 1, 1, 0 } }:det() end)
+for _, s in ipairs { 1, 1e-200, 1e-160, 1e160, 1e300 } do
+  local re, im = dm.matrix { { s, 2 * s }, { -s, s } }:eigenvalues()
+  ok(math.abs(re[1] / s - 1) + math.abs(im[2] / s - math.sqrt(2)) < 1e-15, "eigenvalues of entries of size " .. s, im[2] / s)
+  re = dm.matrix { { s, s }, { s, -s } }:eigenvalues()
+  ok(math.abs(re[2] / s - math.sqrt(2)) < 1e-15, "  of a symmetric matrix", re[2] / s)
+end
+ok(dm.matrix({ { 1e200, 0 }, { 0, 1e-200 } }):eigenvalues()[1] == 1e-200, "small ones beside large ones stay")
+
 tap.done()
