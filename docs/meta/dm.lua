@@ -2997,7 +2997,8 @@ function dm_mesh_class:star_weights(k) end
 ---sparse Hessian, downhill where that is not positive definite; a step that would make the term NaN or
 ---infinite, as a cell turned inside out does, is cut. The result is a list of forms where a cell has
 ---several values. report: code ("ok", "no_convergence"), text, value, iterations (at most 100, or as
----given), residual (the norm of the gradient), kind ("minimum", "saddle"). Raises where the term is
+---given), residual (the norm of the gradient), kind ("minimum", "saddle", "degenerate": some directions have no curvature, as where a constant may
+---be added). Raises where the term is
 ---not finite at the start, with the cell that is inverted, and where neighbours are opposite on a
 ---sphere.
 ---@param options? table
@@ -6357,6 +6358,7 @@ function dm.sqrt(x) end
 ---leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all), momenta
 ---(p_x), "energy", or name = f(q, v, t, p). accuracy = false: nothing is compared. Where the flow is
 ---chaotic it is known up to a time (horizon of map:at), and cells are compared up to there.
+---Of a field on a mesh all values are observed, and the range is that of the value that changes most.
 ---On lines (dm.field) the flow is that of the field itself, of cells ever finer in space and time, so
 ---that a mesh too coarse is wrong, too; u and ut are then functions of x, and observe takes u (u1, ...
 ---where it has several values; the range is that of all nodes) or name = f(u, nil, t).

@@ -22,6 +22,7 @@ end
 -- the flow of a cell, resolved better than for its class unless it is one of a line; nothing where
 -- it is not known up to the end
 local function fine_flow(map, cell)
+  flows.observe(map, map.system_of(cell))
   local kept, own = map.beside, {}
   for key, value in pairs(kept) do own[key] = value end
   local is_line = map.system_of(cell).line ~= nil

@@ -96,6 +96,18 @@ local function run(job, flows, one, level)
   return e
 end
 
+-- are all values of a field on a mesh observed?
+local function takes_all(map, system)
+  return system.field ~= nil and not system.line and map.options.observe == nil
+end
+
+-- values of a field have one range, that of the one that changes most
+local function share_range(range)
+  local most = 0
+  for k = 1, #range do most = max(most, range[k]) end
+  for k = 1, #range do range[k] = most end
+end
+
 -- ranges of the observables, and how far two flows may be apart to be one
 local function measure(map, flow, e, i)
   local accuracy, scale = map.beside.accuracy, 0
@@ -105,6 +117,7 @@ local function measure(map, flow, e, i)
     flow.range[k], first = e:range(i, column)
     scale = max(scale, math.abs(first) + flow.range[k])
   end
+  if takes_all(map, map.system_of(flow)) then share_range(flow.range) end
   local slack = ROUND_OFF * scale
   local fine = max(map.beside.finer * accuracy, min(0.1 * accuracy, 1e-10))
   for k, range in ipairs(flow.range) do
@@ -189,6 +202,15 @@ function M.prepare(map, system)
     flow_key = flow_key }
 end
 
+--- Of a field on a mesh all values are observed, and how many there are its size decides: from now
+-- on those of this system.
+function M.observe(map, system)
+  local beside = map.beside
+  if beside and takes_all(map, system) and #beside.observed.names ~= system.Q.dimension then
+    beside.observed = observables.read(map.options, system)
+  end
+end
+
 local LEAST = 0.01  -- of the duration: what is resolved for less is not resolved
 
 -- Where flows part on the way, as chaotic ones do, what both rules agree on is kept.
@@ -264,6 +286,7 @@ end
 function M.attach(job, part)
   local map, todo = job.map, {}
   if not map.beside then return end
+  M.observe(map, job.system)
   make_room(map)
   for _, cell in ipairs(part) do
     local key = map.beside.flow_key(cell)

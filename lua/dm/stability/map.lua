@@ -56,6 +56,9 @@ local function sentence_of_limit(map, i)
     b.high and text_of(map, b.high))
 end
 
+-- observable k; a field of another size may have more values than the last one looked at
+local function name_of(map, k) return map.beside.observed.names[k] or "q" .. k end
+
 -- the end of what is right, and what is wrong beyond it
 local function sentence_of_right(map, i)
   if not map.beside then
@@ -67,7 +70,7 @@ local function sentence_of_right(map, i)
   if high and high.unresolved then return nil, "no resolved flow: " .. high.unresolved end
   if high and high.off and high.observable then
     why = ("%s is off by %.3g, and its range is %.3g"):format(
-      map.beside.observed.names[high.observable], high.off, high.range)
+      name_of(map, high.observable), high.off, high.range)
   end
   return border_text(map, i, b, "all are right", "not right from the first cell on",
     why or high and text_of(map, high))
@@ -123,7 +126,7 @@ local FIELDS = { "h", "steps", "error", "slope", "slope_error", "growth", "expon
   "code", "off", "range", "horizon", "phase", "hidden", "cause" }
 
 local function observable_of(map, cell)
-  return cell.observable and map.beside and map.beside.observed.names[cell.observable]
+  return cell.observable and map.beside and name_of(map, cell.observable)
 end
 
 local function why(map, cell)

@@ -41,6 +41,26 @@ local last = 0
 for n = 3, 16 do if dm.mesh { hex_torus = n }:field { form = 0, L = wave }:stability_limit "verlet" > 0.1 then last = n end end
 near(column:limit(1), last, 0, "the largest size at this step, a whole number")
 
+-- all values of a field are observed, whatever its size, beside the range of the one that changes most
+local function membrane(N) return dm.mesh { triangle = N }:field { form = 0, fixed = "boundary", L = wave } end
+local function bump(x, y) return y * (sqrt(3) * x - y) * (sqrt(3) * (1 - x) - y) end
+local sizes = dm.stability { system = membrane, N = { 4, 8 }, h = { 0.05, 0.08 }, rule = "verlet", t = 0.5, q = bump, v = function() return 0 end, refine = false }
+for i, N in ipairs { 4, 8 } do
+  local fine, rough = membrane(N):solver { rule = "verlet", h = 0.001 }, membrane(N):solver { rule = "verlet", h = 0.08 }
+  local function run(solver) return solver:run { q = bump, v = function() return 0 end, t = 0.5, every = solver.h < 0.01 and 80 or 1 } end
+  fine, rough = run(fine), run(rough)
+  local range, off = 0, 0
+  for k = 1, #fine.q[1] do
+    local low, high = math.huge, -math.huge
+    for r = 1, #fine do low, high = math.min(low, fine.q[r][k]), math.max(high, fine.q[r][k]) end
+    range = math.max(range, high - low)
+    for r = 1, 6 do off = math.max(off, math.abs(fine.q[r][k] - rough.q[r][k])) end
+  end
+  local cell = sizes:at(i, 2)
+  near(cell.range, range, 0.02 * range, "range of all values")
+  ok(cell.off > 0.95 * off and (cell.class == "wrong") == (cell.off > 0.01 * cell.range), "off as a run of small steps says", cell.off / off)
+end
+
 ---- lines ----
 
 local function linear(u, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end

@@ -96,7 +96,6 @@ end
 local function step_from(problem, s)
   local b = -1 * s.slopes
   local d = definite(s.S, b)
-  s.kind = d and "minimum" or "saddle"
   if d then
     local x, value, step = by_value(problem, s)(d)
     if x then return x, value, step end
@@ -110,14 +109,24 @@ local function step_from(problem, s)
   if d then return by_value(problem, s)(d) end
 end
 
--- residuals below it, beside |S| |x|, are of round-off once they no longer fall
-local ROUNDING = 1e-9
+-- residuals below it, beside |S| |x|, are of round-off once they no longer fall; and a step that is
+-- longer than SHORT |x| has not arrived
+local ROUNDING, SHORT = 1e-9, 1e-3
+local FLAT = 1e-9 -- curvatures below it, beside the largest, are none
 
 local TEXT = { ok = "stationary",
   no_convergence = "the gradient no longer becomes less: it may have no zero near the start, or a "
     .. "step leads out of where the term is finite" }
 
+-- what the curvature says of the point
+local function kind_of(s)
+  if definite(s.S, s.slopes) then return "minimum" end
+  local lifted = s.S + matrices.diagonal(core.constant(s.S.rows, FLAT * size_of(s.S)))
+  return definite(lifted, s.slopes) and "degenerate" or "saddle"
+end
+
 local function report_of(s, code, iterations)
+  s.kind = s.S and kind_of(s)
   return core.result { code = code, text = TEXT[code], value = s.value, iterations = iterations,
     residual = s.residual, kind = s.kind }
 end
@@ -135,16 +144,15 @@ function M.solve(problem, x, most)
   while true do
     s.S = problem.curvature(s.x)
     local scale = size_of(s.S) * math.max(1, s.x:norm())
-    if s.residual <= 1e-16 * scale then
-      s.kind = definite(s.S, s.slopes) and "minimum" or "saddle"
-      return s.x, report_of(s, "ok", iterations)
-    end
+    if s.residual <= 1e-16 * scale then return s.x, report_of(s, "ok", iterations) end
     local to = iterations < most and step_from(problem, s)
-    local small = s.residual <= ROUNDING * scale
     local now = to and look(problem, to)
+    if now then now.step = (to - s.x):norm() end
+    local step = now and now.step or iterations >= most and s.step or 0
+    local small = s.residual <= ROUNDING * scale and step <= SHORT * math.max(1, s.x:norm())
     if not to or small and now.residual > 0.5 * s.residual then
       if now and now.residual < s.residual then
-        now.kind = s.kind
+        now.S = s.S
         s, iterations = now, iterations + 1
       end
       return s.x, report_of(s, small and "ok" or "no_convergence", iterations)

@@ -106,4 +106,11 @@ raises("must be a form, a function", function() line:stationary { term = dirichl
 raises("must be a sphere", function() line:stationary { term = dirichlet, on = dm.SO(3), x = { 1, 2 } } end)
 raises("unknown option 'rule'", function() line:stationary { term = dirichlet, rule = "newton" } end)
 raises("form", function() line:stationary { form = 3, term = dirichlet } end)
+
+-- a constant may be added: degenerate; a load that no constant balances has no answer
+local free = dm.mesh { triangle = 3 }
+local level, flat = free:stationary { term = function(u) return u:d():dot(u:d()) / 2 end, x = function(x) return math.sin(3 * x) end }
+ok(flat.code == "ok" and flat.kind == "degenerate" and level:d():max() < 1e-12, "a constant, whichever", flat.kind)
+local _, none = free:stationary { term = function(u) return u:d():dot(u:d()) / 2 + free:sum(0, function(a, cell) return cell.star * a end, u) end }
+ok(none.code == "no_convergence" and none.residual > 0.01, "no stationary form, and told", none.residual)
 tap.done()
