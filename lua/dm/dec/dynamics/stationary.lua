@@ -106,8 +106,8 @@ a function of the position or a list (0; on spheres it must be given). Newton's 
 sparse Hessian, downhill where that is not positive definite; a step that would make the term NaN or
 infinite, as a cell turned inside out does, is cut. The result is a list of forms where a cell has
 several values. report: code ("ok", "no_convergence"), text, value, iterations (at most 100, or as
-given), residual (the norm of the gradient), kind ("minimum", "saddle", "degenerate": some directions have no curvature, as where a constant may
-be added). Raises where the term is
+given), residual (the norm of the gradient), kind ("minimum", "saddle", "degenerate": some
+directions have no curvature, as where a constant may be added). Raises where the term is
 not finite at the start, with the cell that is inverted, and where neighbours are opposite on a
 sphere.]])
 
