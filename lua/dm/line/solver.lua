@@ -8,6 +8,7 @@ local moving = require "dm.line.moving"
 local option = require "dm.base.options"
 local rules = require "dm.line.rule"
 local runs = require "dm.line.run"
+local sample = require "dm.line.sample"
 local stream = require "dm.line.stream"
 
 local M = {}
@@ -230,9 +231,10 @@ dm.failure, whose `path` is the run so far.]])
 
 ---- the limit of stability, the impedance ----
 
-local function check_sign(field, points, u, h)
-  local strip = strip_of(field, rules.action(field.L, points, field.values, field.dx),
-    field.values, field.held)
+local function check_sign(field, points, u, t, h)
+  local function L(w, wt, wx, x) return field.L(w, wt, wx, x, t) end
+  local strip = strip_of(field, rules.action(L, points, field.values, field.dx), field.values,
+    field.held)
   local forth = strip:cells(u, u, 0, h, "hessian")
   local half = 2 * field.values
   for c = 1, #forth do
@@ -249,13 +251,17 @@ end
 
 function M.limit(field, rule, options)
   local where = "field:stability_limit"
-  options = option.check(options or {}, { "u" }, where)
+  options = option.check(options or {}, { "u", "t" }, where)
+  local t = option.number(options, "t", where)
+  if not t and not sample.is_autonomous(field) then
+    option.fail(where, "L depends on t, and so does its limit: give { t = }, the time of L")
+  end
   if rule ~= nil and type(rule) ~= "string" then
     option.fail(where, "takes the text of a rule (got %s)", option.got(rule))
   end
   local points = rules.parse(rule or "cell(gauss(2))", where)
   local u = grids.values(field.grid, options.u, field.values, "u", where)
-  local strip = check_sign(field, points, u, field.dx)
+  local strip = check_sign(field, points, u, t or 0, field.dx)
   if not strip then
     option.fail(where, "L is not the same for -ut (gyroscopic terms): oscillations (-1)^k v do "
       .. "not tell its limit")

@@ -59,13 +59,13 @@ end
 
 -- m cells of a level for every cell: as many as slabs of the height h, and a third of it, are
 -- stable on
-local function refinement(field, rule, h, u)
-  local fine, limit = pcall(field.stability_limit, field, rule, { u = u })
+local function refinement(field, rule, h, u, t)
+  local fine, limit = pcall(field.stability_limit, field, rule, { u = u, t = t })
   if not fine or not (limit < huge) then limit = 0.4 * field.dx end
   local m = max(1, floor(limit / (SAFE * h)))
   while m > 1 do
     local last = finer(field, FINER[#FINER] * m)
-    local known, its = pcall(last.stability_limit, last, rule)
+    local known, its = pcall(last.stability_limit, last, rule, { t = t })
     if not known or not (its < h / FINER[#FINER]) then break end
     m = m // 2
   end
@@ -90,7 +90,7 @@ end
 -- rows at all times of the coarsest run, and the code of the worst one
 local function extrapolated(map, flow, field, rule, steps, T)
   local rows, t, finest = nil, nil, FINER[#FINER]
-  local m = refinement(field, rule, T / steps, start_of(map, flow, field).q)
+  local m = refinement(field, rule, T / steps, start_of(map, flow, field).q, map.options.t0 or 0)
   if field.cells * m * finest * steps * finest > MOST then return nil, "too_large" end
   for k, times in ipairs(FINER) do
     local line = finer(field, m * times)

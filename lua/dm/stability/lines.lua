@@ -115,22 +115,11 @@ end
 
 ---- systems ----
 
--- does L depend on t? Looked at with numbers
-local function is_autonomous(field)
-  local now, later = sample.values_of(field),
-    sample.values_of(field, function(row) return 0.7 + 0.4 * row end)
-  for row = 1, #now do
-    local a, b = now[row], later[row]
-    if a ~= b and a == a and b == b then return false end
-  end
-  return true
-end
-
 local System = {}
 System.__index = System
 
 function System:structure()
-  self.autonomous = self.autonomous == nil and is_autonomous(self.line) or self.autonomous
+  self.autonomous = self.autonomous == nil and sample.is_autonomous(self.line) or self.autonomous
   -- absorbing ends take the energy away
   local closed = not (self.line.absorbing.left or self.line.absorbing.right)
   return { separable = true, linear_in_v = true, constant_mass = true,
@@ -187,7 +176,7 @@ end
 function M.limit(map, cell, system)
   local rule = map.rule_list[cell.rule]
   local fine, limit = pcall(system.line.stability_limit, system.line, rule,
-    { u = map.start.q(cell) })
+    { u = map.start.q(cell), t = map.options.t0 or 0 })
   if not fine and blame.is_stop(limit) then error(limit, 0) end
   if not fine then return nil, (tostring(limit):gsub("^[^\n]-lua:%d+: ", "")) end
   if limit == huge then return huge, "no oscillation about the start grows at any height" end

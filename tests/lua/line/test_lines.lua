@@ -147,4 +147,9 @@ near(free.t[62], 8.753391394314509, 1e-8, "and where they are")
 local steady = dm.field { x = { 0, 1, 3, periodic = true }, L = function(u, ut) return (ut ^ 2 - u ^ 2) / 2 end }:solver { rule = "cell(gauss(1))", h = 0.1, free = "t" }
   :run { u = 1, ut = 0.3, steps = 30 }
 near(steady.t[31], 3, 1e-9, "an oscillator keeps its height")
+
+-- L with t has a limit at a time: that of waves of speed sqrt(1 + t)
+local faster = dm.field { x = { 0, 1, 16 }, L = function(_, ut, ux, _, t) return (ut ^ 2 - (1 + t) * ux ^ 2) / 2 end }
+near(faster:stability_limit(nil, { t = 3 }), faster:stability_limit(nil, { t = 0 }) / 2, 1e-12, "the limit at t = 3")
+raises("give { t = }", function() faster:stability_limit() end)
 tap.done()
