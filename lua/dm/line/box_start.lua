@@ -242,6 +242,19 @@ local function known_of(state, given)
   return moved_along_kernel(state, given), {}
 end
 
+-- Raises where grad S is no number at the mean of a box.
+local function check_domain(state, known)
+  for i = 1, state.cells do
+    local gradient = state.gradient(follow.mean(state, known, i))
+    for c = 1, state.d do
+      if gradient[c] - gradient[c] ~= 0 then
+        option.fail(WHERE, "dS/d%s of the start is %s in the box at node %d: is it inside of the "
+          .. "domain of S?", state.names[c], tostring(gradient[c]), i)
+      end
+    end
+  end
+end
+
 --- { z = vector of all nodes, node after node; slope = of gained components; loose = components
 -- that nothing tells; given, moved = by name, how far what was given is from where it starts }.
 function M.level(boxes, z, solver)
@@ -250,6 +263,7 @@ function M.level(boxes, z, solver)
   for c = 1, boxes.d do state.turns[c] = not algebra.is_zero(boxes.M[c]) end
   local given = given_of(state, z)
   local known, loose = known_of(state, given)
+  check_domain(state, known)
   for _, gauge in ipairs(solver.gauges) do fit_slope(state, gauge, known, solver.h) end
   local all = core.zeros(boxes.cells * boxes.d)
   for i = 1, boxes.cells do
