@@ -9,6 +9,7 @@ local grids = require "dm.line.grid"
 local kernel = require "dm.line.box_kernel"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local sample = require "dm.line.sample"
 
 local M = {}
 
@@ -242,15 +243,13 @@ local function known_of(state, given)
   return moved_along_kernel(state, given), {}
 end
 
--- Raises where grad S is no number at the mean of a box.
+-- Raises where S is no number at the mean of a box.
 local function check_domain(state, known)
   for i = 1, state.cells do
-    local gradient = state.gradient(follow.mean(state, known, i))
-    for c = 1, state.d do
-      if gradient[c] - gradient[c] ~= 0 then
-        option.fail(WHERE, "dS/d%s of the start is %s in the box at node %d: is it inside of the "
-          .. "domain of S?", state.names[c], tostring(gradient[c]), i)
-      end
+    local value = sample.number(state.S, follow.mean(state, known, i))
+    if value - value ~= 0 then
+      option.fail(WHERE, "S of the start is no finite number in the box at node %d: is it inside "
+        .. "of the domain of S?", i)
     end
   end
 end
