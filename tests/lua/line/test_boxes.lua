@@ -250,6 +250,6 @@ end
 raises("gain = { \"phi\" }", no_gain)
 raises("inside of the domain of S", function()
   dm.multisymplectic { names = { "u", "p", "q" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
-    S = function(y) return y[2] ^ 2 / 2 - y[3] ^ 2 / 2 + dm.sqrt(y[1] + 0.5) end, x = { 0, 2 * pi, 33, periodic = true } }:solver { h = 0.1 }:run { z = { u = sin, p = cos }, steps = 1 }
+    S = function(y) return y[2] ^ 2 / 2 - y[3] ^ 2 / 2 + dm.log(y[1]) end, x = { 0, 2 * pi, 33, periodic = true } }:solver { h = 0.1 }:run { z = { u = sin, p = cos }, steps = 1 }
 end)
 tap.done()
