@@ -2185,11 +2185,11 @@ function dm_line_field_class:resume(file) end
 ---@return dm.line_solver
 function dm_line_field_class:solver(options) end
 
----field:stability_limit(rule, {u=}) -> number
+---field:stability_limit(rule, {u=, t=}) -> number
 ---
 ---The height h at which the fastest oscillation about the level u (a function of x, nodes; default: 0)
----begins to grow: (-1)^k v becomes a motion there. math.huge where there is none. L must not depend on
----t, and not on the sign of ut.
+---begins to grow: (-1)^k v becomes a motion there. math.huge where there is none. t: the time that L
+---is looked at, needed where it depends on it. L must not depend on the sign of ut.
 ---@param rule? any
 ---@param options? table
 ---@return number
@@ -2997,8 +2997,8 @@ function dm_mesh_class:star_weights(k) end
 ---sparse Hessian, downhill where that is not positive definite; a step that would make the term NaN or
 ---infinite, as a cell turned inside out does, is cut. The result is a list of forms where a cell has
 ---several values. report: code ("ok", "no_convergence"), text, value, iterations (at most 100, or as
----given), residual (the norm of the gradient), kind ("minimum", "saddle", "degenerate": some directions have no curvature, as where a constant may
----be added). Raises where the term is
+---given), residual (the norm of the gradient), kind ("minimum", "saddle", "degenerate": some
+---directions have no curvature, as where a constant may be added). Raises where the term is
 ---not finite at the start, with the cell that is inverted, and where neighbours are opposite on a
 ---sphere.
 ---@param options? table
