@@ -69,10 +69,12 @@ local function map_of(place, group, side)
     if side == "right" then return function(_, mu) return mu end, kit.dimension end
     return kit.coAd, kit.dimension
   end
-  if kits.class_of(group) ~= "dm.space" or side == "right" then return end
+  if kits.class_of(group) ~= "dm.space" then return end
   local name, d = tostring(group), group.dimension
   local e, zero = kit.identity(), core.zeros(kit.dimension)
   if not standard(kit, name, e, zero) then return end
+  -- of subgroups on the right: what is spatial at the identity
+  if side == "right" then return function(_, mu) return standard(kit, name, e, mu) end, d end
   return function(g, mu) return standard(kit, name, g, mu) end, d
 end
 
@@ -93,8 +95,8 @@ end
 function M.at(place, group, options, g, mu) return (found(place, group, options))(g, mu) end
 
 --- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
--- rotations and translations of space, of any group by its action on elements, of one generator g
--- -> the body velocity of its field.
+-- rotations and translations of space (right: of the body), of any group by its action on elements,
+-- of one generator g -> the body velocity of its field.
 function M.momentum(place, path, group, options)
   local J, d = found(place, group, options)
   local rows, q, p = {}, path.q, path.p

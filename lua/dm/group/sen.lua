@@ -4,6 +4,7 @@ local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 local matrices = require "dm.group.matrices"
 local matrix_functions = require "dm.group.matrix_functions"
 local smooth = require "dm.group.smooth"
@@ -187,6 +188,9 @@ function M.kit(n)
   if n == 3 then return three() end
   local turns = rotations.kit(n)
   local kit = common(n, turns)
+  if turns.arcs then
+    function kit.arcs(xi) return turns.arcs(lists.part(xi, n, turns.dimension)) end
+  end
   function kit.log(g)
     local omega = turns.log(rotation(g, n))
     return core.vector(sequence(matrix_functions.phi(turns.hat(omega)):solve(shift(g, n)), omega))

@@ -151,6 +151,19 @@ function M.acts(kit, n)
   end) }
 end
 
+-- the square of the larger angle of exp of a skew matrix of two planes, by the traces of X^2, X^4
+local function larger_turn(X)
+  local square = X * X
+  local a, b = 0, 0
+  for i = 1, X.rows do
+    a = a - 0.5 * square[i][i]
+    for j = 1, X.rows do b = b + 0.5 * square[i][j] * square[i][j] end
+  end
+  return 0.5 * (a + core.sqrt(core.abs(2 * b - a * a)))
+end
+
+local TWO_PLANES = { [4] = true, [5] = true }
+
 --- SO(n) by its matrices, n >= 3.
 function M.general(n)
   local kit = { dimension = n * (n - 1) // 2, liftable = true }
@@ -158,6 +171,7 @@ function M.general(n)
   function kit.hat(xi) return core.matrix(M.hat(xi, n, n, 0)) end
   function kit.vee(m) return core.vector(M.vee(m, n)) end
   function kit.inverse(g) return g:transpose() end
+  if TWO_PLANES[n] then function kit.arcs(xi) return { larger_turn(kit.hat(xi)) } end end
   function kit.log(g)
     return kit.vee(log_of(g, n))
   end

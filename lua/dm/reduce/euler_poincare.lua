@@ -70,6 +70,31 @@ local function carrier(options)
     .. "with a = some such quantity", 0)
 end
 
+-- raises where carry is no linear action: at random elements and quantities
+local function check_action(kit, carry, n)
+  local stream = core.random(19)
+  for i = 1, POINTS do
+    local g, h = kit.exp(kits.normals(stream, i, kit.dimension, 0.4)),
+      kit.exp(kits.normals(stream, i + 100, kit.dimension, 0.4))
+    local x, y = kits.normals(stream, i + 200, n, 1), kits.normals(stream, i + 300, n, 1)
+    local function image(k, z)
+      return lists.vector(carry(k, z), "what option 'advected' returns")
+    end
+    local sum, whole = image(g, x) + 2 * image(g, y), image(g, x + 2 * y)
+    local twice, once = image(g, image(h, x)), image(kit.compose(g, h), x)
+    local size = SLACK * max(1, sum:norm(), once:norm())
+    if not ((whole - sum):norm() <= size) then
+      error(("%s: option 'advected' must be linear in a, and is not: at a = %s, b = %s")
+        :format(WHERE, list(x), list(y)), 0)
+    end
+    if not ((twice - once):norm() <= size) then
+      error(("%s: option 'advected' must be a left action, g (h a) = (g h) a, and is not: at a = "
+        .. "%s")
+        :format(WHERE, list(x)), 0)
+    end
+  end
+end
+
 -- the function that is reduced, l or h, and its name in dm.system
 local function function_of(options)
   local l, h = options.l, options.h
@@ -85,6 +110,7 @@ function system_of(options)
   local f, name = function_of(options)
   local kit = kits.of(options.group)
   local carry, some = carrier(options)
+  if carry then check_action(kit, carry, #some) end
   local reduced = { a = some }
   local function of_element(g, x)
     if not carry then return f(x) end

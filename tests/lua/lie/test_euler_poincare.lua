@@ -199,4 +199,9 @@ local seen = dm.scene { carried, p = p0, a = axis, watch = { "mu1", "energy" }, 
 local exact = whole:solver { rule = "gauss(6)", h = 0.05 }:run { q = one, p = p0, t = 2 }
 near(seen:column "mu1"[#seen], exact.p[#exact][1], 1e-3, "a scene of it")
 
+for why, wrong in pairs { ["linear in a"] = function(g, a) return g * (a + dm.vector(axis)) end,
+  ["a left action"] = function(g, a) return g:transpose() * a end } do
+  raises(why, dm.euler_poincare, { group = G, l = slant, a = axis, advected = wrong })
+end
+
 tap.done()

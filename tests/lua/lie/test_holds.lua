@@ -147,6 +147,14 @@ ok(swung:worst "constraint" < 1e-13, "joints")
 raises("turns the body by 3.0 rad; the chart ends at pi", function()
   free:solver { rule = "lie(2)", h = 1 }:run { q = one, v = { 0, 0, 3 }, steps = 1 }
 end)
+for _, Q in ipairs { dm.SO(4), dm.SO(5), dm.SE(4) } do -- their largest angle, of two planes
+  local v, spinning = dm.zeros(Q.dimension):totable(), dm.system { Q = Q,
+    L = function(_, x) return x:dot(x) / 2 end }
+  v[Q.dimension], v[Q.dimension - 5] = 3.5, 1
+  raises("turns the body by 3.5 rad; the chart ends at pi", function()
+    spinning:solver { rule = "lie(1)", h = 1 }:run { q = Q:identity(), v = v, steps = 1 }
+  end)
+end
 raises("degenerate in the velocity", function()
   dm.system { Q = SO3, L = function(R, w) return (R[1][1] * w[1] ^ 2 + w[2] ^ 2) / 2 end }
     :solver { rule = "lie(1)", h = 0.1 }:run { q = one, v = { 0, 0, 1 }, steps = 1 }

@@ -87,6 +87,8 @@ local path = top:solver { rule = "lie(2)", h = 0.1 }
 local spin = path:momentum(dm.SO(2), { action = function(a, R) return R * G:exp { 0, 0, a } end })
 near(spin[41] - 1.6, 0, 1e-13, "momentum about the axis of a symmetric top")
 near(spin[20], path.p[20][3], 1e-14, "is the third of the body")
+near(path:momentum(dm.SO(2), { side = "right" })[20], path.p[20][3], 1e-15,
+  "which the subgroup of turns has on the right, too")
 raises("identity must not move", path.momentum, path, dm.SO(2), { action = function(_, R)
   return R * G:exp { 0, 0, 1 }
 end })
