@@ -50,6 +50,7 @@ raises("its L was", function() dm.resume(name, K:field { form = 0, L = wave }) e
 raises("its fixed was", function() dm.resume(name, K:field { form = 0, fixed = "boundary", L = wave }) end)
 raises("its degree was 0 and is 1", function() dm.resume(name, K:field { form = 1, L = wave }) end)
 raises("the field that the run is of", function() dm.resume(name) end)
+raises("there are no options", function() dm.resume(name, springs, { rule = "verlet" }) end)
 raises("growing times", function() dm.resume(name, springs):run { at = { 2, 1 } } end)
 
 -- a file with other lines and the checksum of those

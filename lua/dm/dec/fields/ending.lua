@@ -1,6 +1,7 @@
 --- Where runs of fields ended whose steps are asynchronous or over uneven slices, as kinds of
 -- dm.data.checkpoint.
 local core = require "dm.core"
+local option = require "dm.base.options"
 local state_file = require "dm.data.state_file"
 
 local M = {}
@@ -45,7 +46,10 @@ M.KINDS = {
   end, function(system, read)
     local cells = read:count "steps"
     return { cells, 3 * system.field.n + cells }
-  end, function(system, read, vectors)
+  end, function(system, read, vectors, options)
+    if options ~= nil then
+      option.fail("dm.resume", "asynchronous steps go on as they were: there are no options")
+    end
     local s = system:solver { rule = "avi", h = vectors[1], start = read:text "start" }
     local q = {}
     for i = 1, system.field.n do q[i] = vectors[2][i] end
