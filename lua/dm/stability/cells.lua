@@ -39,6 +39,7 @@ end
 -- columns: _y is what shall not drift, _K half of p . v; the name of the one that is not to drift
 local function watch_of(map, system)
   local structure, given, out = system:structure(), system.given, {}
+  if system.line then out._K = system.kinetic end
   if not structure.linear_in_v then out._K = function(_, v, _, p) return 0.5 * p:dot(v) end end
   if map.options.watch then
     out._y = map.options.watch

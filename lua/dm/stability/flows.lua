@@ -27,6 +27,7 @@ local ROOM = 2 ^ 22       -- numbers of rows at once
 local FINER, ON_LINES = 1e-3, 1e-2
 local NEAR = 30           -- times that: the next level, 256 times better, will
 local ROUND_OFF = 1e-11   -- of the numbers observed
+local LEAST_OFF = 1e-300  -- what is at rest at 0 has neither size nor range
 local SHARE = 1e-3        -- of the range: what rows of cells may miss between them
 
 ---- rules ----
@@ -118,7 +119,7 @@ local function measure(map, flow, e, i)
     scale = max(scale, math.abs(first) + flow.range[k])
   end
   if takes_all(map, map.system_of(flow)) then share_range(flow.range) end
-  local slack = ROUND_OFF * scale
+  local slack = ROUND_OFF * scale + LEAST_OFF
   local fine = max(map.beside.finer * accuracy, min(0.1 * accuracy, 1e-10))
   for k, range in ipairs(flow.range) do
     flow.tolerance[k] = fine * range + slack

@@ -41,14 +41,23 @@ end
 
 ---- ensembles ----
 
--- the columns of a run that are watched: "energy", and functions (q, v, t, p) without a v; values
--- of u (dm.stability.line_flows) are looked at in the rows
+-- what the energy of row i has beside that of a field at rest there, whose cells do h times -L
+local function kinetic(run, i)
+  local u, rest = run.u[i], 0
+  local cells = run.level.strip:cells(u, u, run.t[i], run.h, "value")
+  for c = 1, #cells do rest = rest - cells[c][1] / run.h end
+  return abs(run.energy[i] - rest)
+end
+
+-- the columns of a run that are watched: "energy", functions (q, v, t, p) without a v, and the
+-- kinetic energy; values of u (dm.stability.line_flows) are looked at in the rows
 local function columns_of(run, watch)
   local out = {}
   for name, f in pairs(watch) do
     local y = {}
     for i = 1, type(f) == "table" and 0 or #run do
-      y[i] = type(f) == "function" and f(run.u[i], nil, run.t[i], run.p[i]) or run.energy[i]
+      y[i] = f == kinetic and kinetic(run, i)
+        or type(f) == "function" and f(run.u[i], nil, run.t[i], run.p[i]) or run.energy[i]
     end
     out[type(name) == "string" and name or f] = y
   end
@@ -115,7 +124,7 @@ end
 
 ---- systems ----
 
-local System = {}
+local System = { kinetic = kinetic }
 System.__index = System
 
 function System:structure()
