@@ -6,13 +6,6 @@
 
 enum { NODES = 8 };
 
-/* rows first .. first + count - 1 of a flow, and the weights of their values at a time */
-typedef struct {
-    long first;
-    uint32_t count;
-    double weight[NODES];
-} stencil;
-
 /* 1 / prod_(i != k) (k - i) over eight nodes */
 static const double below[NODES] = {-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 240.0, 1.0 / 144.0,
                                     -1.0 / 144.0,  1.0 / 240.0, -1.0 / 720.0, 1.0 / 5040.0};
@@ -42,26 +35,32 @@ static void find_some_weights(double *weight, double s, uint32_t count) {
 }
 
 /* the rows nearest to t, as many before as behind it where there are so many */
-static stencil stencil_at(const dm_run_table *flow, double t) {
+static void find_stencil(dm_stencil *s, const dm_run_table *flow, double t) {
     const double t0 = flow->data[0];
     const double dt = flow->rows > 1 ? flow->data[flow->width] - t0 : 1.0;
+    if (s->count && s->t == t && s->t0 == t0 && s->dt == dt && s->rows == flow->rows) return;
     const double place = (t - t0) / dt;
     const long last = flow->rows - 1, here = place < (double)last ? (long)place : last;
-    stencil out = {.count = flow->rows < NODES ? (uint32_t)flow->rows : NODES};
-    const long first = dm_lesser(here - (long)(out.count - 1) / 2, flow->rows - out.count);
-    out.first = first > 0 ? first : 0;
-    if (out.count == NODES)
-        find_weights(out.weight, place - (double)out.first);
+    s->t = t, s->t0 = t0, s->dt = dt, s->rows = flow->rows;
+    s->count = flow->rows < NODES ? (uint32_t)flow->rows : NODES;
+    const long first = dm_lesser(here - (long)(s->count - 1) / 2, flow->rows - s->count);
+    s->first = first > 0 ? first : 0;
+    if (s->count == NODES)
+        find_weights(s->weight, place - (double)s->first);
     else
-        find_some_weights(out.weight, place - (double)out.first, out.count);
-    return out;
+        find_some_weights(s->weight, place - (double)s->first, s->count);
 }
 
-static double value_at(const dm_run_table *flow, const stencil *at, uint32_t column) {
+enum { SOME = 8 }; /* columns whose values are found side by side */
+
+/* value[count] of columns that follow each other, count <= SOME */
+static void find_values(double *value, const dm_run_table *flow, const dm_stencil *at,
+                        uint32_t column, uint32_t count) {
     const double *y = flow->data + (size_t)at->first * flow->width + column;
-    double sum = 0.0;
-    for (uint32_t k = 0; k < at->count; k++, y += flow->width) sum += at->weight[k] * *y;
-    return sum;
+    double sum[SOME] = {0.0};
+    for (uint32_t k = 0; k < at->count; k++, y += flow->width)
+        for (uint32_t i = 0; i < count; i++) sum[i] += at->weight[k] * y[i];
+    for (uint32_t i = 0; i < count; i++) value[i] = sum[i];
 }
 
 /* what the parabola through three numbers has at its top or bottom, where that lies between the
@@ -91,14 +90,17 @@ double dm_departure_find(double *largest, const dm_departure *d, const dm_run_ta
                          const dm_run_table *flow, double *scratch) {
     const uint32_t count = d->count;
     double *last = scratch, *before = last + count;
+    dm_stencil at = {0};
     for (uint32_t k = 0; k < count; k++) largest[k] = last[k] = before[k] = 0.0;
     for (long i = 0; i < own->rows && flow->rows; i++) {
         const double *row = own->data + (size_t)i * own->width;
         if (!(row[0] <= d->until)) break;
-        const stencil at = stencil_at(flow, row[0]);
-        for (uint32_t k = 0; k < count; k++)
-            note(largest + k, last + k, before + k,
-                 row[d->own[k]] - value_at(flow, &at, d->flow[k]), d->between && i > 1);
+        find_stencil(&at, flow, row[0]);
+        for (uint32_t k = 0; k < count; k++) {
+            double value;
+            find_values(&value, flow, &at, d->flow[k], 1);
+            note(largest + k, last + k, before + k, row[d->own[k]] - value, d->between && i > 1);
+        }
         if (is_beyond(d->bound, largest, count)) return row[0];
     }
     return INFINITY;
@@ -113,24 +115,41 @@ void dm_follow_begin(dm_follow *f) {
 
 static const double EVEN = 1e-6; /* of their distance: so evenly do looks lie */
 
-void dm_follow_look(dm_follow *f, const double *numbers, double t, long steps) {
+/* columns from k on that follow each other in the flow, too */
+static uint32_t count_neighbours(const dm_follow *f, uint32_t k) {
+    uint32_t count = 1;
+    while (count < SOME && k + count < f->count && f->column[k + count] == f->column[k] + count)
+        count++;
+    return count;
+}
+
+/* numbers that are compared, and those that are not */
+static void compare(dm_follow *f, const double *numbers, const dm_stencil *at, int between) {
     double *largest = f->largest, *last = largest + f->count, *before = last + f->count;
-    const int known = f->flow.rows > 0 && t <= f->until, dense = known && !f->beyond;
+    double value[SOME];
+    for (uint32_t k = 0, count; k < f->count; k += count) {
+        count = f->column[k] == DM_NO_COLUMN ? 1 : count_neighbours(f, k);
+        if (f->column[k] == DM_NO_COLUMN) {
+            largest[k] = dm_largest(largest[k], numbers[k]);
+        } else if (at) {
+            find_values(value, &f->flow, at, f->column[k], count);
+            for (uint32_t i = k; i < k + count; i++)
+                note(largest + i, last + i, before + i, numbers[i] - value[i - k], between);
+        }
+    }
+}
+
+void dm_follow_look(dm_follow *f, const double *numbers, double t, long steps, dm_stencil *at) {
+    const int known = f->flow.rows > 0 && t <= f->until;
     const double apart = t - f->t[1];
     const int even = fabs(apart - (f->t[1] - f->t[0])) <= EVEN * apart;
-    stencil at = {.count = 0};
-    if (known) at = stencil_at(&f->flow, t);
-    for (uint32_t k = 0; k < f->count; k++) {
-        const uint32_t column = f->column[k];
-        if (!numbers || column == DM_NO_COLUMN)
-            largest[k] = dm_largest(largest[k], numbers ? numbers[k] : NAN);
-        else if (known)
-            note(largest + k, last + k, before + k, numbers[k] - value_at(&f->flow, &at, column),
-                 even && (dense ? f->dense : f->sparse) > 1);
-    }
+    const long so_far = known && !f->beyond ? f->dense : f->sparse;
+    if (known) find_stencil(at, &f->flow, t);
+    for (uint32_t k = 0; !numbers && k < f->count; k++) f->largest[k] = NAN;
+    if (numbers) compare(f, numbers, known ? at : NULL, even && so_far > 1);
     f->t[0] = f->t[1];
     f->t[1] = t;
-    if (known && is_beyond(f->bound, largest, f->count)) f->beyond = 1;
+    if (known && is_beyond(f->bound, f->largest, f->count)) f->beyond = 1;
     const long every = known && !f->beyond ? f->dense : f->sparse;
     f->due = steps + every - steps % every;
     f->seen = steps;

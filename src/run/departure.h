@@ -14,6 +14,15 @@ typedef struct {
     uint32_t width;
 } dm_run_table;
 
+/* How the polynomial through the rows nearest to a time is made of them; kept, since members that go
+ * side by side are looked at at one time. All zero before the first. */
+typedef struct {
+    double t, t0, dt; /* of the look; of the flow's rows */
+    long rows, first; /* rows of the flow; the first of those that are taken */
+    uint32_t count;   /* of these; 0: there was none yet */
+    double weight[8];
+} dm_stencil;
+
 /* What is compared: column own[k] of a run with column flow[k] of the flow, k < count, at rows up
  * to the time `until`. Where rows leave steps out the largest value lies between them: `between`
  * looks for it there, by parabolas. */
@@ -53,15 +62,15 @@ typedef struct {
 void dm_follow_begin(dm_follow *f);
 
 /* After so many steps the run has these numbers[count] at t; NULL: it has none. */
-void dm_follow_look(dm_follow *f, const double *numbers, double t, long steps);
+void dm_follow_look(dm_follow *f, const double *numbers, double t, long steps, dm_stencil *at);
 
 /* The same of its state, unless it was looked at there. */
 static inline void dm_follow_state(dm_follow *f, dm_observer *aside, const double *state, double t,
-                                   long steps) {
+                                   long steps, dm_stencil *at) {
     double *numbers = f->largest + 3 * (size_t)f->count;
     if (f->seen == steps) return;
     const dm_status status = dm_observe(aside, numbers, state, t);
-    dm_follow_look(f, status == DM_OK ? numbers : NULL, t, steps);
+    dm_follow_look(f, status == DM_OK ? numbers : NULL, t, steps, at);
 }
 
 /* Greatest less least value of a column of a flow up to the time `until`, between rows, too. */

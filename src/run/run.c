@@ -144,8 +144,9 @@ static int looks_ahead(const loop *l) {
 
 /* beside its flow */
 static void look_beside(const loop *l) {
+    dm_stencil at = {0};
     dm_follow *f = l->plan->follow;
-    if (f) dm_follow_state(f, l->plan->aside, l->state, time_now(l), l->done);
+    if (f) dm_follow_state(f, l->plan->aside, l->state, time_now(l), l->done, &at);
 }
 
 /* what is due at this step: the row itself, or the times asked for up to the next step */
@@ -164,8 +165,7 @@ static dm_status record_end(loop *l) {
         status = record(l, l->state, time_now(l));
     if (l->plan->at && l->done == 0 && !looks_ahead(l)) /* not a step was taken */
         status = record_times(l, l->state, time_now(l), time_now(l) + SLACK * l->plan->h);
-    if (l->plan->outlet && status == DM_OK) status = flush(l);
-    return status;
+    return l->plan->outlet && status == DM_OK ? flush(l) : status;
 }
 
 /* ---- stepping ---- */

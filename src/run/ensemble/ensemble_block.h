@@ -13,6 +13,7 @@ typedef struct {
     dm_observer *watch;  /* what rows hold; NULL: q, p */
     dm_observer *aside;  /* what is looked at beside flows; NULL: nothing */
     dm_inertia *inertia; /* NULL: it cannot change */
+    dm_stencil at;       /* of the last look beside a flow */
     void (*count)(void *ud, long steps); /* told of steps that members have made */
     void *ud;
     double h[DM_LANES_GROUPS * 8]; /* steps of the members */

@@ -30,7 +30,6 @@ static uint32_t dim(const block *x) {
     return x->b->stepper->model->n;
 }
 
-/* Where member i of the block begins and ends. */
 static double *state_of(const block *x, long i) {
     return x->e->state + (size_t)(x->first + i) * dm_state_size(dim(x));
 }
@@ -103,8 +102,6 @@ static void pad(block *x) {
         }
 }
 
-/* ---- rows ---- */
-
 /* Of member i after so many steps, or as its state has it. */
 static double time_of(const block *x, long i, const double *state, long steps) {
     if (x->b->stepper->rule->method->traits & DM_OWN_TIME) return state[4 * (size_t)dim(x)];
@@ -126,10 +123,10 @@ static void keep_row(block *x, long i, const double *state, long steps) {
 
 /* beside its flow: member i, whose state this is after so many steps */
 static void look_beside(const block *x, long i, const double *state, long steps) {
-    dm_follow *f = x->e->follow ? x->e->follow + x->first + i : NULL;
-    if (!f) return;
+    if (!x->e->follow) return;
+    dm_follow *f = x->e->follow + x->first + i;
     choose_member(x, i);
-    dm_follow_state(f, x->b->aside, state, time_of(x, i, state, steps), steps);
+    dm_follow_state(f, x->b->aside, state, time_of(x, i, state, steps), steps, &x->b->at);
 }
 
 /* a row of every member that still runs, a look at those that are due */
@@ -155,8 +152,6 @@ static void keep_last_row(block *x, long i) {
     if (rows && (steps % every_of(x, i) != 0 || !rows->count[x->first + i]))
         keep_row(x, i, state_of(x, i), steps);
 }
-
-/* ---- steps ---- */
 
 /* at most `most` steps to the next row or the end of a member */
 static long to_event(const block *x, long most) {
@@ -353,17 +348,21 @@ static dm_status run(block *x) {
     const dm_stepper *s = x->b->stepper;
     const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
     double looked = now();
-    long burst = x->b->burst;
+    long burst = x->b->burst, since = 0, told = 0; /* steps, and of all members, since a look */
     end_some(x);
     while (x->alive) {
-        const long goal = to_event(x, burst), before = x->done;
+        const long goal = to_event(x, burst - since), before = x->done;
         if (x->e->stop && *x->e->stop) return DM_STOPPED;
         for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
             advance(x, autonomous ? goal : 1);
-        x->b->count(x->b->ud, (x->done - before) * x->alive);
+        since += x->done - before;
+        told += (x->done - before) * x->alive;
         end_crossed(x);
         keep_rows(x);
         end_some(x);
+        if (since < burst && x->alive) continue;
+        x->b->count(x->b->ud, told);
+        since = told = 0;
         const double took = now() - looked;
         looked += took;
         if (took < 0.5 * LOOK && burst < LONGEST) burst *= took < 0.125 * LOOK ? 4 : 2;
