@@ -14,8 +14,8 @@ typedef struct {
     uint32_t width;
 } dm_run_table;
 
-/* How the polynomial through the rows nearest to a time is made of them; kept, since members that go
- * side by side are looked at at one time. All zero before the first. */
+/* How the polynomial through the rows nearest to a time is made of them; kept, since members that
+ * go side by side are looked at at one time. All zero before the first. */
 typedef struct {
     double t, t0, dt; /* of the look; of the flow's rows */
     long rows, first; /* rows of the flow; the first of those that are taken */
