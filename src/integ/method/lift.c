@@ -1,42 +1,22 @@
 #include "integ/method/lift.h"
 
+#include "integ/method/lift_inside.h"
+
 #include "linalg/lu.h"
 #include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
 
-/* at the head of the workspace, behind it the arrays, then the workspace of the base. In the
- * memory: a mark, the bound of p (see regauge) and the steps since that was set, the state of the
- * run [4n], the lifted one that it came of [4n], the memory of the base. */
-typedef struct {
-    dm_stepper base;
-    const dm_group *group;
-    const dm_homogeneous *above; /* NULL: the lift of polynomials */
-    uint32_t n, d;
-    double *lifted;     /* [dm_state_size] */
-    double *in, *X, *J; /* [2n + 1], [n*d], [d] of the kernels between both; X: what `up` gives */
-    double *gram;       /* [d*d + 2d] X^T X, the momentum, pivots */
-    double *below;      /* [2n + d] what `above->down` gives */
-    double *memory, *of_base;
-    size_t base_memory;
-} lift;
-
-enum { MARK, BOUND, SINCE, STATE };
-
-static lift *lift_of(const dm_stepper *s) {
-    return (lift *)(void *)s->work;
-}
-
 /* the struct, in doubles */
 static size_t head(void) {
-    return (sizeof(lift) + sizeof(double) - 1) / sizeof(double);
+    return (sizeof(dm_lift) + sizeof(double) - 1) / sizeof(double);
 }
 
 /* doubles of the arrays, without what the base leaves to its next step */
 static size_t arrays(const dm_model *m) {
     const size_t n = m->n, d = m->group->momenta;
-    return dm_state_size(m->n) + 4 * n + 1 + n * d + 2 * d + d * d + 2 * d + STATE + 8 * n;
+    return dm_state_size(m->n) + 4 * n + 1 + n * d + 2 * d + d * d + 2 * d + DM_LIFT_STATE + 8 * n;
 }
 
 /* Does the lift of polynomials serve the rule? */
@@ -105,7 +85,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
 }
 
 /* Arrays in the order of the struct, then the workspace of the base. */
-static void lay_out(lift *l, double *memory) {
+static void lay_out(dm_lift *l, double *memory) {
     const size_t n = l->n, d = l->d;
     l->lifted = memory;
     l->in = l->lifted + dm_state_size(l->n);
@@ -118,9 +98,9 @@ static void lay_out(lift *l, double *memory) {
 
 /* The base shares the report; its memory is copied, since a restart wants all in one piece. */
 static dm_status open(dm_stepper *s) {
-    lift *l = lift_of(s);
+    dm_lift *l = dm_lift_of(s);
     const dm_model *m = s->model;
-    *l = (lift){.base = *s, .group = m->group, .n = m->n, .d = m->group->momenta};
+    *l = (dm_lift){.base = *s, .group = m->group, .n = m->n, .d = m->group->momenta};
     l->base.model = dm_lifted_model(s->rule, m);
     l->above = l->base.model == m->group->lifted ? NULL : &m->group->homogeneous;
     memset(s->work + head(), 0, arrays(m) * sizeof *s->work);
@@ -137,25 +117,26 @@ static dm_status open(dm_stepper *s) {
     s->outside = l->base.outside;
     s->report = l->base.report;
     l->base_memory = dm_stepper_memory(&l->base, &l->of_base);
-    l->memory[MARK] = 0.0;
+    l->memory[DM_LIFT_MARK] = 0.0;
     return status;
 }
 
 static size_t memory(dm_stepper *s, double **place) {
-    const lift *l = lift_of(s);
+    const dm_lift *l = dm_lift_of(s);
     *place = l->memory;
-    return STATE + 8 * (size_t)l->n + l->base_memory;
+    return DM_LIFT_STATE + 8 * (size_t)l->n + l->base_memory;
 }
 
 /* what the base has left to its next step, into the memory; and back */
-static void keep_base(lift *l) {
+static void keep_base(dm_lift *l) {
     if (!l->base_memory) return;
-    dm_fresh_copy(l->memory + STATE + 8 * (size_t)l->n, l->of_base, l->base_memory);
+    dm_fresh_copy(l->memory + DM_LIFT_STATE + 8 * (size_t)l->n, l->of_base, l->base_memory);
 }
 
-static void give_base(lift *l) {
+static void give_base(dm_lift *l) {
     if (!l->base_memory) return;
-    memcpy(l->of_base, l->memory + STATE + 8 * (size_t)l->n, l->base_memory * sizeof(double));
+    memcpy(l->of_base, l->memory + DM_LIFT_STATE + 8 * (size_t)l->n,
+           l->base_memory * sizeof(double));
 }
 
 static double square(const double *x, size_t n) {
@@ -165,7 +146,7 @@ static double square(const double *x, size_t n) {
 }
 
 /* p = X (X^T X)^-1 mu, the least one with J = mu, into the lifted state */
-static dm_status lift_momentum(lift *l, const double *q, const double *mu) {
+static dm_status lift_momentum(dm_lift *l, const double *q, const double *mu) {
     const size_t n = l->n, d = l->d;
     double *A = l->gram, *x = A + d * d;
     uint32_t *pivot = (uint32_t *)(void *)(x + d);
@@ -189,7 +170,7 @@ static dm_status lift_momentum(lift *l, const double *q, const double *mu) {
 }
 
 /* (q, p) of an element and its momentum, into the lifted state */
-static dm_status rise(lift *l, const double *state) {
+static dm_status rise(dm_lift *l, const double *state) {
     const size_t n = l->n;
     memcpy(l->lifted, state, n * sizeof *state);
     memcpy(l->lifted + 2 * n, state + 2 * n, n * sizeof *state);
@@ -203,50 +184,50 @@ static dm_status rise(lift *l, const double *state) {
 }
 
 /* the lifted state: the one that was left with this state of the run, or a new one */
-static dm_status enter(lift *l, const double *state) {
+dm_status dm_lift_enter(dm_lift *l, const double *state) {
     const size_t n = l->n;
-    const double *kept = l->memory + STATE;
-    if (l->memory[MARK] != 0.0 && memcmp(kept, state, 4 * n * sizeof *state) == 0) {
+    const double *kept = l->memory + DM_LIFT_STATE;
+    if (l->memory[DM_LIFT_MARK] != 0.0 && memcmp(kept, state, 4 * n * sizeof *state) == 0) {
         memcpy(l->lifted, kept + 4 * n, 4 * n * sizeof *state);
         give_base(l);
         return DM_OK;
     }
     const dm_status status = rise(l, state);
-    l->memory[BOUND] = 4.0 * square(l->lifted + n, n);
-    l->memory[SINCE] = 0.0;
+    l->memory[DM_LIFT_BOUND] = 4.0 * square(l->lifted + n, n);
+    l->memory[DM_LIFT_SINCE] = 0.0;
     return status;
 }
 
 /* What p has beside the least one with its momentum moves nothing on the group, but grows, and J
  * loses digits by it: it is taken away where p has become large. Much of it in few steps: later. */
-static dm_status regauge(lift *l) {
+static dm_status regauge(dm_lift *l) {
     enum { FEW = 16 };
     const size_t n = l->n;
     double *p = l->lifted + n, beside = 0.0;
-    l->memory[SINCE] += 1.0;
-    if (square(p, n) <= l->memory[BOUND]) return DM_OK;
+    l->memory[DM_LIFT_SINCE] += 1.0;
+    if (square(p, n) <= l->memory[DM_LIFT_BOUND]) return DM_OK;
     memcpy(l->in, l->lifted, 2 * n * sizeof *p);
     dm_kernel_eval(&l->group->momentum, l->in, l->J);
     const dm_status status = lift_momentum(l, l->lifted, l->J);
     for (size_t i = 0; i < n; i++) beside += (l->in[n + i] - p[i]) * (l->in[n + i] - p[i]);
-    l->memory[BOUND] = 4.0 * square(p, n) + (l->memory[SINCE] < FEW ? 64.0 : 1.0) * beside;
-    l->memory[SINCE] = 0.0;
+    l->memory[DM_LIFT_BOUND] =
+        4.0 * square(p, n) + (l->memory[DM_LIFT_SINCE] < FEW ? 64.0 : 1.0) * beside;
+    l->memory[DM_LIFT_SINCE] = 0.0;
     return status;
 }
 
 /* what `down` makes of the lifted state, into `below` */
-static void look_down(lift *l) {
+static void look_down(dm_lift *l) {
     memcpy(l->in, l->lifted, 2 * l->n * sizeof *l->in);
     l->in[2 * l->n] = 0.0;
     dm_kernel_eval(&l->above->down, l->in, l->below);
 }
 
 /* Multiples of q that came to be large or small: by powers of 2, which no digit sees. */
-static dm_status rescale(lift *l) {
-    enum { SELDOM = 64 };
+static dm_status rescale(dm_lift *l) {
     const size_t n = l->n;
-    if ((l->memory[SINCE] += 1.0) < SELDOM) return DM_OK;
-    l->memory[SINCE] = 0.0;
+    if ((l->memory[DM_LIFT_SINCE] += 1.0) < DM_LIFT_SELDOM) return DM_OK;
+    l->memory[DM_LIFT_SINCE] = 0.0;
     look_down(l);
     for (size_t i = 0; i < n; i++) {
         const double s = l->below[n + l->d + i];
@@ -260,8 +241,12 @@ static dm_status rescale(lift *l) {
     return DM_OK;
 }
 
+dm_status dm_lift_settle(dm_lift *l) {
+    return l->above ? rescale(l) : regauge(l);
+}
+
 /* element and momentum of the lifted state */
-static void descend(lift *l, double *state) {
+static void descend(dm_lift *l, double *state) {
     const size_t n = l->n;
     if (l->above) {
         look_down(l);
@@ -278,11 +263,11 @@ static void descend(lift *l, double *state) {
 }
 
 /* the state of the run, and the memory of where it came of */
-static void leave(lift *l, double *state) {
+void dm_lift_leave(dm_lift *l, double *state) {
     const size_t n = l->n;
-    double *kept = l->memory + STATE;
+    double *kept = l->memory + DM_LIFT_STATE;
     descend(l, state);
-    l->memory[MARK] = 1.0;
+    l->memory[DM_LIFT_MARK] = 1.0;
     memcpy(kept, state, 4 * n * sizeof *state);
     memcpy(kept + 4 * n, l->lifted, 4 * n * sizeof *state);
     keep_base(l);
@@ -290,24 +275,24 @@ static void leave(lift *l, double *state) {
 
 /* Nothing is known of the state of the first step, which a step on the side has not got yet. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
-    lift *l = lift_of(s);
+    dm_lift *l = dm_lift_of(s);
     const dm_status status = dm_stepper_start(&l->base, state, t, h);
-    l->memory[MARK] = 0.0;
+    l->memory[DM_LIFT_MARK] = 0.0;
     keep_base(l);
     return status;
 }
 
 /* The lifted state is entered and left once a burst. */
 static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
-    lift *l = lift_of(s);
+    dm_lift *l = dm_lift_of(s);
     *done = 0;
-    dm_status status = enter(l, state);
+    dm_status status = dm_lift_enter(l, state);
     if (status != DM_OK) return status;
     for (; *done < count && status == DM_OK; *done += status == DM_OK) {
         status = l->base.engine->step(&l->base, l->lifted, t + (double)*done * h, h);
-        if (status == DM_OK && l->n > l->d) status = l->above ? rescale(l) : regauge(l);
+        if (status == DM_OK && l->n > l->d) status = dm_lift_settle(l);
     }
-    leave(l, state);
+    if (*done) dm_lift_leave(l, state); /* else the state is as it was */
     s->report = l->base.report;
     return status;
 }
@@ -320,20 +305,20 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 
 /* Those of the base: covectors on the group and above it have the same multipliers. */
 static void impulses(const dm_stepper *s, double *out) {
-    const dm_stepper *base = &lift_of(s)->base;
-    base->engine->impulses(&lift_of(s)->base, out);
+    const dm_stepper *base = &dm_lift_of(s)->base;
+    base->engine->impulses(&dm_lift_of(s)->base, out);
 }
 
 /* The base has seen the lifted state last. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
-    lift *l = lift_of(s);
+    dm_lift *l = dm_lift_of(s);
     (void)state;
     return l->base.engine->why ? l->base.engine->why(&l->base, l->lifted, status) : NULL;
 }
 
 /* What is outside is the base's. */
 static void close(dm_stepper *s) {
-    dm_stepper_close(&lift_of(s)->base);
+    dm_stepper_close(&dm_lift_of(s)->base);
     s->outside = NULL;
 }
 
@@ -347,6 +332,8 @@ const dm_engine dm_engine_lift = {
     .step = step,
     .advance = advance,
     .memory = memory,
+    .widen = dm_lift_widen,
+    .advance_lanes = dm_lift_advance_lanes,
     .impulses = impulses,
     .why = why,
     .close = close,

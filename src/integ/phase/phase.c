@@ -2,7 +2,7 @@
 #include "integ/phase/phase.h"
 
 #include "integ/method/cache.h"
-#include "integ/phase/phase_inside.h"
+#include "integ/phase/phase_lanes.h"
 #include "integ/split/splitting.h"
 #include "numbers/compensated.h"
 #include "numbers/small_copy.h"
@@ -190,4 +190,6 @@ const dm_engine dm_engine_phase = {
     .start = start,
     .step = step,
     .memory = memory_of,
+    .widen = dm_phase_widen,
+    .advance_lanes = dm_phase_advance_lanes,
 };

@@ -6,6 +6,7 @@
 
 #include "integ/phase/phase.h"
 #include "integ/stage/sweep/stage_sweep.h"
+#include "integ/stage/workspace/stage_limits.h"
 
 typedef struct {
     const dm_model *m;
@@ -34,10 +35,20 @@ typedef struct {
     double *root, *curve, *at, *shorter;
     double ratio; /* the step over the shorter one; 0: none is continued */
     double *scratch, size;
-    double *before;   /* [4n] the state, should the end not be finite */
-    double *memory;   /* what a step leaves to the next one: DM_SWEPT_..., u */
-    long evaluations; /* of kernels, in the step in hand */
+    double *before;               /* [4n] the state, should the end not be finite */
+    double *memory;               /* what a step leaves to the next one: DM_SWEPT_..., u */
+    long evaluations;             /* of kernels, in the step in hand */
+    struct dm_phase_lanes *lanes; /* members side by side, where they are */
 } dm_phase;
+
+enum { DM_PHASE_SWEEPS = 100 }; /* at most */
+
+/* The contraction of sweeps, squared, that calls for Newton's method, which costs as many sweeps as
+ * there are unknowns, squared: with many of them sweeps may contract slowly. */
+static inline double dm_phase_slow(const dm_phase *g) {
+    enum { FEW_UNKNOWNS = 24 };
+    return 2 * g->n * g->r > FEW_UNKNOWNS ? 0.55 * 0.55 : DM_SWEEP_SLOW;
+}
 
 static inline dm_phase *dm_phase_of(const dm_stepper *stepper) {
     return (dm_phase *)(void *)stepper->work;

@@ -61,16 +61,11 @@ static void settle(iteration *it) {
     it->settled = 1;
 }
 
-/* Newton's method costs as many sweeps as there are unknowns, squared: with many of them sweeps may
- * contract slowly. Squared. */
-enum { FEW_UNKNOWNS = 24, SLOW_SWEEPS = 100 };
-static const double SLOW = 0.55 * 0.55;
-
 /* until what is left is round-off; `fixed` sweeps where their number is given */
 static dm_status iterate(iteration *it, double tolerance, int fixed) {
     const double enough = DM_SWEEP_LEFT * tolerance;
-    const double slow = 2 * it->g->n * it->g->r > FEW_UNKNOWNS ? SLOW : DM_SWEEP_SLOW;
-    for (int k = 1; k < (fixed ? fixed : SLOW_SWEEPS); k++) {
+    const double slow = dm_phase_slow(it->g);
+    for (int k = 1; k < (fixed ? fixed : DM_PHASE_SWEEPS); k++) {
         if (!it->settled && it->change < DM_SWEEP_SETTLED) settle(it);
         it->measured = !fixed || !it->settled || k >= fixed - 2;
         sweep(it);

@@ -26,7 +26,8 @@ local models = { -- name, system, q, p, small and large step
     function(i) return dm.SL(3):exp { 0.1, 0.2 + 0.01 * i, 0.3, 0, 0.1, 0, 0.2, 0 } end, function(i) return { 0.4, -0.3 - 0.03 * i, 0.6, 0, 0, 0, 0.1, 0 } end,
     0.02, 0.3 }, -- a matrix made row by row
 }
-local rules = { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "lie(2, lobatto(3))", "lie(2, pade(2))" }
+local rules = { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "lie(2, lobatto(3))", "lie(2, pade(2))",
+  "gauss(1)", "gauss(2)", "gauss(3)", "gauss(3, 4)", "lobatto(3)" }
 
 local function same_element(a, b)
   if not a or not b then return a == b end
@@ -53,17 +54,25 @@ end
 
 local most = dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }):solver({ rule = "verlet", h = 0.01 })
   :ensemble({ members = 1, q = { { 1, 0 } }, v = { { 0, 1 } }, steps = 1 }).lanes
-local narrow, failed = {}, 0
+local narrow, refused, failed = {}, {}, 0
 for _, model in ipairs(models) do
-  for _, rule in ipairs(model[1] == "SL(3)" and { "lie(1)", "lie(2)" } or rules) do
-    for h = 5, 6 do
-      local unlike, failures, lanes = as_alone(model, rule, model[h], 11, 30)
-      failed = failed + failures
-      if lanes ~= most then narrow[#narrow + 1] = model[1] .. " " .. rule end
-      ok(not unlike, ("%s, %s, h = %g: members are single runs"):format(model[1], rule, model[h]), unlike)
+  for _, rule in ipairs(model[1] == "SL(3)" and { "lie(1)", "lie(2)", "gauss(2)" } or rules) do
+    for h = 5, rule == "gauss(3, 4)" and 5 or 6 do -- which ends in numbers that are none
+      local fine, unlike, failures, lanes = pcall(as_alone, model, rule, model[h], 11, 30)
+      if fine then
+        failed = failed + failures
+        if lanes ~= most and not (model[1]:find "driven" and not rule:find "lie") then narrow[#narrow + 1] = model[1] .. " " .. rule end
+        ok(not unlike, ("%s, %s, h = %g: members are single runs"):format(model[1], rule, model[h]), unlike)
+      else
+        refused[#refused + 1] = model[1] .. " " .. rule
+      end
     end
   end
 end
+local known = { ["driven, with friction gauss(3, 4)"] = true, ["SL(2) gauss(3, 4)"] = true }
+local others = {}
+for _, name in ipairs(refused) do if not known[name] then others[#others + 1] = name end end
+ok(#others == 0, "all rules step all models, but a number of sweeps", table.concat(others, ", "))
 ok(#narrow == 0, "all of them in lanes", table.concat(narrow, ", "))
 ok(failed > 20, "runs that leave the chart are among them", failed)
 for _, members in ipairs { 1, most, 8 * most + 3 } do
@@ -86,7 +95,7 @@ local script = [[
   local dm = require "dm"
   local G = dm.SO(3)
   local top = dm.system { Q = G, L = function(R, w) return (w[1]^2 + 1.2*w[2]^2 + 0.6*w[3]^2)/2 - R[3][3] end }
-  for _, rule in ipairs { "lie(1)", "lie(2)", "lie(2, gauss(2), cayley)" } do
+  for _, rule in ipairs { "lie(1)", "lie(2)", "lie(2, gauss(2), cayley)", "gauss(2)", "gauss(3, 5)", "gauss(5)", "lobatto(3)" } do
     local e = top:solver({ rule = rule, h = 0.05 }):ensemble { members = 11, steps = 40,
       q = function(i) return G:exp { 0.4 + i/100, 0, 0 } end, p = function(i) return { 0.2, 0.1, 1.5 } end }
     for i = 1, #e do print(("%a %a"):format(e.q[i][1][2], e.p[i][2])) end
@@ -99,7 +108,7 @@ local function under(lanes, processor)
 end
 for _, processor in ipairs { "plain", "fma", "avx512" } do
   local one = under(1, processor)
-  ok(select(2, one:gsub("\n", "")) == 33, processor .. ": numbers of all members", one)
+  ok(select(2, one:gsub("\n", "")) == 77, processor .. ": numbers of all members", one)
   for _, lanes in ipairs { 0, 4, 8 } do
     ok(under(lanes, processor) == one, ("%s: the same bits with %d lanes"):format(processor, lanes))
   end

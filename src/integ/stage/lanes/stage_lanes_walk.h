@@ -5,6 +5,7 @@
 
 #include "integ/stage/lanes/group_text.h"
 #include "integ/stage/lanes/stage_lanes.h"
+#include "integ/stage/sweep/sums_text.h"
 
 /* x = start + (base + factor sum_m column_m u_m) at every stage, column [r][width][W]; distances
  * in doubles, from row to row where not W */
@@ -23,19 +24,6 @@ typedef struct {
     I settled, rated;
     V size[2], scale[2], moved[2], change, rate;
 } lanes_sweeps;
-
-/* of terms[width], as lanes of one register are added up there: halves, then their halves */
-INLINE V total_of(const V *t, uint32_t width) {
-    if (width == 1) return t[0];
-    if (width == 4) return (t[0] + t[2]) + (t[1] + t[3]);
-    return ((t[0] + t[4]) + (t[1] + t[5])) + ((t[2] + t[6]) + (t[3] + t[7]));
-}
-
-INLINE V moved_of(const V *t, uint32_t width) {
-    if (width == 1) return t[0];
-    if (width == 4) return (t[0] + t[2]) + (t[1] + t[3]);
-    return ((t[0] + t[4]) + (t[2] + t[6])) + ((t[1] + t[5]) + (t[3] + t[7]));
-}
 
 /* even and odd columns are summed apart, the even ones on to a base unless that is NULL */
 INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u, uint32_t columns,
