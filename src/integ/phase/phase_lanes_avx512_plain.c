@@ -1,4 +1,5 @@
-/* phase_lanes_avx512_plain.c - sweeps of H for eight members side by side as on a lesser processor: products are rounded. */
+/* phase_lanes_avx512_plain.c - sweeps of H for eight members side by side as on a lesser
+ * processor: products are rounded. */
 #include "integ/phase/phase_lanes.h"
 
 #ifdef __x86_64__
