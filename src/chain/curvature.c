@@ -88,8 +88,8 @@ static dm_status find_places(dm_curvature_sum *k, const dm_sparse *A, dm_arena *
     return DM_OK;
 }
 
-/* the pattern, with all of the diagonal */
-static dm_status make_pattern(dm_curvature *c, uint32_t n, dm_arena *arena) {
+/* the pattern, with all of the diagonal, from a list that has most entries several times */
+static dm_status assemble(dm_sparse *A, const dm_curvature *c, uint32_t n, dm_arena *arena) {
     int64_t most = n;
     for (uint32_t k = 0; k < c->sums; k++)
         most += 2 * (int64_t)c->sum[k].loop.outputs * c->sum[k].loop.sum->bodies;
@@ -101,7 +101,22 @@ static dm_status make_pattern(dm_curvature *c, uint32_t n, dm_arena *arena) {
     int64_t count = n;
     for (uint32_t k = 0; k < c->sums; k++) count = add_pairs(c->sum + k, row, column, count);
     for (int64_t i = 0; i < count; i++) one[i] = 1.0;
-    return dm_sparse_assemble(&c->A, arena, (int32_t)n, (int32_t)n, count, row, column, one);
+    return dm_sparse_assemble(A, arena, (int32_t)n, (int32_t)n, count, row, column, one);
+}
+
+/* The list and what sorts it go at once: they are several times the matrix. */
+static dm_status make_pattern(dm_curvature *c, uint32_t n, dm_arena *arena) {
+    dm_arena aside;
+    dm_sparse A;
+    dm_arena_init(&aside, arena->allocate, arena->ud);
+    dm_status status = assemble(&A, c, n, &aside);
+    if (status == DM_OK) status = dm_sparse_room(&c->A, arena, (int32_t)n, (int32_t)n, A.start[n]);
+    if (status == DM_OK) {
+        memcpy(c->A.start, A.start, ((size_t)n + 1) * sizeof *A.start);
+        memcpy(c->A.row, A.row, (size_t)A.start[n] * sizeof *A.row);
+    }
+    dm_arena_release(&aside);
+    return status;
 }
 
 dm_status dm_curvature_open(dm_curvature *c, const dm_sum *const *sums, uint32_t count, uint32_t n,
