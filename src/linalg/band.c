@@ -68,13 +68,28 @@ static uint32_t largest(const double *column, uint32_t count) {
     return at;
 }
 
+/* y[i] -= x a[i] for i < count, several at a time: every entry is rounded by itself */
+static inline void subtract(double *restrict y, const double *restrict a, double x,
+                            uint32_t count) {
+    typedef double four __attribute__((vector_size(32)));
+    uint32_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        four u, v;
+        memcpy(&u, y + i, sizeof u);
+        memcpy(&v, a + i, sizeof v);
+        u -= v * x;
+        memcpy(y + i, &u, sizeof u);
+    }
+    for (; i < count; i++) y[i] -= a[i] * x;
+}
+
 /* column c, from row k on: exchanged, and what the pivot leaves of it */
 static void eliminate(double *target, const double *pivots, uint32_t exchange, uint32_t below) {
     const double top = target[exchange];
     target[exchange] = target[0];
     target[0] = top;
     if (top == 0.0) return;
-    for (uint32_t i = 1; i <= below; i++) target[i] -= pivots[i] * top;
+    subtract(target + 1, pivots + 1, top, below);
 }
 
 dm_status dm_band_factor(double *A, uint32_t *pivot, const dm_band *b) {
@@ -103,12 +118,7 @@ static const double *factor(const double *A, const dm_band *b, uint32_t k) {
 
 enum { TOGETHER = 4 }; /* columns whose parts of a vector are taken off in one pass over it */
 
-/* y[i] -= x a[i], i < count */
-static void subtract(double *restrict y, const double *restrict a, double x, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++) y[i] -= a[i] * x;
-}
-
-/* The same of several columns, one after the other for every entry, which is rounded each time, and
+/* subtract of several columns, one after the other for every entry, which is rounded each time, and
  * two entries at a time: a pass for each would read what the one before has only just written. */
 static void subtract_together(double *restrict y, const double *const *a, const double *x,
                               uint32_t count) {
