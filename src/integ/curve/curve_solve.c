@@ -14,9 +14,12 @@ static const double STALE = 3e-2;        /* rate from which the next step takes 
 static const double ROUND_OFF = 1e-12;   /* an increment that small may stall */
 static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not worth a step */
 enum { CHORDS = 10 };
-/* Parts of a step from which one is drawn out, and how little longer a part may become. */
-static const double FIRST_PART = 0x1p-4, LEAST_PART = 0x1p-12, LEAST_FACTOR = 1.02;
-static const double CLOSE = 0.05; /* velocities to those that were foretold */
+/* Parts of a step from which one is drawn out, how little longer a part may become, and below which
+ * factor it grows again. */
+static const double FIRST_PART = 0x1p-4, LEAST_PART = 0x1p-12, LEAST_FACTOR = 1.0002, SHORT = 1.02;
+/* velocities to those that were foretold, and in proportion nearer where a part is less than SHORT
+ * longer */
+static const double CLOSE = 0.05;
 
 /* ---- the start of the iteration ---- */
 
@@ -235,13 +238,14 @@ static void predict(dm_curve_step *e, double next, double part, double before) {
 
 /* the root of a part, if its velocities are near those that were foretold: else it may be that of
  * another step */
-static dm_status draw_out(dm_curve_step *e, const dm_stepper *s, int *iterations) {
+static dm_status draw_out(dm_curve_step *e, const dm_stepper *s, double factor, int *iterations) {
     const dm_status status = newton(e, s, iterations);
     const size_t n = e->n;
     double apart = 0.0;
     for (size_t k = 0; k < n; k++) apart = fmax(apart, fabs(e->z[k] - e->next[k]));
     const double size = fmax(norm(e->z, n), norm(e->z + n, n));
-    return status == DM_OK && apart > CLOSE * size ? DM_NO_CONVERGENCE : status;
+    const double close = CLOSE * fmin(1.0, (factor - 1.0) / (SHORT - 1.0));
+    return status == DM_OK && apart > close * size ? DM_NO_CONVERGENCE : status;
 }
 
 /* Where Newton's method fails from the guess, as where explicit methods leave the domain of L (a
@@ -257,12 +261,13 @@ static dm_status by_continuation(dm_curve_step *e, const dm_stepper *s, double t
         const double next = fmin(part * factor, 1.0);
         take_length(e, t, next * h);
         predict(e, next, part, before);
-        const dm_status there = draw_out(e, s, iterations);
+        const dm_status there = draw_out(e, s, factor, iterations);
         if (there == DM_OK) {
             memcpy(root + e->unknowns, root, size);
             memcpy(root, e->z, size);
             before = part;
             part = next;
+            if (factor < SHORT) factor *= sqrt(factor);
             continue;
         }
         factor = sqrt(factor);

@@ -138,7 +138,11 @@ local function segment(L, a, h)
 end
 local function falls(q, v) return -(1 - v ^ 2) ^ 0.5 + 3 * q end
 local function swings(q, v) return -(1 - v ^ 2) ^ 0.5 - 10 * q ^ 2 end
+local function steeply(q, v) return -(1 - v ^ 2) ^ 0.5 + 10 * q end
 for _, case in ipairs {
+  -- the root moves so fast with h that a part may be but little longer than the one before
+  { steeply, function(_, v) return 10 * (1 - v ^ 2) ^ 1.5 end, 0.65218242468124, -0.39962808418257, 0.45912418620967, -0.61, -0.6 },
+  { steeply, function(_, v) return 10 * (1 - v ^ 2) ^ 1.5 end, 0.28882870196942, -0.61994387164423, 0.41017074932614, -0.585, -0.58 },
   { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, 0.602, 0.31984, 0.3992, -0.1, -0.08 },
   { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, -0.3771, 0.69949, 0.3906, 0.83, 0.845 },
   { swings, function(q, v) return -20 * q * (1 - v ^ 2) ^ 1.5 end, 0.5599, -0.12988, 0.2868, 0.5, 0.51 } } do
