@@ -17,8 +17,8 @@ enum { CHORDS = 10 };
 /* Parts of a step from which one is drawn out, how little longer a part may become, and below which
  * factor it grows again. */
 static const double FIRST_PART = 0x1p-4, LEAST_PART = 0x1p-12, LEAST_FACTOR = 1.0002, SHORT = 1.02;
-/* velocities to those that were foretold, and in proportion nearer where a part is less than SHORT
- * longer */
+/* velocities to those that were foretold on a line; nearer as the square where a part is less than
+ * SHORT longer */
 static const double CLOSE = 0.05;
 
 /* ---- the start of the iteration ---- */
@@ -244,8 +244,8 @@ static dm_status draw_out(dm_curve_step *e, const dm_stepper *s, double factor, 
     double apart = 0.0;
     for (size_t k = 0; k < n; k++) apart = fmax(apart, fabs(e->z[k] - e->next[k]));
     const double size = fmax(norm(e->z, n), norm(e->z + n, n));
-    const double close = CLOSE * fmin(1.0, (factor - 1.0) / (SHORT - 1.0));
-    return status == DM_OK && apart > close * size ? DM_NO_CONVERGENCE : status;
+    const double shorter = fmin(1.0, (factor - 1.0) / (SHORT - 1.0));
+    return status == DM_OK && apart > CLOSE * shorter * shorter * size ? DM_NO_CONVERGENCE : status;
 }
 
 /* Where Newton's method fails from the guess, as where explicit methods leave the domain of L (a

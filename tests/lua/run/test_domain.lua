@@ -138,15 +138,13 @@ local function segment(L, a, h)
 end
 local function falls(q, v) return -(1 - v ^ 2) ^ 0.5 + 3 * q end
 local function swings(q, v) return -(1 - v ^ 2) ^ 0.5 - 10 * q ^ 2 end
-local function steeply(q, v) return -(1 - v ^ 2) ^ 0.5 + 10 * q end
+local function turns(q, v) return -(1 - v ^ 2) ^ 0.5 - 40 * q ^ 2 end
 for _, case in ipairs {
-  -- the root moves so fast with h that a part may be but little longer than the one before
-  { steeply, function(_, v) return 10 * (1 - v ^ 2) ^ 1.5 end, 0.65218242468124, -0.39962808418257, 0.45912418620967, -0.61, -0.6 },
-  { steeply, function(_, v) return 10 * (1 - v ^ 2) ^ 1.5 end, 0.28882870196942, -0.61994387164423, 0.41017074932614, -0.585, -0.58 },
+  { turns, function(q, v) return -80 * q * (1 - v ^ 2) ^ 1.5 end, -0.95562470452457, 0.4095044802297, 0.2088918629644, -0.808715, -0.808714, 1e-8 }, -- beside the edge of the domain
   { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, 0.602, 0.31984, 0.3992, -0.1, -0.08 },
   { falls, function(_, v) return 3 * (1 - v ^ 2) ^ 1.5 end, -0.3771, 0.69949, 0.3906, 0.83, 0.845 },
   { swings, function(q, v) return -20 * q * (1 - v ^ 2) ^ 1.5 end, 0.5599, -0.12988, 0.2868, 0.5, 0.51 } } do
-  local L, a, q, v, h, low, high = table.unpack(case)
+  local L, a, q, v, h, low, high, edge = table.unpack(case)
   local of = segment(L, a, h)
   local D = dm.derivative(of, 2)
   local function momenta(u)
@@ -163,6 +161,6 @@ for _, case in ipairs {
   local system = dm.system { Q = dm.R(1), L = function(x, u) return L(x[1], u[1]) end }
   local x, y = system:solver { rule = "curve(rk4)", h = h }:step { q = { q }, v = { v } }
   near(x[1], of({ q, low })[2], 1e-13, "curve(rk4) from outside of its domain")
-  near(y[1], select(2, momenta(low)), 1e-11, "and its momentum")
+  near(y[1], select(2, momenta(low)), edge or 1e-11, "and its momentum")
 end
 tap.done()
