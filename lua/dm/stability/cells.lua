@@ -14,7 +14,7 @@ local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
 local abs, max, sqrt, log = math.abs, math.max, math.sqrt, math.log
 
 local ROWS = 64                 -- rows of a cell by which its class is told
-local DENSER = 2                -- times the rows that show the flow: right to the last step or not
+local DENSER = 4                -- times the rows that show the flow: right to the last step or not
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
