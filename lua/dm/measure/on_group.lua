@@ -65,6 +65,10 @@ local function run_prolonged(solver, lifted, options, what)
   local fine, path = pcall(lifted.run, lifted, options)
   if fine then return path end
   local why = type(path) == "string" and path
+  if why and why:find "it splits L" then
+    error(("%s: '%s' does not split the prolonged system, so its tangent map is not known; lie(s) "
+      .. "and gauss(s) have theirs"):format(what, tostring(solver.rule)), 0)
+  end
   if why and (why:find "too many to trace" or why:find "stays on it") then
     error(("%s: '%s' steps the tangent group of %s for that, and %s; gauss(s) has a tangent map by "
       .. "the collective lift, where the group has one"):format(what, tostring(solver.rule),

@@ -201,4 +201,9 @@ for _, Q in ipairs { dm.GL(3), dm.Sp(4), dm.SE(4) } do
   ok(defect < 1e-14, tostring(Q) .. ": lie(1) is symplectic", defect)
 end
 
+tap.raises("rotations(2)' does not split the prolonged system", function()
+  dm.system { Q = G, L = top }:solver { rule = "rotations(2)", h = 0.1 }
+    :symplecticity { q = g0, p = p0, steps = 1 }
+end)
+
 tap.done()
