@@ -7,14 +7,14 @@
 
 #include <string.h>
 
-/* Lanes of the base, and states and memories of the run beside them, as many. */
+/* Lanes of the base, and states and memories of the run beside them, as many. Members with steps
+ * of their own go one by one. */
 static int open_members(dm_lift *l, dm_stepper *s, dm_lanes *x) {
     double *place;
     const size_t kept = dm_stepper_memory(s, &place);
     if (!dm_lanes_open_told(x, s->model, (uint32_t)dm_state_size(l->n), kept)) return 0;
     if (x->lanes != l->wide.lanes || !l->wide.failed) return 0;
     if (x->groups > l->wide.groups) x->groups = l->wide.groups;
-    x->paced = l->wide.paced;
     return 1;
 }
 
@@ -29,7 +29,6 @@ int dm_lift_widen(dm_stepper *s, dm_lanes *x) {
     if (dm_cache_find(&kept, s->model, &maker, which)) {
         memcpy(x, kept.pool, sizeof *x);
         x->groups = x->groups > l->wide.groups ? l->wide.groups : x->groups;
-        x->paced = l->wide.paced;
         return 1;
     }
     dm_lanes *made = dm_arena_take(s->model->source.arena, sizeof *made);
