@@ -49,6 +49,11 @@ local SCENES = {
   end }, q = { 0, 0.1 }, v = { sqrt(0.15), 0.1 }, watch = { "q1", "q2" }, tolerance = 1e-6, until_t = 200 },
   { "drag", "Kepler with drag 1e-9, in a plane of space", { Q = dm.R(3), L = attraction, force = function(_, v) return -1e-9 * v end },
     q = { 1, 0, 0 }, v = { 0, 1.2, 0 }, watch = { "q1" }, tolerance = 1e-4, until_t = 200 },
+  { "rods", "two rods, constrained, position", { Q = dm.R(4), L = function(q, v) return v:dot(v) / 2 - q[2] - q[4] end, constraint = function(q)
+    return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - 1 }
+  end }, q = { 0.6, -0.8, 1.4, -1.4 }, v = { 0, 0, 0, 0 }, watch = { "q3" }, tolerance = 1e-6, until_t = 10 },
+  { "ball", "a ball on a rod, constrained, height", { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end,
+    constraint = function(q) return { q:dot(q) - 1 } end }, q = { 0.6, 0, -0.8 }, v = { 0, 1, 0 }, watch = { "q3" }, tolerance = 1e-4, until_t = 40 },
 }
 
 local RATIO = 1.07   -- from one number of steps to the next
@@ -125,5 +130,6 @@ print("scene | cost | rule | model | cost / least | error / tolerance | models, 
 for _, row in ipairs(SCENES) do
   local wanted = #arg == 0
   for _, key in ipairs(arg) do wanted = wanted or key == row[1] end
-  if wanted then one(row) end
+  local fine, why = pcall(wanted and one or type, row)
+  if not fine then print(("%s | %s"):format(row[2], why)) end
 end

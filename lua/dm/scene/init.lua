@@ -124,7 +124,7 @@ local CHECK_TIMES = { 2048, 20000, 8, 0.4142135623730951 }
 -- of CPU; with a profile that was given no clock shall decide
 local SECONDS, WITHOUT_CLOCK = 20, 600
 -- parts of the seconds that are over when reference, models, rules are to be done
-local REFERENCE_TIME, MODELS_TIME, RULES_TIME = 0.35, 0.55, 0.8
+local REFERENCE_TIME, MODELS_TIME, RULES_TIME = 0.45, 0.55, 0.72
 local LEAST = 0.08  -- of them, for each of these, where those before took longer
 
 local function mesh(reference, how)

@@ -12,7 +12,7 @@ local min, max, ceil, floor, huge = math.min, math.max, math.ceil, math.floor, m
 local UNEVEN = 8     -- times that steps of the reference inside of a step may differ
 local FINER = 0.25   -- of the shortest one: what times must be apart to show what it resolves
 local MOST = 8000    -- times more than those of the check
-local LONGEST = 2 ^ 20
+local LONGEST = 2 ^ 15
 
 --- Can anything narrow be in the forces of a model?
 function M.present(model)
@@ -70,10 +70,14 @@ function M.even(problem, N)
   return function(i) return problem.t0 + problem.T * i / N end
 end
 
---- The least number of even steps that can be looked at.
+--- The least number of even steps that can be looked at, or more than it is worth to look for, as
+-- where a force jumps.
 function M.fewest(problem, steps, known)
   local N = 1
-  while N < LONGEST and not M.times(steps, known, M.even(problem, N), N) do N = 2 * N end
+  while not M.times(steps, known, M.even(problem, N), N) do
+    N = 2 * N
+    if N > LONGEST then return N end
+  end
   local low = N // 2
   while N - low > 1 and N > 1.05 * low do
     local middle = floor((low + N) / 2)

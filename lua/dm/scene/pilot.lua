@@ -1,6 +1,7 @@
 --- Pilot runs of a scene: a model stepped by a rule over the whole time, what is watched at given
 -- times, distances between such records. How long the steps are is told by a number N: about so
 -- many of them are made.
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local engine = require "dm.reference.engine"
 
@@ -64,6 +65,16 @@ function M.is_even(rule) return not (M.controlled(rule) or has_own_time(rule)) e
 
 local STANDARD, PROBES = 1e-9, { 64, 4096 }
 
+-- ds/dt of log-hamiltonian at the start, |V|; where it is not known, 1
+local function own_rate(model)
+  local start, given = model:ready().start, model.system.given
+  local fine, V = pcall(function()
+    return abs(bound(given.L, given.params)(start.q, 0 * start.q, start.t0))
+  end)
+  if not fine then M.pass_stop(V) end
+  return fine and V > 0 and V < huge and V or 1
+end
+
 -- how many steps a rule with lengths of its own makes of the whole, and at which tolerance, or how
 -- long it is in its own time; found once for a model
 local function scale_of(model, rule)
@@ -78,7 +89,7 @@ local function scale_of(model, rule)
       largest = T / 2, hidden = model.untouched and model.problem.hidden or nil } }))
     out = { solver = solver, N = max(4, solver:report().steps), order = solver.order }
   else
-    local h = T / PROBES[1]
+    local h = own_rate(model) * T / PROBES[1]
     for _ = 1, 2 do -- the second one with steps that are short enough to tell
       local solver = model:ready().system:solver { rule = rule, h = h }
       solver:run(options_of(model, { at = finish }))

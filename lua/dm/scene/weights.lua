@@ -130,7 +130,8 @@ local function of_stages(report, z, rule, facts)
   local s, k = stages_of(rule, facts, z)
   local sweeps = report.evaluations / s
   local more = sweeps - report.newton
-  if more > NOTICED * report.newton and (s == 1 or not facts.composed) then
+  local may_sweep = z.bound == 0 and not z.forced and (s == 1 or not facts.composed)
+  if may_sweep and more > NOTICED * report.newton then
     return SWEPT * more + sweeps * (LANES * z.e + SWEEP_PLACE * z.n + SWEEP)
   end
   return of_newton(report, z, s, k)

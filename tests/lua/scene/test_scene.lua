@@ -300,4 +300,24 @@ local order = require "dm.scene.search".finalists { bound = 1, seconds = 1, cand
   found("dearer", 30, true) }, profile = { again = function() end, least = function(_, _, _, N) return N end } }
 ok(#order == 3 and order[1].rule == "best" and order[2].rule == "dear" and order[3].rule == "dearer", "dearer ones are tried last", #order)
 
+-- Newton's method that needed more evaluations, as where a step is tried in parts, costs no less
+do
+  local weights = require "dm.scene.weights"
+  local rods = { graphs = function() return "" end, system = dm.system { Q = dm.R(4), L = function(q, v) return v:dot(v) / 2 - q[2] - q[4] end,
+    constraint = function(q) return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - 1 } end } }
+  local function work(evaluations) return weights.work({ newton = 30, evaluations = evaluations, steps = 9, operations = 32 }, rods, "gauss(6)") end
+  tap.ok(work(180) > 30 * 36 ^ 2 and work(220) >= work(180), "its matrix counts", work(220))
+end
+-- units of astronomy: the steps of log-hamiltonian are as long as its own time asks for, and no time is lost on it
+do
+  local mu, a = 1.32712440018e20, 1.496e11
+  local year = 2 * math.pi * math.sqrt(a ^ 3 / mu)
+  local earth = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return 5.97e24 * (v:dot(v) / 2 + mu / q:norm()) end }, q = { 0.5 * a, 0 },
+    v = { 0, math.sqrt(3 * mu / a) }, watch = { "q1" }, tolerance = 1e6, until_t = year, seconds = 20, rules = { "log-hamiltonian(kahan-li(8))", "gauss(6)" } }
+  tap.near(earth:run { at = { year } }:column "q1"[1], 0.5 * a, 1e6, "a year")
+  local tried
+  for _, c in ipairs(earth.candidates) do tried = tried or c.rule:find "log" and c.kept end
+  tap.ok(tried and earth.seconds < 10, "log-hamiltonian reaches it", earth.seconds)
+end
+
 tap.done()
