@@ -12,7 +12,8 @@
 static const double LOOK = 2e-2;    /* s between looks at the clock and the stop flag */
 static const double PROGRESS = 0.1; /* s between calls of progress */
 static const double SLACK = 1e-9;   /* of h: a time asked for this near to a step is that step */
-enum { LONGEST = 1 << 20 };         /* steps between looks at the clock */
+static const double ROUND_OFF = 0x1p-51; /* of a time that steps of their own add up to */
+enum { LONGEST = 1 << 20 };              /* steps between looks at the clock */
 
 typedef struct {
     const dm_run_plan *plan;
@@ -117,10 +118,17 @@ static dm_status record(loop *l, const double *state, double t) {
     return status;
 }
 
+/* how near a time asked for is to one of the ends of a step that is that end; h is no time where
+ * steps have a time of their own */
+static double slack_of(const loop *l, double from, double to) {
+    if (!(l->s->rule->method->traits & DM_OWN_TIME)) return SLACK * l->plan->h;
+    return SLACK * fabs(to - from) + ROUND_OFF * fabs(to);
+}
+
 /* rows at the times asked for from `from`, where the state is `state`, up to `to` */
 static dm_status record_times(loop *l, const double *state, double from, double to) {
     const dm_run_plan *plan = l->plan;
-    const double slack = SLACK * l->plan->h;
+    const double slack = slack_of(l, from, to);
     while (l->rows_done < plan->at_count && plan->at[l->rows_done] < to - slack) {
         const double target = plan->at[l->rows_done];
         const double *here = state;
@@ -179,7 +187,7 @@ static dm_status record_behind(loop *l, const double *before, double from) {
     if (c) status = record_times(l, before, from, c->half);
     if (c) before = dm_control_middle(c, l->s->model->n), from = c->half; /* as exact as the end */
     if (status != DM_OK) return status;
-    return record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->plan->h);
+    return record_times(l, before, from, time_now(l) + 2.0 * slack_of(l, from, time_now(l)));
 }
 
 /* one step, the zeros inside it, the times asked for inside it */

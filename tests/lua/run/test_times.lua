@@ -86,4 +86,14 @@ ok(not fine and failure.code == "not_finite", "a repelling potential is refused 
 raises("time of its own", function() kepler:solver { rule = "log-hamiltonian", h = 0.1 }:run { q0 = q, q1 = q, steps = 1 } end)
 local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(x0, x1) return (x1[1] - x0[1]) ^ 2 / 0.2 end }
 raises("fixed step", function() dm.solver { Ld }:run { q0 = { 0 }, q1 = { 1 }, at = { 0.15 } } end)
+-- steps with a time of their own, in any units: their length is no time, and rows are at the times asked for all the same
+for _, mass in ipairs { 1e-40, 1, 5.97e24 } do
+  local mu, a = 1.32712440018e20, 1.496e11
+  local year = 2 * math.pi * math.sqrt(a ^ 3 / mu)
+  local earth = dm.system { Q = dm.R(2), L = function(q, v) return mass * (v:dot(v) / 2 + mu / q:norm()) end }
+  local run = earth:solver({ rule = "log-hamiltonian(kahan-li(8))", h = mass * mu / (0.5 * a) * year / 4000 }):run { q = { 0.5 * a, 0 },
+    v = { 0, math.sqrt(3 * mu / a) }, at = { 0, year / 2, year } }
+  local off = math.abs(run.q[2][1] + 1.5 * a) + math.abs(run.q[3][1] - 0.5 * a)
+  tap.ok(#run == 3 and off < 1, ("half a year and a year, of a mass of %g"):format(mass), off)
+end
 tap.done()
