@@ -64,3 +64,8 @@ dm_status dm_interpolate(dm_stepper *s, double *out, const double *state, double
     return s->rule->method->traits & DM_OWN_TIME ? find_step(s, out, state, target, h)
                                                  : step_apart(s, out, state, t, target - t);
 }
+
+double dm_time_slack(const dm_stepper *s, double h, double from, double to) {
+    const double length = s->rule->method->traits & DM_OWN_TIME ? to - from : h;
+    return DM_TIME_SLACK * length + 0x1p-51 * fabs(to);
+}

@@ -10,4 +10,11 @@
 dm_status dm_interpolate(dm_stepper *s, double *out, const double *state, double t, double target,
                          double h);
 
+/* of a step: a time asked for this near to its end is its end */
+static const double DM_TIME_SLACK = 1e-9;
+
+/* The same in time, of a step of length h from `from` to `to`: h is no time where steps have a time
+ * of their own, and times are rounded where they have become large. */
+double dm_time_slack(const dm_stepper *s, double h, double from, double to);
+
 #endif

@@ -9,11 +9,9 @@
 #include <string.h>
 #include <time.h>
 
-static const double LOOK = 2e-2;    /* s between looks at the clock and the stop flag */
-static const double PROGRESS = 0.1; /* s between calls of progress */
-static const double SLACK = 1e-9;   /* of h: a time asked for this near to a step is that step */
-static const double ROUND_OFF = 0x1p-51; /* of a time that steps of their own add up to */
-enum { LONGEST = 1 << 20 };              /* steps between looks at the clock */
+/* s between looks at the clock and the stop flag, between calls of progress */
+static const double LOOK = 2e-2, PROGRESS = 0.1;
+enum { LONGEST = 1 << 20 }; /* steps between looks at the clock */
 
 typedef struct {
     const dm_run_plan *plan;
@@ -118,17 +116,10 @@ static dm_status record(loop *l, const double *state, double t) {
     return status;
 }
 
-/* how near a time asked for is to one of the ends of a step that is that end; h is no time where
- * steps have a time of their own */
-static double slack_of(const loop *l, double from, double to) {
-    if (!(l->s->rule->method->traits & DM_OWN_TIME)) return SLACK * l->plan->h;
-    return SLACK * fabs(to - from) + ROUND_OFF * fabs(to);
-}
-
 /* rows at the times asked for from `from`, where the state is `state`, up to `to` */
 static dm_status record_times(loop *l, const double *state, double from, double to) {
     const dm_run_plan *plan = l->plan;
-    const double slack = slack_of(l, from, to);
+    const double slack = dm_time_slack(l->s, plan->h, from, to);
     while (l->rows_done < plan->at_count && plan->at[l->rows_done] < to - slack) {
         const double target = plan->at[l->rows_done];
         const double *here = state;
@@ -172,7 +163,7 @@ static dm_status record_end(loop *l) {
     if (!l->plan->at && (is_ended(l) || l->done % l->plan->every != 0))
         status = record(l, l->state, time_now(l));
     if (l->plan->at && l->done == 0 && !looks_ahead(l)) /* not a step was taken */
-        status = record_times(l, l->state, time_now(l), time_now(l) + SLACK * l->plan->h);
+        status = record_times(l, l->state, time_now(l), time_now(l) + DM_TIME_SLACK * l->plan->h);
     return l->plan->outlet && status == DM_OK ? flush(l) : status;
 }
 
@@ -186,8 +177,8 @@ static dm_status record_behind(loop *l, const double *before, double from) {
     if (!l->plan->at) return status;
     if (c) status = record_times(l, before, from, c->half);
     if (c) before = dm_control_middle(c, l->s->model->n), from = c->half; /* as exact as the end */
-    if (status != DM_OK) return status;
-    return record_times(l, before, from, time_now(l) + 2.0 * slack_of(l, from, time_now(l)));
+    const double now = time_now(l), slack = dm_time_slack(l->s, l->plan->h, from, now);
+    return status == DM_OK ? record_times(l, before, from, now + 2.0 * slack) : status;
 }
 
 /* one step, the zeros inside it, the times asked for inside it */
@@ -342,7 +333,8 @@ static long steps_to_row(const loop *l) {
     if (!plan->at) return dm_lesser(plan->every - l->done % plan->every, due);
     if (l->own || l->rows_done >= plan->at_count) return plan->steps;
     const double before = plan->resume ? (double)plan->resume->steps : 0.0;
-    const double step = floor((plan->at[l->rows_done] - plan->t0) / l->plan->h + SLACK) - before;
+    const double ahead = (plan->at[l->rows_done] - plan->t0) / plan->h;
+    const double step = floor(ahead + DM_TIME_SLACK) - before;
     return step > (double)l->done + 1.0 ? (long)step - l->done : 1;
 }
 

@@ -13,6 +13,8 @@ local fail = require "dm.base.options".failing "dm.scene"
 -- explicit, or with so many sweeps and no more: what a step costs does not depend on the state
 local RULES = { "verlet", "blanes-moan(4)", "blanes-moan(6)", "blanes-moan(6, 14)", "kahan-li(6)",
   "kahan-li(8)", "sofroniou-spaletta(10)", "rk4", "rk8", "gauss(2, 4)", "gauss(4, 6)" }
+-- with constraints: two or three small iterations in each step
+local BOUND = { "rattle", "suzuki(4, rattle)", "kahan-li(6, rattle)", "kahan-li(8, rattle)" }
 local PARTS = 0.5     -- of the deadline that the steps of a frame may take as they are first timed
 local MOST = 4096     -- steps of a frame
 local REPLAYS, FRAMES = 3, 1e5
@@ -52,7 +54,8 @@ end
 -- every rule of fixed work that has room, with what it errs by
 local function candidates(scene, model)
   local out, refused = {}, {}
-  for _, rule in ipairs(scene.options.rules or RULES) do
+  local bound = model.system:structure().constraints > 0
+  for _, rule in ipairs(scene.options.rules or bound and BOUND or RULES) do
     local fine, steps = pcall(steps_of, scene, model, rule)
     if not fine then pilot.pass_stop(steps) end
     if fine and steps then

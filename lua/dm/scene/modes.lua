@@ -68,6 +68,12 @@ local function equilibrium(problem, L)
   end
 end
 
+local function is_finite(row)
+  local sum = 0
+  for i = 1, #row do sum = sum + 0 * row[i] end
+  return sum == 0
+end
+
 --- Rows of all watched numbers by q and v at an equilibrium q and at the start, where what bends
 -- (an energy) does not vanish: { row =, tolerance = }.
 function M.sensitivities(problem, q)
@@ -80,10 +86,14 @@ function M.sensitivities(problem, q)
       return f(x, v, t, core.vector(p))
     end, n, n, "number")
     for _, place in ipairs { { q, core.zeros(n) }, { problem.q, problem.v } } do
-      local J = g:jacobian(place[1], place[2], problem.t0)
-      for i = 1, J.rows do
-        out[#out + 1] = { row = J[i],
-          tolerance = problem.tolerance[name] or problem.tolerance[name .. i] }
+      -- where it has no derivative, as a distance at its zero, the other one tells
+      local fine, J = pcall(g.jacobian, g, place[1], place[2], problem.t0)
+      if not fine then pilot.pass_stop(J) end
+      for i = 1, fine and J.rows or 0 do
+        if is_finite(J[i]) then
+          out[#out + 1] = { row = J[i],
+            tolerance = problem.tolerance[name] or problem.tolerance[name .. i] }
+        end
       end
     end
   end

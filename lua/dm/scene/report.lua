@@ -37,7 +37,7 @@ end
 
 local function candidate_line(scene, c, last)
   return ("  %-24s h = %-9.4g %8d steps %9s  error %-8s %s")
-    :format(c.rule, c.h, c.N, c.cost and cost_text(scene, c) or "",
+    :format(c.rule, c.h, c.N, c.cost and c.cost < math.huge and cost_text(scene, c) or "",
     error_text(scene, c.error), last)
 end
 
@@ -55,8 +55,8 @@ local function rule_lines(scene, model, lines)
   table.sort(dropped, function(a, b) return a.error < b.error end)
   lines[#lines + 1] = ("rules on the model: %s"):format(model:words())
   for at, c in ipairs(kept) do
-    local verdict = c == scene.best and "chosen" or ("%.2f times the cost of the choice")
-      :format(c.cost / scene.best.cost)
+    local verdict = c == scene.best and "chosen" or c.cost == math.huge and c.why
+      or ("%.2f times the cost of the choice"):format(c.cost / scene.best.cost)
     if at <= MOST_LINES then lines[#lines + 1] = candidate_line(scene, c, c.failed or verdict) end
   end
   for at, c in ipairs(dropped) do

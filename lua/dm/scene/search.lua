@@ -184,9 +184,9 @@ local function candidate(search, model, row, N, err, words, kept)
   if err < huge and kept then
     local fine, cost = pcall(search.profile.cost, search.profile, model, row.rule, N)
     if not fine then pilot.pass_stop(cost) end
-    -- the time for rules was over while it was counted
-    out.cost = fine and cost or nil
-    if not fine then out.kept, out.why, search.cut = false, "no time left", true end
+    -- the time for rules was over while it was counted: it is taken where there is nothing else
+    out.cost = fine and cost or huge
+    if not fine then out.why, search.cut = words .. "; no time was left to count it", true end
   end
   search.candidates[#search.candidates + 1] = out
   return out
@@ -303,7 +303,7 @@ local NEAR, ROUNDS = 1.6, 5  -- what cost so many times the best is timed again,
 local function near(search)
   local out, least = {}, huge
   for _, c in ipairs(search.candidates) do
-    if c.kept and c.cost <= NEAR * search.bound then out[#out + 1] = c end
+    if c.kept and c.cost < huge and c.cost <= NEAR * search.bound then out[#out + 1] = c end
   end
   search.profile:again(out, ROUNDS, search.seconds / 20)
   for _, c in ipairs(out) do

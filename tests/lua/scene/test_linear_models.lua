@@ -95,4 +95,9 @@ L = driven(1, nil, function(t) return exp(-((t - 5) / 0.1) ^ 2) end)
 local kicked, worst = solve({ L = L, q = { 1 }, v = { 0 }, until_t = 10, tolerance = 1e-6 }, function(t)
   return cos(t) + (t > 5.8 and 0.1 * sqrt(math.pi) * exp(-0.1 ^ 2 / 4) * sin(t - 5) or t < 4.2 and 0 or 0 / 0) end)
 tap.ok(kicked.best.rule ~= "exact" and worst <= 1, "a pulse is stepped", worst)
+-- a distance has no derivative at the equilibrium; far from t = 0
+local turned = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end,
+  force = function(_, v) return { -0.1 * v[1] + v[2], -0.1 * v[2] - v[1] } end }, q = { 1, 0 }, v = { 0, 1 }, t0 = 1e6, until_t = 1e6 + 20,
+  watch = { r = function(q) return q:norm() end }, tolerance = 1e-7 }
+tap.ok(turned:run().error_estimate <= 1e-7 and turned.best.rule == "exact", "a distance, far from t = 0", tostring(turned))
 tap.done()

@@ -320,4 +320,11 @@ do
   tap.ok(tried and earth.seconds < 10, "log-hamiltonian reaches it", earth.seconds)
 end
 
+-- a deadline with a constraint
+do
+  local rod = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return { q:dot(q) - 1 } end },
+    q = { 0.6, -0.8 }, v = { 0, 0 }, watch = { "q1" }, until_t = 1, frame = 0.05, per_step = 1e-3, seconds = 2 }
+  tap.ok(rod:run().error_estimate < 1e-6 and rod.best.rule:find "rattle" and rod.best.worst_step <= 1e-3, "rattle keeps it", tostring(rod))
+end
+
 tap.done()
