@@ -6232,10 +6232,11 @@ function dm.scaling(options) end
 ---steps that jump over nothing hidden in the forces, and checked at other times and between them;
 ---where the tolerance cannot be promised, scene:run() raises with everything that was measured
 ---(docs/theory/trust.md). Costs are counted operations (scene.best.work), so that two scenes choose
----alike; costs = "clock" measures ns; profile: a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
----scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
----seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
----(scene.best.worst_step; with a tolerance: both, or it raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
+---alike; costs = "clock" measures ns; profile: a file of scene.profile:save(file) has them. seconds:
+---CPU time to be spent on looking (default 20); scene.cut says what they left out. frame, per_step:
+---each frame of model time costs at most per_step seconds, as exactly as rules of fixed work can,
+---under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
+---raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
 ---"energy" and functions (g, xi, t, mu); the model is the system as given; one that is reduced
 ---(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
 ---scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,

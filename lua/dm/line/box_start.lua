@@ -130,10 +130,11 @@ local function has(state, y, list)
   return false
 end
 
--- the first bond that the start does not satisfy: { y, off, at }; nil: there is none
-local function broken(state, known, loose)
+-- the first bond that the start does not satisfy, of those without open components, which are not
+-- known yet: { y, off, at }; nil: there is none
+local function broken(state, known, open)
   for _, y in ipairs(algebra.bonds(state)) do
-    if not has(state, y, loose) then
+    if not has(state, y, open) then
       local off, terms, at = off_bond(state, known, y)
       if off > BOUND * terms then return { y = y, off = off, at = at } end
     end
@@ -158,19 +159,28 @@ local function candidates(state, given)
   return out
 end
 
--- Where components with a z_t are given that a row binds to each other, one is moved.
-local function bind(state, known, given, loose)
-  local bond = broken(state, known, loose)
+-- Where components with a z_t are given that a row binds to each other, one is moved; a loose one
+-- that it binds is named: steps keep it as far off, to and fro.
+local function bind(state, known, given, open, loose)
+  local bond = broken(state, known, open)
   if not bond then return end
   for _, c in ipairs(candidates(state, given)) do
     local others, slope = {}, state.slope[c]
     for k, values in pairs(known) do others[k] = k ~= c and values or nil end
     local fine = pcall(follow.all, state, others, {})
-    if fine and others[c] and not broken(state, others, loose) then
+    if fine and others[c] and not broken(state, others, open) then
       known[c] = move(state, given[c], others[c], c)
       return
     end
     state.slope[c] = slope
+  end
+  for _, c in ipairs(loose) do
+    if has(state, bond.y, { c }) then
+      option.fail(WHERE, "'%s' of the start does not satisfy %s, which has no z_t: K z_x = grad S "
+        .. "is off by %.3g in the box at node %d, and would be at every level, to and fro; leave "
+        .. "'%s' out, it follows", state.names[c], row_of(bond.y), bond.off, bond.at,
+        state.names[c])
+    end
   end
   option.fail(WHERE, "the start does not satisfy %s, which has no z_t: K z_x = grad S is off by "
     .. "%.3g in the box at node %d, and would be at every level; give fewer components, others "
@@ -228,7 +238,9 @@ end
 local function by_rows(state, given)
   local known = compose(state, given)
   local loose = loose_of(state, known, given)
-  bind(state, known, given, loose)
+  local open = {}
+  for _, c in ipairs(loose) do if not given[c] then open[#open + 1] = c end end
+  bind(state, known, given, open, loose)
   return known, loose
 end
 

@@ -211,6 +211,11 @@ for i = 1, 33 do
 end
 below(apart, 1e-13, "the run of another basis")
 ok(next(other.moved) ~= nil, "samples are moved along the kernel, and told")
+-- KdV with v and w turned about each other: of both of them rows without z_t tell one alone
+local Mkdv, Kkdv = { { 0, 0.5, 0, 0 }, { -0.5, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } }, { { 0, 0, 0, 1 }, { 0, 0, -1, 0 }, { 0, 1, 0, 0 }, { -1, 0, 0, 0 } }
+local mixed = rotated(Mkdv, Kkdv, function(x) return x[2] ^ 3 - x[2] * x[4] + x[3] ^ 2 / 2 end, turn(4, 3, 4, 0.6), 65)
+local function wave(x) return 0.3 * cos(x) end
+raises("to and fro; leave 'z3' out", function() mixed:solver { h = 0.02 }:run { z = { z2 = wave, z3 = sin, z4 = wave }, steps = 1 } end)
 raises("give 1 more", function() basis:solver { h = 0.02 }:run { z = { z1 = z.z1 }, steps = 1 } end)
 raises("does not satisfy the rows without z_t", function() basis:solver { h = 0.02 }:run { z = { z1 = cos, z2 = cos, z3 = function(x) return sin(9 * x) end, z4 = sin }, steps = 1 } end)
 -- what is left out follows: rows of u alone, with p and q along (0, 1, 1)
