@@ -80,6 +80,7 @@ local function run_part(job, part, plan)
   local map = job.map
   local fine, result = pcall(plan.passes, job, part, plan.chaos)
   if fine then return result end
+  if blame.is_stop(result) then error(result, 0) end
   map.refused = (map.refused or 0) + 1
   if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then
     error(result, 0)
