@@ -49,7 +49,7 @@ local function differences(Ld, start, T)
   local ends, out = {}, {}
   local function reached(N)
     if ends[N] == nil then
-      local fine, q = pcall(last, Ld, start, T / N, N)
+      local fine, q = blame.try(last, Ld, start, T / N, N)
       ends[N] = fine and q
     end
     return ends[N]
