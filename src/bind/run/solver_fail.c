@@ -31,6 +31,13 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 
+/* the time of the state after `done` steps; a rule with a time of its own has it in the state */
+static double time_of(const dml_stepping *r, long done) {
+    if (r->control) return r->control->t;
+    if (r->solver->method->traits & DM_OWN_TIME) return r->state[4 * (size_t)r->model->model.n];
+    return r->t0 + r->solver->h * (double)done;
+}
+
 /* An error of the user's own function comes before what it did to the numbers. */
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
     const dml_solver *s = r->solver;
@@ -50,7 +57,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
                            .fading = fades(r, status),
                            .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN &&
                                            status != DM_OUT_OF_TIME),
-                           .time = r->control ? r->control->t : r->t0 + s->h * (double)done,
+                           .time = time_of(r, done),
                            .h = s->h,
                            .residual = r->stepper.report.residual,
                            .iterations = r->stepper.report.iterations,

@@ -103,4 +103,10 @@ for _, t0 in ipairs { 1e4, 1e6, -1e6 } do
   local run = driven:solver({ rule = "rk8", h = 20 / 256 }):run { q = { 1 }, v = { 1 }, t0 = t0, at = at, control = { tolerance = 1e-9 } }
   tap.ok(#run == 100 and math.abs(run.q[100][1] - 3 + 2 * math.exp(-10)) < 1e-8, ("rows from t = %g on"):format(t0), #run)
 end
+-- the time of a failure is that of the last state, by rules with a time of their own, too
+local edge = dm.system { Q = dm.R(1), L = function(q, v) return v:dot(v) / 2 + 3 - dm.sqrt(2 - q[1]) end }
+for _, rule in ipairs { "log-hamiltonian(verlet)", "verlet" } do
+  local fine, failure = pcall(function() edge:solver({ rule = rule, h = 1e-2 }):run { q = { 1 }, v = { 1 }, t0 = 5, steps = 1000 } end)
+  tap.ok(not fine and failure.time == failure.path.t[#failure.path] and failure.time > 5.5, rule .. ": time of a failure", failure.time)
+end
 tap.done()
