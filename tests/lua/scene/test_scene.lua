@@ -316,8 +316,8 @@ do
     v = { 0, math.sqrt(3 * mu / a) }, watch = { "q1" }, tolerance = 1e6, until_t = year, seconds = 20, rules = { "log-hamiltonian(kahan-li(8))", "gauss(6)" } }
   tap.near(earth:run { at = { year } }:column "q1"[1], 0.5 * a, 1e6, "a year")
   local tried
-  for _, c in ipairs(earth.candidates) do tried = tried or c.rule:find "log" and c.kept end
-  tap.ok(tried and earth.seconds < 10, "log-hamiltonian reaches it", earth.seconds)
+  for _, c in ipairs(earth.candidates) do tried = tried or c.rule:find "log" and c.kept and c.N end
+  tap.ok(tried and tried < 25, "log-hamiltonian reaches it in a few steps", tried)
 end
 
 -- a deadline with a constraint
