@@ -153,8 +153,9 @@ static void entries(const dm_cells_split *s, const dm_cells_move *given, int fre
 
 /* ---- steps ---- */
 
-/* Values without mass, no two of which meet in a cell: Newton's method for each, dL/dq_i = 0, and
- * slopes anew. One thread does it all, with the bits of one. */
+/* Values without mass, no two of which meet in L: Newton's method for each, dL/dq_i = 0, and slopes
+ * anew. What L does not have at all (no slope, no second derivative) stays. One thread does it all,
+ * with the bits of one. */
 static void eliminate(dm_cells_split *s) {
     const dm_model *m = s->m;
     const dm_sparse *A = &m->curvature->A;
@@ -166,7 +167,9 @@ static void eliminate(dm_cells_split *s) {
             double own = 0.0;
             for (int32_t k = A->start[i]; k < A->start[i + 1]; k++)
                 if (A->row[k] == (int32_t)i) own = A->value[k];
-            const double change = -dm_cells_entry(s->cells, s->slope, i) / own;
+            const double slope = dm_cells_entry(s->cells, s->slope, i);
+            if (slope == 0.0 && own == 0.0) continue;
+            const double change = -slope / own;
             s->x[i] += change;
             step = fmax(step, fabs(change));
             size = fmax(size, fabs(s->x[i]));

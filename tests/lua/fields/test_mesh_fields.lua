@@ -148,7 +148,7 @@ raises("larger cell", function() cavity:field { form = 1, L = function(V, W) ret
 raises("negative", function()
   dm.mesh { points = { { 0, 0 }, { 4, 0 }, { 1, 1 } }, simplices = { { 1, 2, 3 } } }:field { form = 1, L = wave } end)
 raises("zero dual", function() dm.mesh { grid = 4 }:field { form = 1, L = wave } end)
-raises("meet in cell", function() dm.mesh { cube_tiling = 2 }:field { form = 2, massless = "eliminate", L = wave } end)
+raises("meet in L", function() dm.mesh { cube_tiling = 2 }:field { form = 2, massless = "eliminate", L = wave } end)
 raises("take verlet", function() yee:solver { rule = "midpoint", h = 0.1 }:run { q = tm, v = 0 * tm, steps = 1 } end)
 raises("sum of m v^2 / 2", function() cavity:field { L = function(u, w) return cavity:sum(1, function(a) return a[1] * a[2] end, w) end } end)
 raises("no kinetic energy", function() cavity:field { L = function(u, w) return cavity:sum(0, function(a, cell) return 0 * a end, w) - u:dot(u) end } end)

@@ -1,5 +1,4 @@
 --- Cells of a field that are fixed: "boundary", a list of numbers, a function of the position.
-local cell_of = require "dm.dec.fields.cell"
 local core = require "dm.core"
 local option = require "dm.base.options"
 
@@ -68,44 +67,75 @@ function M.read(f, fixed)
   return entries, marks
 end
 
---- Marks the values on free cells whose star is 0 as massless (2); no two of them may meet in a
--- top cell. Returns a list of their numbers.
-function M.massless(f, stars)
-  local list, met = {}, {}
-  for i = 1, f.cells do
-    if stars[i] == 0 then
-      for c = 1, f.values do
-        local at = (i - 1) * f.values + c
-        if not f.held[at] then
-          list[#list + 1], f.fixed[at] = at, 2
-          met[i] = true
-        end
-      end
-    end
+---- values without mass ----
+
+--- Marks free values without kinetic energy as massless (2). Returns a list of their numbers.
+function M.massless(f, masses)
+  local list = {}
+  for i = 1, f.n do
+    if masses[i] == 0 and not f.held[i] then list[#list + 1], f.fixed[i] = i, 2 end
   end
-  if f.values > 1 and #list > 0 then
-    option.fail(WHERE, "massless = \"eliminate\" is for one value a cell")
+  if f.sphere and #list > 0 then
+    option.fail(WHERE, "massless = \"eliminate\": a unit vector without mass (cell %d) has no "
+      .. "equation of its own", (list[1] - 1) // f.values + 1)
   end
-  local all = core.cell_faces
-  for _, set in ipairs(cell_of.faces_of(f.mesh.dimension, f.degree + 1)) do
-    M.met(f, met, all(f.mesh, f.mesh.dimension, set))
-  end
-  f.meeting = nil
   return list
 end
 
--- counts massless faces of top cells
-function M.met(f, met, faces)
-  f.meeting = f.meeting or {}
-  for i = 1, f.mesh:count(f.mesh.dimension) do
-    if met[faces[i]] then
-      f.meeting[i] = (f.meeting[i] or 0) + 1
-      if f.meeting[i] > 1 then
-        option.fail(WHERE, "two cells without kinetic energy meet in cell %d of degree %d: they "
-          .. "cannot be eliminated one by one; dual = \"barycentric\" of the mesh gives every cell "
-          .. "a star", i, f.mesh.dimension)
-      end
+-- values at which the structure of L is looked at: of either sign, between 0.1 and 0.9, and small
+local RANGES = { { -1, 1 }, { 0.1, 0.9 }, { -1e-3, 1e-3 } }
+
+local function random_values(n, row)
+  local random, x, range = core.random(11), core.zeros(n), RANGES[row]
+  for i = 1, n do x[i] = range[1] + (range[2] - range[1]) * random:uniform(row, i) end
+  return x
+end
+
+local ROUND_OFF = 1e-12 -- of the diagonal: entries that are none
+
+-- the place in `list` of what the value at place i meets most
+local function partner(own, marks, i)
+  local row = core.zeros(#marks)
+  row[i] = 1
+  local size, at = own:pick(row, nil):transpose():row_sums(), i == 1 and 2 or 1
+  for j = 1, #size do if j ~= i and size[j] > size[at] then at = j end end
+  return at
+end
+
+-- Raises where the Hessian S and the force of one state show that values of `list` cannot follow
+-- one by one.
+local function check_equations(f, S, force, list, marks)
+  local own = S:pick(marks, marks)
+  local all, among, diagonal = S:pick(marks, nil):row_sums(), own:row_sums(), own:diagonal()
+  local function cell(place)
+    local i = (list[place] - 1) // f.values + 1
+    return table.concat(f.mesh:simplices(f.degree)[i], ", ")
+  end
+  for place = 1, #list do
+    local mine = math.abs(diagonal[place])
+    if among[place] - mine > ROUND_OFF * mine then
+      option.fail(WHERE, "the cells {%s} and {%s} have no kinetic energy and meet in L: they cannot "
+        .. "be eliminated one by one; dual = \"barycentric\" of the mesh gives every cell a star",
+        cell(place), cell(partner(own, core.constant(#list, 1), place)))
     end
+    if mine == 0 and (all[place] > 0 or force[list[place]] ~= 0) then
+      option.fail(WHERE, "the cell {%s} has no kinetic energy and L is linear in its value: no "
+        .. "equation of its own determines it", cell(place))
+    end
+  end
+end
+
+--- Raises where values without mass meet in L, or L is linear in one. Those that L does not have
+-- at all stay where they start: their force is 0.
+function M.check_massless(f, system)
+  if #f.massless == 0 then return end
+  local marks = core.constant(f.n, 0)
+  for _, i in ipairs(f.massless) do marks[i] = 1 end
+  for row = 1, #RANGES do
+    local q, t = random_values(f.n, row), 0.37 * row
+    local S, force = core.field_hessian(system, q, t), core.field_force(system, q, t)
+    local sum = S:row_sums():sum() + force:sum()
+    if sum - sum == 0 then check_equations(f, S, force, f.massless, marks) end
   end
 end
 

@@ -120,6 +120,19 @@ local function lagrangian(f, L)
   end
 end
 
+-- the system, and the mass of every value
+local function traced(f)
+  local options = f.options
+  local system = core.field_system { Q = f.n, L = lagrangian(f, options.L), field = f,
+    params = options.params, name = options.name }
+  local masses = core.field_masses(system)
+  if not masses then
+    fail("the kinetic energy must be a sum of m v^2 / 2 over cells with masses that are numbers, "
+      .. "as v:dot(v) / 2 is")
+  end
+  return system, masses
+end
+
 -- f.masses are made when they are first asked for: they are as many as the unknowns
 local function with_masses(f, system)
   setmetatable(f, { __index = function(_, key)
@@ -141,21 +154,20 @@ class.method("dm.mesh", "field", function(K, options)
   local f = { mesh = K, degree = k, values = values, sphere = sphere, data = options.data,
     cells = K:count(k), n = values * K:count(k), on = options.on }
   f.held, f.fixed = held.read(f, options.fixed)
-  if option.one_of(options, "massless", WHERE, { "eliminate" }) then
-    f.massless = held.massless(f, mass.of(K, k).values)
-  end
   f.marks = core.marks(f.fixed)
   f.absorbing = forces.absorbing(f, options)
   f.force = options.force and option.single(options.force, WHERE .. ": force")
   f.start = function(x, key) return start.read(f, x, key) end
   f.column = function(path, name) return paths.column(f, path, name) end
   f.options = options
-  local system = core.field_system { Q = f.n, L = lagrangian(f, options.L), field = f,
-    params = options.params, name = options.name }
-  local masses = core.field_masses(system)
-  if not masses then
-    fail("the kinetic energy must be a sum of m v^2 / 2 over cells with masses that are numbers, "
-      .. "as v:dot(v) / 2 is")
+  local system, masses = traced(f)
+  if option.one_of(options, "massless", WHERE, { "eliminate" }) then
+    f.massless = held.massless(f, masses)
+    if #f.massless > 0 then
+      f.marks = core.marks(f.fixed)
+      system, masses = traced(f)
+      held.check_massless(f, system)
+    end
   end
   check_mass(f, masses)
   if f.sphere then check_sphere(f, masses) end
@@ -175,7 +187,9 @@ the angle a; facets all of whose cells are named absorb. force(A, V, t, params):
 whose virtual work is f:dot(dA) (friction -g * V, driving cos(t) * J), a list of one for every
 value, or a list of numbers that are added to dL/dq; it reads A and V on the cell itself. Forces of
 V are stepped by verlet, rattle, and rules of stages, others by every splitting too. massless =
-"eliminate": values on cells whose star is 0 follow from their own equation. data = { name = form }:
+"eliminate": values without kinetic energy, as on cells whose star is 0, follow from their own
+equation, one by one (two that meet in L are refused), by kicks and drifts; one that L does not have
+at all stays where it starts. So grids, and cubes cut into tetrahedra, have Yee's scheme. data = { name = form }:
 numbers by name in the cells of K:sum. A field is a system: it has solvers, charts, ensembles and
 checkpoints; q, v and p of a start are forms, functions of the position or lists; path:form(i) is
 row i as a form, path.q[i] its values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the

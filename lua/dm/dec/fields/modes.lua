@@ -13,11 +13,12 @@ local function field_of(system, where)
   return f
 end
 
--- S once values without mass, whose block is a diagonal, follow from their own equation
-local function without(f, S, keep)
+-- S once values without mass, whose block is a diagonal, follow from their own equation; where L
+-- does not have one its row is 0
+local function without(f, S)
   local marks = core.constant(f.n, 0)
   for _, i in ipairs(f.massless) do marks[i] = 1 end
-  local own = S:pick(marks, marks):diagonal():map(function(x) return 1 / x end)
+  local own = S:pick(marks, marks):diagonal():map(function(x) return x == 0 and 0 or 1 / x end)
   local all = core.constant(f.n, 1)
   local beside = S:pick(marks, all)
   return S - beside:transpose() * beside:scale(own)
@@ -33,7 +34,7 @@ local function pencil(system, f, q)
   local keep = core.constant(f.n, 1)
   for i = 1, f.n do if f.held[i] or f.masses[i] == 0 then keep[i] = 0 end end
   local S = -1 * core.field_hessian(system, q)
-  if f.massless and #f.massless > 0 then S = without(f, S, keep) end
+  if f.massless and #f.massless > 0 then S = without(f, S) end
   return operator.new(f.mesh, kind, kind, { weights = f.masses, keep = keep, stiffness = S })
 end
 
