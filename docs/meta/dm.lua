@@ -189,6 +189,24 @@ function dm_box_run_class:balance(energy) end
 ---@return string
 function dm_box_run_class:checkpoint(file) end
 
+---run:column(name) -> dm.vector
+---
+---One number a row: "t"; "u7", node 7 of a component u; "energy" and "momentum", the densities of
+---run:balance summed over the ring: S(m z) - <m z, K D_x z>/2 and <m z, M D_x z>/2. Both stay to
+---round-off for quadratic S, else to order 2. In products with a component that gains a constant
+---round the ring its derivative stands, so that they flow nowhere.
+---@param name? any
+---@return dm.vector
+function dm_box_run_class:column(name) end
+
+---run:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
+---@param name? any
+---@return table
+function dm_box_run_class:drift(name) end
+
 ---run:npy(file) -> file name
 ---
 ---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
@@ -1455,8 +1473,8 @@ function dm_flow_class:column(name) end
 
 ---run:drift(name | vector) -> {per_time, error, mean, largest}
 ---
----As path:drift: the slope of a column, or of a vector of one number a row, against time, and its
----largest distance from the first row. At least 3 rows.
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
 ---@param name? any
 ---@return table
 function dm_flow_class:drift(name) end
@@ -2240,8 +2258,8 @@ function dm_line_run_class:conservation(function_) end
 
 ---run:drift(name | vector) -> {per_time, error, mean, largest}
 ---
----Least squares slope against time of a column ("energy", "u7") or of a vector of #run entries, its
----standard error, the mean, and the largest distance from the first row.
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
 ---@param name? any
 ---@return table
 function dm_line_run_class:drift(name) end
@@ -2652,12 +2670,14 @@ function dm_mesh_class:faces(k, i) end
 ---whose virtual work is f:dot(dA) (friction -g * V, driving cos(t) * J), a list of one for every
 ---value, or a list of numbers that are added to dL/dq; it reads A and V on the cell itself. Forces of
 ---V are stepped by verlet, rattle, and rules of stages, others by every splitting too. massless =
----"eliminate": values on cells whose star is 0 follow from their own equation. data = { name = form }:
----numbers by name in the cells of K:sum. A field is a system: it has solvers, charts, ensembles and
----checkpoints; q, v and p of a start are forms, functions of the position or lists; path:form(i) is
----row i as a form, path.q[i] its values, cell after cell; p = dL/dV. Columns "energy" and "gauss" (the
----largest change of d^T p at free cells, where L has A only in dA). Raises where free cells have no
----kinetic energy, or a negative one.
+---"eliminate": values without kinetic energy, as on cells whose star is 0, follow from their own
+---equation, one by one (two that meet in L are refused), by kicks and drifts; one that L does not have
+---at all stays where it starts. So grids, and cubes cut into tetrahedra, have Yee's scheme. data =
+---{ name = form }: numbers by name in the cells of K:sum. A field is a system: it has solvers, charts,
+---ensembles and checkpoints; q, v and p of a start are forms, functions of the position or lists;
+---path:form(i) is row i as a form, path.q[i] its values, cell after cell; p = dL/dV. Columns "energy"
+---and "gauss" (the largest change of d^T p at free cells, where L has A only in dA). Raises where free
+---cells have no kinetic energy, or a negative one.
 ---@param options? table
 ---@return dm.system
 function dm_mesh_class:field(options) end
@@ -5141,7 +5161,8 @@ function dm_wave_path_class:csv(file) end
 
 ---path:drift(name | vector) -> {per_time, error, mean, largest}
 ---
----Least squares slope of a column, or of #path numbers, against time, as of other paths.
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
 ---@param name? any
 ---@return table
 function dm_wave_path_class:drift(name) end

@@ -1,5 +1,6 @@
---- Local laws of runs of boxes (Bridges, Reich 2001).
+--- Local laws of runs of boxes (Bridges, Reich 2001), and what they keep round the ring.
 local blame = require "dm.base.blame"
+local columns = require "dm.data.columns"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
@@ -110,6 +111,81 @@ function laws.multisymplectic(run)
   end
   return largest
 end
+
+---- totals ----
+
+-- <m, A D>/2; where a component gains a constant its derivative by x is taken in the place of
+-- another's, -D_i A_ij m_j for m_i A_ij D_j, which is the same up to a difference of neighbours: so
+-- the sum over the ring does not depend on where the ring begins, and flows nowhere
+local function closed_pairing(A, m, D, gain)
+  local sum = 0
+  for i = 1, #m do
+    for j = 1, #m do
+      local a = A[i][j]
+      if a ~= 0 then
+        sum = sum + (gain[i] and not gain[j] and -D[i] * a * m[j] or m[i] * a * D[j]) / 2
+      end
+    end
+  end
+  return sum
+end
+
+local totals = {}
+
+function totals.energy(b, m, D) return b.S(m) - closed_pairing(b.K, m, D, b.gain) end
+
+function totals.momentum(b, m, D) return closed_pairing(b.M, m, D, b.gain) end
+
+-- a density over the ring, one number a row
+local function total(run, density)
+  local boxes, slope, out = run.boxes, run.level.slope, {}
+  local n, d, dx = boxes.cells, boxes.d, boxes.dx
+  for k = 1, #run do
+    local sum, left = 0, node(run.z[k], 1, d, slope, dx)
+    for i = 1, n do
+      local right = node(run.z[k], i + 1, d, slope, dx)
+      sum = sum + dx * density(boxes, both(left, right, dx))
+      left = right
+    end
+    out[k] = sum
+  end
+  return core.vector(out)
+end
+
+-- the component and the node of a name such as "u7", where there is one
+local function entry_of(boxes, name)
+  local found, node_number
+  for c, component in ipairs(boxes.names) do
+    local at = name:sub(1, #component) == component and name:sub(#component + 1)
+    local i = at and at:find "^[1-9]%d*$" and math.tointeger(tonumber(at))
+    if i and i <= boxes.cells then
+      if found then
+        option.fail("run:column", "'%s' is node %d of '%s' or node %d of '%s': run.%s[i][%d] are "
+          .. "the numbers", name, node_number, found, i, boxes.names[c], found, node_number)
+      end
+      found, node_number = component, i
+    end
+  end
+  return found, node_number
+end
+
+columns.give("dm.box_run", "run", function(run, name)
+  if totals[name] then return total(run, totals[name]) end
+  local component, i = entry_of(run.boxes, tostring(name))
+  if not component then
+    local first = run.boxes.names[1]
+    return nil, ("t, energy, momentum and a component with the number of a node, as %s1 to %s%d")
+      :format(first, first, run.boxes.cells)
+  end
+  local out, levels = {}, run[component]
+  for j = 1, #run do out[j] = levels[j][i] end
+  return core.vector(out)
+end, [[
+run:column(name) -> dm.vector
+One number a row: "t"; "u7", node 7 of a component u; "energy" and "momentum", the densities of
+run:balance summed over the ring: S(m z) - <m z, K D_x z>/2 and <m z, M D_x z>/2. Both stay to
+round-off for quadratic S, else to order 2. In products with a component that gains a constant
+round the ring its derivative stands, so that they flow nowhere.]])
 
 core.method("dm.box_run", "balance", blame.caller(function(run, name)
   if not laws[name] then

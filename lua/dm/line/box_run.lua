@@ -2,6 +2,7 @@
 local blame = require "dm.base.blame"
 local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
+local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 local picture = require "dm.line.picture"
 local start = require "dm.line.box_start"
@@ -16,6 +17,16 @@ fields: by the name of each component a matrix, run.u[i] (a vector of all nodes)
 components, node after node, without what they gain), gain (by name: what a component gains round
 the ring), moved (by name: how far what was given was from its row without z_t, on which it starts),
 steps, h, boxes, solver]])
+lacking.refuse(Run, { fellow = "dm.path", what = "run of boxes", reasons = {
+  csv = "run:npy(file) writes whole levels, run:column(name) has single numbers",
+  energy = "it is a column: run:column \"energy\"; run:balance \"energy\" is its local law",
+  form = "run.z[i] is level i, and by the name of a component its nodes",
+  frequency = "dm.fft of a column has its spectrum",
+  momentum = "it is a column: run:column \"momentum\"; run:balance \"momentum\" is its local law",
+  noether = "run:balance \"energy\" and \"momentum\" are the laws of shifts in t and x",
+  series = "run:column has the numbers over run.t",
+  worst = "run:drift(column).largest is the largest difference",
+} })
 
 M.reserved = {} -- names that components cannot have
 for _, name in ipairs { "t", "z", "gain", "moved", "steps", "h", "boxes", "solver", "every", "t0",

@@ -7,6 +7,7 @@ require "dm.line.box_laws"
 local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
 local grids = require "dm.line.grid"
+local lacking = require "dm.base.lacking"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
@@ -22,6 +23,12 @@ fields: M, K, S, names, from, to, cells, dx]])
 local Solver = core.class({ __name = "dm.box_solver" }, [[
 dm.box_solver: boxes with a height, made by boxes:solver
 fields: boxes, h, held (names of components with a gauge mode, whose first node is held)]])
+lacking.refuse(Solver, { fellow = "dm.solver", what = "solver of boxes", reasons = {
+  ensemble = "a member is a run of its own: call solver:run for each start",
+  step = "run { steps = 1 } makes one step",
+  symplecticity = "run:balance \"multisymplectic\" is the residual of its law",
+  tangent = "run:balance \"multisymplectic\" follows first variations",
+} })
 
 ---- what is given ----
 

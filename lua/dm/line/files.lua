@@ -25,11 +25,11 @@ end
 
 local function write_npy(run, file, where)
   local matrices, fields = matrices_of(run), { { "t", 0 } }
-  if run.energy then fields[2] = { "energy", 0 } end
+  if not run.boxes then fields[2] = { "energy", 0 } end
   for _, entry in ipairs(matrices) do fields[#fields + 1] = { entry[1], #entry[2][1] } end
   npy.stream(file, fields, where, function(write)
     for i = 1, #run do
-      local row = { t = run.t[i], energy = run.energy and run.energy[i] }
+      local row = { t = run.t[i], energy = not run.boxes and run.energy[i] or nil }
       for _, entry in ipairs(matrices) do row[entry[1]] = entry[2][i] end
       write(row)
     end

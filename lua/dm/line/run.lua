@@ -1,9 +1,10 @@
 --- dm.line_run: the levels of a run, and what is asked of them.
 local blame = require "dm.base.blame"
 local checkpoint = require "dm.data.checkpoint"
+local columns = require "dm.data.columns"
 local core = require "dm.core"
+local lacking = require "dm.base.lacking"
 local moving = require "dm.line.moving"
-local option = require "dm.base.options"
 local picture = require "dm.line.picture"
 
 local M = {}
@@ -14,6 +15,18 @@ fields: u[i], p[i] (vectors, node after node), t[i], energy[i] (-dS/dh of the sl
 row, first: of the first slab), x[i] (places of the nodes, where they move), nodes (where they are
 at the start), frozen (numbers of the nodes that stay, where others move), steps, h, rule, field,
 solver, ns_per_step]])
+lacking.refuse(Run, { fellow = "dm.path", what = "run of a field on a line", reasons = {
+  csv = "run:npy(file) writes whole levels, run:column(name) has single numbers",
+  form = "run.u[i] is level i, node after node",
+  frequency = "dm.fft of a column, as run:column \"u7\", has its spectrum",
+  mass = "run.p[i] are the momenta of level i",
+  momentum = "run:conservation(generator) is the residual of its law, run.p[i]:sum() the momentum "
+    .. "of shifts of u",
+  noether = "run:conservation(generator) is the residual of its law",
+  series = "run:column has the numbers over run.t",
+  velocity = "(run.u[i + 1] - run.u[i]) / run.h is that of a slab",
+  worst = "run:drift(column).largest is the largest difference",
+} })
 
 -- where the nodes are: at the start, and at all rows
 local function places(run, y)
@@ -180,44 +193,25 @@ end
 
 ---- columns ----
 
---- The numbers of a column, one a row: "t", "energy", "u7", "p7" (entry 7 of u, p).
-local function column(run, name)
-  if name == "t" or name == "time" then return run.t end
-  if name == "energy" then return run.energy end
-  local which, i = tostring(name):match "^([up])(%d+)$"
-  i = math.tointeger(tonumber(i))
-  if not i or i < 1 or i > #run.u[1] then
-    option.fail("run:column", "no column '%s'; a run has t, energy, u1 to u%d and p1 to p%d",
-      tostring(name), #run.u[1], #run.u[1])
-  end
-  local out, levels = {}, run[which]
-  for j = 1, #run do out[j] = levels[j][i] end
-  return core.vector(out)
-end
-
 core.method("dm.line_run", "checkpoint", blame.caller(function(run, file)
   return checkpoint.write(require "dm.line.checkpoint".field, run, file)
 end), [[
 run:checkpoint(file) -> file name
 Write where the run ended, a text with all bits; field:resume(file) goes on from it.]])
 
-core.method("dm.line_run", "column", blame.caller(column), [[
+columns.give("dm.line_run", "run", function(run, name)
+  if name == "energy" then return run.energy end
+  local which, i = tostring(name):match "^([up])(%d+)$"
+  i = math.tointeger(tonumber(i))
+  if not i or i < 1 or i > #run.u[1] then
+    return nil, ("t, energy, u1 to u%d and p1 to p%d"):format(#run.u[1], #run.u[1])
+  end
+  local out, levels = {}, run[which]
+  for j = 1, #run do out[j] = levels[j][i] end
+  return core.vector(out)
+end, [[
 run:column(name) -> dm.vector
 One number a row: "t", "energy", "u7" or "p7" (entry 7 of u or p).]])
-
-core.method("dm.line_run", "drift", blame.caller(function(run, of)
-  if #run < 3 then option.fail("run:drift", "needs at least 3 rows (this run has %d)", #run) end
-  local values = type(of) == "string" and column(run, of) or of
-  local fine, y = pcall(core.vector, values)
-  if values == nil or not fine or #y ~= #run then
-    option.fail("run:drift", "the name of a column or a vector of %d numbers, one a row, is needed "
-      .. "(got %s)", #run, option.got(of))
-  end
-  return core.drift(run.t, y)
-end), [[
-run:drift(name | vector) -> {per_time, error, mean, largest}
-Least squares slope against time of a column ("energy", "u7") or of a vector of #run entries, its
-standard error, the mean, and the largest distance from the first row.]])
 
 picture.give "dm.line_run"
 

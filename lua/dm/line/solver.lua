@@ -3,6 +3,7 @@ local blame = require "dm.base.blame"
 local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
 local grids = require "dm.line.grid"
+local lacking = require "dm.base.lacking"
 local lists = require "dm.base.lists"
 local moving = require "dm.line.moving"
 local option = require "dm.base.options"
@@ -16,6 +17,13 @@ local M = {}
 local Solver = core.class({ __name = "dm.line_solver" }, [[
 dm.line_solver: a rule and a height of slabs for a field on a line, made by field:solver
 fields: field, rule, h, free ("t", "x", "tx" or nil)]])
+lacking.refuse(Solver, { fellow = "dm.solver", what = "solver of a field on a line", reasons = {
+  ensemble = "a member is a run of its own: call solver:run for each start",
+  step = "run { steps = 1 } makes one step",
+  reversal = "run back from u and -p of the last row",
+  symplecticity = "run:multisymplectic() is the residual of the form formula",
+  tangent = "run:multisymplectic() follows first variations",
+} })
 
 ---- strips ----
 

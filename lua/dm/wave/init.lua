@@ -3,7 +3,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
-local lacking = require "dm.wave.lacking"
+local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 local rules = require "dm.wave.rules"
 local space = require "dm.wave.space"
@@ -16,7 +16,15 @@ local Wave = core.class({ __name = "dm.schroedinger" }, [[
 dm.schroedinger: a Schroedinger equation on a ring or between walls
 fields: x (points), weight (of integrals), V (at `nodes`), nodes, N, from, to, hbar, m, g, space,
 boundary]])
-lacking.refuse(Wave)
+lacking.refuse(Wave, { fellow = "dm.system", what = "Schroedinger equation", reasons = {
+  energy = "wave:observe(psi).energy is that of a state",
+  momentum = "wave:observe(psi).momentum is the mean of a state",
+  modes = "wave:eigen(k) has the energies and states of H",
+  relative_equilibria = "wave:eigen(k) has the stationary states of H",
+  linearize = "with g = 0 it is linear: wave:eigen(k)",
+  stability = "wave:stability_limit(rule) is the largest step",
+  start = "run { psi = } takes a function of x or a complex vector",
+} })
 
 local KNOWN = { "x", "V", "hbar", "m", "g", "space", "boundary" }
 

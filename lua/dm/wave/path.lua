@@ -1,10 +1,10 @@
 --- dm.wave_path: what a run of a wave recorded.
 local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
+local columns = require "dm.data.columns"
 local core = require "dm.core"
 local files = require "dm.wave.file"
-local lacking = require "dm.wave.lacking"
-local lists = require "dm.base.lists"
+local lacking = require "dm.base.lacking"
 local notes = require "dm.wave.notes"
 local option = require "dm.base.options"
 local space = require "dm.wave.space"
@@ -17,7 +17,17 @@ local Path = core.class({ __name = "dm.wave_path" }, [[
 dm.wave_path: the rows of a run of a wave
 fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
 title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows]])
-lacking.refuse(Path)
+lacking.refuse(Path, { fellow = "dm.path", what = "path of a wave", reasons = {
+  energy = "it is a column: path:column \"energy\"",
+  momentum = "it is a column, the mean: path:column \"momentum\"",
+  noether = "it is a column: path:column \"noether\"",
+  npy = "rows are written as they come: run { file = \"rows.npy\" }",
+  vtk = "path:csv writes the columns, run { file = \"rows.npy\" } psi",
+  frequency = "dm.fft of a column has its spectrum, wave:eigen the energies",
+  series = "path:column has the numbers over path.t",
+  velocity = "wave:current(psi) is what flows",
+  worst = "path:drift(column).largest is the largest difference",
+} })
 
 local COLUMNS = { "t", "norm", "energy", "x", "momentum", "noether" }
 
@@ -166,30 +176,16 @@ end
 
 ---- columns ----
 
-class.method("dm.wave_path", "column", function(path, name)
-  if name == "time" then name = "t" end
+columns.give("dm.wave_path", "path", function(path, name)
   for i, column in ipairs(COLUMNS) do
     if column == name then return path.rows:column(i) end
   end
-  option.fail("path:column", "no column '%s'; this path has %s", tostring(name),
-    table.concat(COLUMNS, ", "))
+  return nil, table.concat(COLUMNS, ", ")
 end, [[
 path:column(name) -> dm.vector
 "t", "norm" (integral of |psi|^2), "energy" (of psi* (T + V) psi + g/2 |psi|^4), "x" and "momentum"
 (means), "noether": the discrete Noether quantity of the phase, of "two-step" hbar Re<psi, psi+> -
 h/3 Im<psi, H psi+>, else hbar times the norm.]])
-
-class.method("dm.wave_path", "drift", function(path, name)
-  local y = type(name) == "string" and path:column(name) or name
-  if #path < 3 then option.fail("path:drift", "at least 3 rows are needed (got %d)", #path) end
-  if lists.count(y) ~= #path then
-    option.fail("path:drift", "the name of a column, or a number for each of %d rows, is needed "
-      .. "(got %s)", #path, option.got(name))
-  end
-  return core.drift(path.t, y)
-end, [[
-path:drift(name | vector) -> {per_time, error, mean, largest}
-Least squares slope of a column, or of #path numbers, against time, as of other paths.]])
 
 class.method("dm.wave_path", "checkpoint", function(path, file)
   return checkpoint.write(require "dm.wave.checkpoint", path, file)

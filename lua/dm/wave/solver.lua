@@ -2,7 +2,7 @@
 local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
-local lacking = require "dm.wave.lacking"
+local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 local path_ = require "dm.wave.path"
 local rules = require "dm.wave.rules"
@@ -13,7 +13,15 @@ local WHERE = "wave:solver"
 local Solver = core.class({ __name = "dm.wave_solver" }, [[
 dm.wave_solver: a rule that steps a wave
 fields: wave, rule, h]])
-lacking.refuse(Solver)
+lacking.refuse(Solver, { fellow = "dm.solver", what = "solver of a wave", reasons = {
+  ensemble = "a member is a run of its own: call solver:run for each psi, what the steps are "
+    .. "made of is kept",
+  step = "run { steps = 1 } makes one step",
+  solvability = "no rule for waves chooses its steps by an energy",
+  measured_order = "run with h and with h/2, and compare psi",
+  reversal = "the rules for waves are symmetric: run back from the complex conjugate of psi",
+  multipliers = "the multiplier of \"two-step\" is solver { norm = true }, and is not kept",
+} })
 
 function Solver.__tostring(s) return ("solver of a wave: %s, h = %g"):format(s.rule, s.h) end
 

@@ -1,8 +1,10 @@
 --- dm.flow: what a run of a flow recorded, and how it is recorded.
 local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
+local columns = require "dm.data.columns"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local lacking = require "dm.base.lacking"
 local npy = require "dm.data.npy"
 local operator = require "dm.dec.equations.operator"
 local option = require "dm.base.options"
@@ -17,6 +19,16 @@ local Flow = core.class({ __name = "dm.flow" }, [[
 dm.flow: what a run of K:euler recorded
 fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
 rule, euler, solver, sweeps (rates that a step needed, in the mean), file; #run rows]])
+
+lacking.refuse(Flow, { fellow = "dm.path", what = "flow", reasons = {
+  csv = "run:npy(file) writes rows and columns, run:column(name) has single ones",
+  energy = "it is a column: run:column \"energy\"",
+  momentum = "a flow on a surface keeps run:column \"circulation\"",
+  noether = "run:column \"energy\", \"enstrophy\" and \"circulation\" are what it keeps",
+  series = "run:column has the numbers over run.t",
+  velocity = "run:stream(i):d(), turned by 90 degrees, is that of row i",
+  worst = "run:drift(column).largest is the largest difference",
+} })
 
 local COLUMNS = { "energy", "enstrophy", "circulation" }
 
@@ -159,31 +171,11 @@ run:stream(i) -> dm.form
 The stream function of row i, div grad psi = w: 0 on boundaries, or at one vertex. d psi turned by
 90 degrees is the velocity.]])
 
-class.method("dm.flow", "column", function(run, name)
-  if name == "t" or name == "time" then return run.t end
-  local values = run.values[name]
-  if not values then
-    option.fail("flow:column", "there is no column %s; columns are %s", option.got(name),
-      table.concat(run.columns, ", "))
-  end
-  return values
+columns.give("dm.flow", "run", function(run, name)
+  return run.values[name], table.concat(run.columns, ", ")
 end, [[
 run:column(name) -> dm.vector
 "t", "energy", "enstrophy" or "circulation" of every row.]])
-
-class.method("dm.flow", "drift", function(run, what)
-  local values = type(what) == "string" and run:column(what) or what
-  local fine, y = pcall(core.vector, values)
-  if #run < 3 then option.fail("flow:drift", "at least 3 rows are needed (there are %d)", #run) end
-  if values == nil or not fine or #y ~= #run then
-    option.fail("flow:drift", "the name of a column or a vector of %d numbers, one a row, is "
-      .. "needed (got %s)", #run, option.got(what))
-  end
-  return core.drift(run.t, y)
-end, [[
-run:drift(name | vector) -> {per_time, error, mean, largest}
-As path:drift: the slope of a column, or of a vector of one number a row, against time, and its
-largest distance from the first row. At least 3 rows.]])
 
 class.method("dm.flow", "checkpoint", function(run, file)
   return checkpoint.write(require "dm.dec.flow.checkpoint", run, file)

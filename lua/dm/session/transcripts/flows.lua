@@ -313,6 +313,24 @@ M["box_run.balance"] = [=[
 > run:balance "energy" < 1e-12, run:balance "multisymplectic" < 1e-12
 true	true]=]
 
+M["box_run.column"] = [=[
+> boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
+>>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+>>   S = function(z) return z[2]^2/2 - z[3]^2/2 + 2*z[1]^2 end }
+> run = boxes:solver({ h = 0.1 }):run { z = { u = math.sin, p = math.cos }, steps = 10 }
+> #run:column "u7", run:column("u7")[11] == run.u[11][7]
+11	true
+> ("%.3f %.3f"):format(run:column("energy")[1], run:column("momentum")[11])
+9.349 3.123]=]
+
+M["box_run.drift"] = [=[
+> boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
+>>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+>>   S = function(z) return z[2]^2/2 - z[3]^2/2 + 2*z[1]^2 end }
+> run = boxes:solver({ h = 0.1 }):run { z = { u = math.sin, p = math.cos }, steps = 10 }
+> run:drift("energy").largest < 1e-13, run:drift("momentum").largest < 1e-13
+true	true]=]
+
 M["box_run.npy"] = [=[
 > boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 2*math.pi, 33, periodic = true },
 >>   M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
