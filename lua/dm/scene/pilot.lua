@@ -1,6 +1,7 @@
 --- Pilot runs of a scene: a model stepped by a rule over the whole time, what is watched at given
 -- times, distances between such records. How long the steps are is told by a number N: about so
 -- many of them are made.
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local engine = require "dm.reference.engine"
@@ -64,15 +65,21 @@ local AT_REST = "verlet"  -- steps what rests there
 function M.is_even(rule) return not (M.controlled(rule) or has_own_time(rule)) end
 
 local STANDARD, PROBES = 1e-9, { 64, 4096 }
+local PLACES = 0.6180339887  -- where the mean of V is taken: never in step with the motion
+local FEWEST = 16            -- the part of the steps of a probe that must be made at least
 
--- ds/dt of log-hamiltonian at the start, |V|; where it is not known, 1
+-- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1
 local function own_rate(model)
-  local start, given = model:ready().start, model.system.given
-  local fine, V = pcall(function()
-    return abs(bound(given.L, given.params)(start.q, 0 * start.q, start.t0))
+  local start, given, problem = model:ready().start, model.system.given, model.problem
+  local V = bound(given.L, given.params)
+  local fine, mean = blame.try(function()
+    local path = model.system:solver({ rule = "rk8", h = problem.T / 256 }):run(options_of(model, {
+      at = M.times(problem, PROBES[1], PLACES), control = { tolerance = 1e-3 } }))
+    local sum = 0
+    for i = 1, #path do sum = sum + abs(V(path.q[i], 0 * start.q, path.t[i])) end
+    return sum / #path
   end)
-  if not fine then M.pass_stop(V) end
-  return fine and V > 0 and V < huge and V or 1
+  return fine and mean > 0 and mean < huge and mean or 1
 end
 
 -- how many steps a rule with lengths of its own makes of the whole, and at which tolerance, or how
@@ -93,8 +100,11 @@ local function scale_of(model, rule)
     for _ = 1, 2 do -- the second one with steps that are short enough to tell
       local solver = model:ready().system:solver { rule = rule, h = h }
       solver:run(options_of(model, { at = finish }))
-      out = { length = h * max(1, solver:report().steps) }
+      out = { length = h * max(1, solver:report().steps), steps = solver:report().steps }
       h = out.length / PROBES[2]
+    end
+    if out.steps < PROBES[2] / FEWEST then
+      error(("%s: V almost vanishes at the start, where its steps are too long"):format(rule), 0)
     end
   end
   model.scales[rule] = out

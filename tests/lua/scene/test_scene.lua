@@ -320,6 +320,14 @@ do
   tap.ok(tried and tried < 25, "log-hamiltonian reaches it in a few steps", tried)
 end
 
+-- a start where V almost vanishes: log-hamiltonian stands still there, and took all the seconds to find out
+do
+  local saddle = dm.scene { dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 2 / 2 - q[1] ^ 4 / 4 end }, q = { 1e-3 }, v = { 0 },
+    watch = { "q1" }, tolerance = 1e-4, until_t = 20 }
+  local run = saddle:run()
+  tap.ok(run.error_estimate <= 1e-4 and not saddle.cut, "from the top of a hill in double precision", tostring(saddle.cut))
+end
+
 -- a deadline with a constraint
 do
   local rod = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return { q:dot(q) - 1 } end },
