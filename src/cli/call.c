@@ -1,12 +1,15 @@
 /* call.c - protected calls, Ctrl-C, messages. */
 #include "cli/call.h"
 
+#include "bind/core/bind.h"
 #include "bind/core/bind_terminal.h"
 #include "bind/core/missing_key.h"
 
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 const char *dml_program = "dmlua";
@@ -44,11 +47,14 @@ static void interrupt(lua_State *L, lua_Debug *ar) {
     lua_sethook(L, NULL, 0, 0);
 }
 
-/* Without SA_RESTART: a read of the terminal ends by Ctrl-C. */
+/* Without SA_RESTART: a read of the terminal ends by Ctrl-C. SIGINT and SIGTERM wait for each
+ * other. */
 static void set_signal(int number, void (*handler)(int), struct sigaction *before) {
     struct sigaction action = {0};
     action.sa_handler = handler;
     sigemptyset(&action.sa_mask);
+    sigaddset(&action.sa_mask, SIGINT);
+    sigaddset(&action.sa_mask, SIGTERM);
     sigaction(number, &action, before);
 }
 
@@ -66,9 +72,27 @@ static void wake(int signal) {
     alarm(1);
 }
 
-/* a second Ctrl-C finds the default action, which kills */
-static void stop(int signal) {
+/* One press of Ctrl-C may come as several signals, of the terminal and of a parent that hands its
+ * own on: those of less than SAME_PRESS s are one. Afterwards the default action kills. */
+static const double SAME_PRESS = 0.3;
+static double pressed = -INFINITY; /* s of the clock: when what runs was told to stop */
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* a signal after the one that stopped what runs */
+static void repeat(int signal) {
+    if (now() - pressed < SAME_PRESS) return;
     set_signal(signal, SIG_DFL, NULL);
+    raise(signal);
+}
+
+static void stop(int signal) {
+    set_signal(signal, repeat, NULL);
+    pressed = now();
     if (signal == SIGTERM) was_terminated = 1;
     if (signal == SIGINT) was_interrupted = 1;
     dml_stop = 1;
@@ -104,6 +128,16 @@ void dml_drop_interrupts(void) {
     set_signal(SIGINT, drop, NULL);
 }
 
+/* Where the default action would kill, the rest of a press that has stopped something waits for
+ * its message. */
+static void set_back(int signal, const struct sigaction *before) {
+    const int came = signal == SIGINT ? was_interrupted : was_terminated;
+    if (came && before->sa_handler == SIG_DFL)
+        set_signal(signal, repeat, NULL);
+    else
+        sigaction(signal, before, NULL);
+}
+
 /* Ctrl-C and SIGTERM become an error of Lua while this runs, and is nothing afterwards. */
 static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int results) {
     const int base = lua_gettop(L) - arguments;
@@ -115,8 +149,8 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
     set_signal(SIGINT, stop, &before);
     set_signal(SIGTERM, stop, &before_end);
     const int status = lua_pcall(L, arguments, results, base);
-    sigaction(SIGINT, &before, NULL);
-    sigaction(SIGTERM, &before_end, NULL);
+    set_back(SIGINT, &before);
+    set_back(SIGTERM, &before_end);
     dml_stop = 0;
     if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0), alarm(0);
     lua_remove(L, base);
@@ -150,22 +184,10 @@ int dml_is_failure(lua_State *L, int index) {
     return same;
 }
 
-/* Is the value at 1 what Ctrl-C raises? */
-static int is_stop(lua_State *L) {
-    const char *text = lua_tostring(L, 1);
-    if (text) return strstr(text, "interrupted!") != NULL;
-    if (!dml_is_failure(L, 1)) return 0;
-    lua_getfield(L, 1, "code");
-    text = lua_tostring(L, -1);
-    const int stopped = text && strcmp(text, "stopped") == 0;
-    lua_pop(L, 1);
-    return stopped;
-}
-
 /* The message handler of scripts: an object with __tostring gives its text, all else gets a
  * traceback. */
 static int add_traceback(lua_State *L) {
-    ended_by_stop = is_stop(L);
+    ended_by_stop = dml_is_stop(L, 1);
     if (!lua_tostring(L, 1)) {
         if (luaL_callmeta(L, 1, "__tostring") && lua_type(L, -1) == LUA_TSTRING) return 1;
         lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));

@@ -83,6 +83,34 @@ return {
   -- types of one name: file, name, why
   types = {
   },
+  -- pcalls of lua, which keep a stop to themselves: file, how many, what becomes of the error
+  pcalls = {
+    { "lua/dm/base/blame.lua", 5, "blame.try and its kin are made of them" },
+    { "lua/dm/chart/journal.lua", 1, "raised again with the chart so far" },
+    { "lua/dm/data/load.lua", 3, "raised again when the file is closed" },
+    { "lua/dm/data/npy.lua", 1, "raised again when the file is closed" },
+    { "lua/dm/dec/fields/prismal.lua", 1, "raised again when the rows so far are kept" },
+    { "lua/dm/demos/holes.lua", 1, "a script that shows an error" },
+    { "lua/dm/demos/stiff.lua", 2, "a script that shows errors" },
+    { "lua/dm/measure/scaling.lua", 2, "raised again, with the table so far" },
+    { "lua/dm/mpi/apart.lua", 1, "raised again when the rank is back" },
+    { "lua/dm/notebook/ask.lua", 1, "the answer of a request, which must have one" },
+    { "lua/dm/notebook/machine.lua", 1, "the answer of a request, which must have one" },
+    { "lua/dm/reduce/run/failure.lua", 1, "raised again, with what the path tells of it" },
+    { "lua/dm/session/text.lua", 1, "raised again when lines are printed again" },
+    { "lua/dm/session/variable.lua", 1, "inside of a message handler, whose levels are counted" },
+    { "lua/dm/show/animate/film.lua", 1, "raised again when the folder is removed" },
+    { "lua/dm/show/inline.lua", 1, "raised again when the file is removed" },
+    { "lua/dm/stability/closer.lua", 1, "raised again when the map is as it was" },
+    { "lua/dm/stability/jobs.lua", 1, "a stop is handed on with its members" },
+    { "lua/dm/stability/journal.lua", 1, "a stop is handed on, other errors are raised again" },
+    { "lua/dm/stability/lines.lua", 1, "the status of a member; a stop is raised with them all" },
+    { "lua/dm/sweep/carrier.lua", 2, "raised again when the journal is on the disk" },
+    { "lua/dm/sweep/ensemble.lua", 2, "raised again, with members renumbered" },
+    { "lua/dm/sweep/init.lua", 1, "the status of a member; a stop is raised in a text" },
+    { "lua/dm/sweep/join.lua", 1, "raised again when files are closed" },
+    { "lua/dm/sweep/workers.lua", 2, "raised again by the process that waits for it" },
+  },
   -- decisions by the name of a rule or a group: file, names, why
   decisions = {
     { "src/bind/run/bind_path.c", "sem", "path.sem is a field: what became of the energy" },

@@ -12,7 +12,6 @@ local standard = require "dm.action.standard"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local image, point, show = points.image, points.point, points.show
 
@@ -91,7 +90,7 @@ M.assemble = assemble
 local function try_map(action)
   local kit, name = groups.kit(action.group), tostring(action.group)
   local z = points.sample_point(action.on, core.random(20260), 3)
-  local fine, message = pcall(image, action, kit.identity(), z)
+  local fine, message = blame.try(image, action, kit.identity(), z)
   if fine or type(message) ~= "string" then return end
   error(("%s; map(g, z) gets g in %s, %s, and z, a vector of %d number%s, and returns such a "
     .. "vector"):format(message, name, require "dm.group.form".of(kit), action.dimension,

@@ -3,6 +3,7 @@
 --   f = L_q xi + L_v (D xi - v D tau) + L_t tau + L D tau = D B + c L,   D = d/dt along q(t).
 -- f - c L is a total derivative where the Euler operator E takes it to 0 (Olver 1993, thm 4.7), so
 -- c is found from E(f) = c E(L), and B_q = d(f - c L)/dv; B is the integral of B_q on a line.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local bound = require "dm.base.bound"
 local kits = require "dm.group.kit"
@@ -83,7 +84,7 @@ local function scale_of(f, L, n)
     local q, v = kits.normals(stream, 5 * i, n, 1), kits.normals(stream, 5 * i + 1, n, 1)
     local acceleration, t = kits.normals(stream, 5 * i + 2, n, 1), stream:uniform(5 * i + 3, 0, -1,
       1)
-    local fine, x, y = pcall(function()
+    local fine, x, y = blame.try(function()
       return Ef(q, v, acceleration, t), EL(q, v, acceleration, t)
     end)
     for k = 1, fine and kits.is_finite(x) and kits.is_finite(y) and n or 0 do
@@ -139,7 +140,7 @@ local function origin_of(g, n)
   for i = 0, SAMPLES do
     local q = i < 2 and zero:map(function() return i end) or kits.normals(stream, i, n, 1)
     for t = 0, 1 do
-      local fine, value = pcall(g, q, zero, t)
+      local fine, value = blame.try(g, q, zero, t)
       if fine and type(value) == "number" and value - value == 0 then return q, t end
     end
   end
@@ -168,7 +169,7 @@ end
 local function is_zero(B, n)
   local stream = core.random(91)
   for i = 1, 8 do
-    local fine, x = pcall(B, kits.normals(stream, i, n, 1), 0.3 * i)
+    local fine, x = blame.try(B, kits.normals(stream, i, n, 1), 0.3 * i)
     if not fine or abs(x) > 1e-10 then return false end
   end
   return true

@@ -11,7 +11,6 @@ local symmetries = require "dm.action.symmetry"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local abs, max = math.abs, math.max
 
@@ -65,7 +64,7 @@ end
 
 -- values of f, or nothing where it fails or is not finite
 local function values_of(f, z)
-  local fine, value = pcall(f, z)
+  local fine, value = blame.try(f, z)
   if not fine then return nil, value end
   local list = kits.is_scalar(value) and { value } or value
   if type(list) ~= "table" and kits.class_of(list) ~= "dm.vector" then
@@ -145,7 +144,7 @@ end
 -- symmetries up to divergence and scale, of a system on coordinates with an L that has a formula
 local function looser(action, system)
   if system.place or not system.given.L or system.given.derivatives == "hyperdual" then return end
-  local fine, symmetry, most, a = pcall(symmetries.of_system, action, system)
+  local fine, symmetry, most, a = blame.try(symmetries.of_system, action, system)
   if not fine then return end
   return symmetry, most, a
 end

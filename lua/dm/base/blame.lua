@@ -63,8 +63,8 @@ local function finish(f, object, fine, ...)
   error(message, 2)  -- the caller: finish took its place by a tail call
 end
 
---- Is it what Ctrl-C raises, in a C loop or between two instructions of Lua? What runs things under
--- pcall passes it on.
+--- Is it a stop: what Ctrl-C or the end of core.within raises, in a C loop or between two
+-- instructions of Lua?
 function M.is_stop(failure)
   if type(failure) == "string" then return failure:find("interrupted!", 1, true) ~= nil end
   local fine, code = pcall(function() return failure.code end)
@@ -76,7 +76,9 @@ local function passed(fine, ...)
   return fine, ...
 end
 
---- pcall, but for a stop by Ctrl-C, which passes: for functions of a user that are tried.
+--- pcall, but for a stop, which passes: for what is tried by code that goes on where it fails. Our
+-- modules have pcall only where every error is raised again, or a stop is handed on with what is
+-- there; tests/house knows these places.
 function M.try(f, ...) return passed(pcall(f, ...)) end
 
 --- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a

@@ -3,6 +3,7 @@
 --   L(q, v, t) = (v - b).A^-1 (v - b)/2 - H(q, 0, t)      (the Legendre transform, HLW VI.1.2).
 -- So every rule and every method that takes a Lagrangian takes such a system. Other H(q, p, t) are
 -- stepped as they stand (integ/phase).
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local options = require "dm.base.options"
@@ -38,7 +39,7 @@ end
 
 -- H_p at (q, p, t), or nothing where it has no value
 local function velocity(slope, n, q, p, t)
-  local fine, g = pcall(slope, q, p, t)
+  local fine, g = blame.try(slope, q, p, t)
   if not fine then return end
   local v = part(g, n, n)
   return finite(v, n) and v or nil
@@ -77,7 +78,7 @@ local function is_regular(slope, n, q, t)
     least = math.min(least, abs(A[j][j]))
   end
   if n > MOST or diagonal then return diagonal and least > 0 end
-  return (pcall(A.solve, A, b))
+  return (blame.try(A.solve, A, b))
 end
 
 -- has H a Lagrangian with a formula?

@@ -1,4 +1,5 @@
 --- Lists of numbers or symbols: tables, vectors and rows of paths alike.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -6,7 +7,7 @@ local M = {}
 --- How many entries x has; nothing where it is no list. A text is none, although it has a length.
 function M.count(x)
   if type(x) == "string" then return nil end
-  local fine, count = pcall(function() return #x end)
+  local fine, count = blame.try(function() return #x end)
   return fine and count or nil
 end
 
@@ -26,7 +27,7 @@ end
 -- for `what` it is, the count, a plural s, and what was given.
 function M.numbers(what, x, count, text)
   if type(x) == "number" and count == 1 then x = { x } end
-  local fine, out = pcall(core.vector, M.count(x) == count and x or nil)
+  local fine, out = blame.try(core.vector, M.count(x) == count and x or nil)
   if not fine then
     local got = M.count(x) == count and "something else" or M.got(x)
     error(text:format(what, count, count == 1 and "" or "s", got), 0)

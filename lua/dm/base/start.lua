@@ -1,6 +1,7 @@
 --- The start of a run as a caller gives it: the number of an only coordinate becomes a list of one,
 -- numbers by the names of coordinates ({ x = 1, y = 0 }) a list in their order.
 local count_of = require("dm.base.lists").count
+local blame = require "dm.base.blame"
 local option = require "dm.base.options"
 
 local M = {}
@@ -85,7 +86,7 @@ function M.of_system(options)
   if type(options) ~= "table" then return options end
   local out, key = {}, options.system ~= nil and "system" or 1
   local system = options[key]
-  local fine, own = pcall(function() return system.place end)
+  local fine, own = blame.try(function() return system.place end)
   if not (fine and type(system) == "userdata" and own and own.reduced) then return options end
   for name, value in pairs(options) do out[name] = value end
   out, out[key] = reduced(out, system, system)

@@ -39,7 +39,7 @@ local function system_of(options)
   if not system then
     fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }")
   end
-  local fine, solver = pcall(function() return system.solver end)
+  local fine, solver = blame.try(function() return system.solver end)
   if not (fine and solver) then
     fail("the first entry must be one dm.system (got %s): make a chart of each system",
       option.got(system))
@@ -156,8 +156,7 @@ end
 
 -- a point, or { why }: a failure belongs into the chart, it says where a rule stops working
 local function try_point(chart, entry, h)
-  local fine, point = pcall(measure, chart, entry, h)
-  if not fine and blame.is_stop(point) then error(point, 0) end
+  local fine, point = blame.try(measure, chart, entry, h)
   if fine and point.error == point.error and point.error < math.huge then return point end
   local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
   return { rule = entry.name, h = h, why = fine and "the error is not finite" or why }

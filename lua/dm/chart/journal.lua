@@ -1,5 +1,6 @@
 --- The journal of a chart. Member 1 is what all points share: the steps, how far the references are
 -- apart; each other member is a point, or why there is none.
+local blame = require "dm.base.blame"
 local carrier = require "dm.sweep.carrier"
 local core = require "dm.core"
 local fields = require "dm.data.fields"
@@ -15,7 +16,7 @@ local WHERE = "dm.chart"
 
 -- of a function its instructions, which names of variables and comments do not change
 local function code_of(f)
-  local fine, code = pcall(string.dump, f, true)
+  local fine, code = blame.try(string.dump, f, true)
   return fine and ("function %08x"):format(core.crc32(code)) or "function"
 end
 

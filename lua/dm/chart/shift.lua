@@ -1,6 +1,7 @@
 --- By how much time a run is ahead of its flow, and how far a group has turned it: the shift of the
 -- flow, and the element of the group, that fit a stretch of the run best, followed from the start,
 -- where nothing is shifted.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -103,7 +104,7 @@ local function improve(w, flow, at)
     end
   end
   if used < 4 then return nil end
-  local fine, step = pcall(function() return core.matrix(S):solve(core.vector(r)) end)
+  local fine, step = blame.try(function() return core.matrix(S):solve(core.vector(r)) end)
   return fine and step[1] == step[1] and step or nil, left, all
 end
 

@@ -1,4 +1,5 @@
 --- Fields of several sizes: what is compared at the end of their runs, of each kind of field.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local form = require "dm.dec.form"
 local grids = require "dm.line.grid"
@@ -57,7 +58,7 @@ end
 local function transferred(fine, K, degree, values, each)
   local remesh = require "dm.dec.dynamics.remesh".remesh
   local fine_cells, out = fine:count(degree), core.zeros(K:count(degree) * each)
-  local moved, why = pcall(function()
+  local moved, why = blame.try(function()
     local T = remesh(fine, K)
     for c = 1, each do
       local part = core.zeros(fine_cells)

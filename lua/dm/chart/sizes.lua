@@ -137,9 +137,8 @@ end
 
 -- a point, or why there is none; what stops it goes on
 local function try(chart, rule, i)
-  local fine, one = pcall(measure, chart, rule, i)
+  local fine, one = blame.try(measure, chart, rule, i)
   if fine then return one end
-  if blame.is_stop(one) then error(one, 0) end
   if type(one) == "string" then error(one, 0) end -- what is asked for is wrong
   chart.failures[#chart.failures + 1] = { rule = tostring(rule or ""), size = chart.sizes[i],
     why = tostring(one):match "^[^\n]*" }

@@ -70,8 +70,7 @@ end
 local function coarsest(system, options, rule)
   local before, good, first, n, wrong = nil, 0, nil, FEWEST, nil
   while n <= MOST do
-    local fine, q = pcall(last, system, options, rule, n)
-    if not fine and blame.is_stop(q) then error(q, 0) end
+    local fine, q = blame.try(last, system, options, rule, n)
     wrong = wrong or not fine and type(q) == "string" and q or nil
     local near = fine and before and (q - before):norm() <= SHOWN * (q:norm() + 1e-300)
     good = near and good + 1 or 0

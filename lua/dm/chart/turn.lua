@@ -1,5 +1,6 @@
 --- How a group turns coordinates: rotations of the plane or of space, the same for every block of
 -- coordinates, or shifts of coordinates that L does not depend on.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -110,7 +111,7 @@ local function keeps(system, options, R)
   local function L(x, y)
     return given.L(core.vector(x), core.vector(y), t, given.params)
   end
-  local fine, a, b = pcall(function() return L(q, v), L(apply(R, q), apply(R, v)) end)
+  local fine, a, b = blame.try(function() return L(q, v), L(apply(R, q), apply(R, v)) end)
   return fine and math.abs(a - b) <= 1e-9 * (math.abs(a) + math.abs(b) + 1e-300)
 end
 

@@ -56,7 +56,7 @@ local function name_of(x)
     local line = core.docs[x] and core.docs[x]:match "^[^\n({]*"
     return line and line:match "([%w_]+)%s*$"
   end
-  local fine, rule = pcall(function() return x.rule end)
+  local fine, rule = blame.try(function() return x.rule end)
   if fine and type(rule) == "string" then return rule end
   local meta = getmetatable(x)
   return type(meta) == "table" and type(meta.__name) == "string" and meta.__name:match "[%w_]+$"

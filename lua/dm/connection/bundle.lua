@@ -7,6 +7,7 @@
 --   n, d          dimensions of S and of G
 --   angles        {[i] = true} for the coordinates of S that are angles
 --   take(q, what) -> { x, g }, checked;  give(q) -> the same as the user sees it
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
@@ -30,7 +31,7 @@ end
 
 --- g as an element of the group; what is none says what it was.
 function M.element(bundle, g, what)
-  local fine, out = pcall(groups.element, bundle.group, g)
+  local fine, out = blame.try(groups.element, bundle.group, g)
   if not fine then error(("%s: %s"):format(what, out), 0) end
   return out
 end

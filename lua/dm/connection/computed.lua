@@ -90,7 +90,7 @@ local function matrix_of(value, rows, columns)
   if kits.is_scalar(value) then value = { value } end
   local count = lists.count(value)
   if not count or lists.count(value[1]) then
-    local fine, out = pcall(core.matrix, value)
+    local fine, out = blame.try(core.matrix, value)
     return fine and out
   end
   if rows == 1 then return core.matrix { lists.entries(value) } end
@@ -128,7 +128,7 @@ end
 local function semidirect(B)
   local linear_map = B.kit.acts.linear and B.kit.acts.linear(B.n)
   local base = kits.of(B.base)
-  local fine, space = pcall(core.semidirect, B.group, B.base, linear_map or nil)
+  local fine, space = blame.try(core.semidirect, B.group, B.base, linear_map or nil)
   if base.euclidean and fine then return space, linear_map end
   options.fail(WHERE, "log = \"group\" takes log(q1 q0^-1) of the semidirect product of the group "
     .. "and the base, R^n, on which it acts by matrices, as SO(3) on dm.R(3): %s over %s has none; "

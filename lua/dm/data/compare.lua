@@ -23,7 +23,7 @@ function class.__tostring(c)
 end
 
 local function is_path(x)
-  local fine, is = pcall(function()
+  local fine, is = blame.try(function()
     return x.columns ~= nil and x.steps ~= nil and x.column ~= nil
   end)
   return type(x) == "userdata" and fine and is

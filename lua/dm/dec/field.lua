@@ -1,5 +1,6 @@
 --- dm.vector_field: a vector at every vertex or in every top cell of a mesh with points, and what
 -- leads from vectors to forms and back (Leok 3.7, 3.9, Def 3.20-3.23, 3.26).
+local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
@@ -100,7 +101,7 @@ local function values_of(K, x, on)
   if type(x) == "function" then
     x = sample(x, on == "cells" and K:circumcentres(K.dimension) or K:points())
   end
-  local fine, values = pcall(core.matrix, lists.count(x) and x or {})
+  local fine, values = blame.try(core.matrix, lists.count(x) and x or {})
   if not fine then
     fail(where, "a vector of %d components is needed at each of the %s (%s)", N, on,
       lists.count(x) and tostring(values) or "got " .. option.got(x))

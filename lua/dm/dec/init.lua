@@ -107,7 +107,7 @@ end
 local function values_of(K, k, x)
   local count = K:count(k)
   if type(x) == "number" and count == 1 then x = { x } end
-  local fine, values = pcall(core.vector, x)
+  local fine, values = blame.try(core.vector, x)
   if not fine or #values ~= count then
     option.fail("mesh:form", "values on the %d cells of degree %d are needed, got %s", count, k,
       fine and tostring(#values) or option.got(x))

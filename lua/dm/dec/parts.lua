@@ -161,7 +161,7 @@ complex.]])
 M.embeddable = blame.caller(function(D, options)
   options = option.check(options or {}, { "tolerance" }, "dm.embeddable")
   local tolerance = option.positive(options, "tolerance", "dm.embeddable", "a number", 1e-10)
-  local fine, distances = pcall(core.matrix, D)
+  local fine, distances = blame.try(core.matrix, D)
   if not fine then fail("dm.embeddable", "a matrix of distances is needed") end
   local n = #distances
   local squares, mean, total = {}, {}, 0

@@ -45,11 +45,8 @@ end
 --- Places, growing, at which panels must end so that f is seen as it is; none where all is seen
 -- between the edges, or `given`, f as a script gave it, cannot be traced.
 function M.marks(f, given, edges)
-  local fine, bounded = pcall(core.trace, given, "number")
-  if not fine then
-    if blame.is_stop(bounded) then error(bounded, 0) end
-    return {}
-  end
+  local fine, bounded = blame.try(core.trace, given, "number")
+  if not fine then return {} end
   local panels, s = {}, { f = f, bounded = bounded, marks = {}, integral = 0, left = BOXES }
   for i = 2, #edges do
     local low, high, size = samples(f, edges[i - 1], edges[i])

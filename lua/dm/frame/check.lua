@@ -8,7 +8,6 @@ local tangent = require "dm.frame.tangent"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local abs = math.abs
 
@@ -70,7 +69,7 @@ local function sample(frame, seed)
   local h = element_near(frame, next_number)
   local others = F.moved(frame, h, list)
   local g2, there2 = is_tame(frame, others)
-  local _, P = pcall(is_tame, frame, { table.unpack(there, 2) })
+  local _, P = blame.try(is_tame, frame, { table.unpack(there, 2) })
   if not g2 then return end
   local probe = points.sample(frame, seed + 500, 2)
   local out = { condition = condition }
@@ -86,7 +85,7 @@ local function sample(frame, seed)
   out.replacement = abs(f - again) / (1 + abs(f))
   if P and type(P) ~= "string" and not frame.basis then
     local velocities = points.sample(frame, seed + 700, #list)
-    local fine, s = pcall(tangent.syzygies, frame, list, velocities)
+    local fine, s = blame.try(tangent.syzygies, frame, list, velocities)
     if fine then out.shift, out.derivative = s.shift / 20, s.derivative / 20 end
   end
   return out
@@ -104,7 +103,7 @@ function M.run(frame, o)
   local wanted = options.whole(o, "samples", "rho:check", 1, nil, 8)
   local worst, found, last = {}, 0, nil
   for seed = 1, 30 * wanted do
-    local fine, got = pcall(sample, frame, seed)
+    local fine, got = blame.try(sample, frame, seed)
     if not fine then last = got end
     if fine and got then
       found = found + 1

@@ -20,7 +20,6 @@ local trial = require "dm.frame.trial"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 local point, split, flat = points.point, points.split, points.flat
 
 local class = core.class({ __name = "dm.frame" }, [[
@@ -51,7 +50,7 @@ end
 -- points given one by one or as one list
 local function listed(self, ...)
   local first = ...
-  if select("#", ...) > 1 or not pcall(function() return #first end) then return { ... } end
+  if select("#", ...) > 1 or not blame.try(function() return #first end) then return { ... } end
   return points.unstacked(first, self.m)
 end
 
@@ -101,7 +100,7 @@ end
 local function check_section(self)
   local list = points.sample(self, 1)
   debug.getregistry().dm_forget()
-  local fine, value = pcall(section, self, list)
+  local fine, value = blame.try(section, self, list)
   if not fine then
     fail("the cross-section fails at %s: %s", text.points(list), tostring(value))
   end
@@ -129,7 +128,7 @@ end
 
 local function check_branch(self)
   local list = points.sample(self, 1)
-  local fine, values = pcall(branch_values, self, list)
+  local fine, values = blame.try(branch_values, self, list)
   if not fine then fail("the branch fails at %s: %s", text.points(list), tostring(values)) end
   if self.branch and #values == 0 then fail "the branch gives nothing: is a return missing?" end
   for _, b in ipairs(values) do
@@ -263,7 +262,7 @@ end)
 
 -- the error for points that have no frame
 local function no_frame(self, list, why)
-  local fine, _, condition = pcall(tangent.transversality, self, list)
+  local fine, _, condition = blame.try(tangent.transversality, self, list)
   error(text.no_frame(self, list, fine and condition or math.huge, why), 0)
 end
 
@@ -291,7 +290,7 @@ local function element(self, list)
   if self.solution then
     g = groups.element(self.group, self.solution(table.unpack(first)))
   else
-    local fine, y = pcall(self.root, flat(first))
+    local fine, y = blame.try(self.root, flat(first))
     if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end
     g = partial.element(self, y)
   end

@@ -16,7 +16,6 @@ local starts = require "dm.frame.invariant_start"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local class = core.class({ __name = "dm.invariant_problem" }, [[
 dm.invariant_problem: a variational problem in invariants of an action, by dm.invariant_problem{}
@@ -110,7 +109,7 @@ end
 local function reach_of(p, c)
   local reach, seen = 0, 0
   for seed = 1, 60 do
-    local fine, _, J = pcall(windows.slopes_apart, p, points.sample(p.frame, seed, p.N))
+    local fine, _, J = blame.try(windows.slopes_apart, p, points.sample(p.frame, seed, p.N))
     if fine then
       seen = seen + 1
       for i = 1, c do
@@ -157,12 +156,12 @@ local function functions_of_windows(p, o)
   if not o.constraint then return end
   function p.phi(list) return points.entries(o.constraint(p.invariants_of(list))) end
   for seed = 1, 60 do
-    local fine, value = pcall(p.phi, points.sample(p.frame, seed, p.N))
+    local fine, value = blame.try(p.phi, points.sample(p.frame, seed, p.N))
     if fine then p.constraints = #value break end
   end
   if p.constraints == 0 then
     fail("the constraint fails at all random points: %s",
-      tostring(select(2, pcall(p.phi, points.sample(p.frame, 1, p.N)))))
+      tostring(select(2, blame.try(p.phi, points.sample(p.frame, 1, p.N)))))
   end
   p.phi_slope = when_wanted(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
   p.bare_phi_slope = core.derivative(function(x)

@@ -10,7 +10,6 @@ local windows = require "dm.frame.invariant_windows"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local part = windows.part
 
@@ -126,7 +125,7 @@ end
 
 -- a guess of the next normalized point by what the last site found
 local function better_guess(p, values, list, mu)
-  local fine, seen = pcall(function()
+  local fine, seen = blame.try(function()
     local before = part(list, #list - p.window, p.window + 1)
     return p.move(p.rho(before), before)
   end)

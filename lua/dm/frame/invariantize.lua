@@ -1,5 +1,6 @@
 --- Functions and discrete Lagrangians at normalized points, z -> F(rho(z) z): invariant whatever
 -- F is (Bogfjellmo ch. 2 and 3).
+local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local frames = require "dm.frame"
@@ -75,7 +76,7 @@ function M.method(self, what)
     return invariant_lagrangian(self, what.Ld,
       what.sigma and reparametrized(what.Ld, what) or what.Ld.Ld)
   end
-  local fine, formula = pcall(function() return what.h and what end)
+  local fine, formula = blame.try(function() return what.h and what end)
   if not (fine and formula) then
     error("rho:invariantize takes a function of the points, a dm.discrete_lagrangian or { Ld =, "
       .. "sigma = } (got " .. type(what) .. ")", 0)

@@ -11,7 +11,6 @@ local text = require "dm.frame.text"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local fail = options.failing "dm.moving_frame"
 
@@ -44,7 +43,7 @@ end
 
 --- What a section with too few equations hears: how large the isotropy is.
 function M.advice(frame)
-  local fine, still = pcall(split_algebra, frame, points.sample(frame, 1))
+  local fine, still = blame.try(split_algebra, frame, points.sample(frame, 1))
   if not fine or #still == 0 then return "" end
   return (" (the points have an isotropy group of dimension %d: take more points, or a frame up to "
     .. "isotropy, partial = true, with %d equations)"):format(#still,
@@ -65,7 +64,7 @@ local function on_section(frame, section, seed)
     if o == 1 and not slope.rows then slope = core.matrix { slope:totable() } end
     local A = slope * generators(frame, list)
     local AAT = A * A:transpose()
-    local fine, y = pcall(AAT.solve, AAT, Z)
+    local fine, y = blame.try(AAT.solve, AAT, Z)
     if not fine then return nil end
     local xi = A:transpose() * y * -1
     local size = xi:norm()
@@ -77,7 +76,9 @@ end
 -- is the branch kept at these points?
 local function is_inside(frame, list)
   if not frame.branch then return true end
-  local fine, values = pcall(function() return points.entries(frame.branch(table.unpack(list))) end)
+  local fine, values = blame.try(function()
+    return points.entries(frame.branch(table.unpack(list)))
+  end)
   for i = 1, fine and #values or 0 do
     if not (values[i] > 0) then return false end
   end
@@ -94,7 +95,7 @@ end
 local function check_count(frame, section)
   local list = points.sample(frame, 1)
   local _, moving = split_algebra(frame, list)
-  local fine, value = pcall(section, frame, list)
+  local fine, value = blame.try(section, frame, list)
   if fine and #value ~= #moving then
     fail("partial: the orbits have dimension %d, so the cross-section must give %d numbers (it "
       .. "gives "
@@ -108,7 +109,7 @@ function M.prepare(frame, section)
   local found, basis = nil, nil
   check_count(frame, section)
   for seed = 1, TRIES do
-    local fine, list = pcall(on_section, frame, section, seed)
+    local fine, list = blame.try(on_section, frame, section, seed)
     if fine and list and is_inside(frame, list) then
       local still, moving = split_algebra(frame, list)
       if found and #found ~= #still then

@@ -1,4 +1,5 @@
 --- Points as a caller gives them, as lists of vectors.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local places = require "dm.action.points"
@@ -7,9 +8,9 @@ local M = {}
 
 -- a point as a dm.vector of m entries: from a vector, a table or, where m = 1, a number
 local function point(z, m, what)
-  if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then z = { z } end
-  local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
-  if not fine or type(v) == "string" or not pcall(function() return #v end) or #v ~= m then
+  if m == 1 and (type(z) == "number" or not blame.try(function() return #z end)) then z = { z } end
+  local fine, v = blame.try(function() return type(z) == "table" and core.vector(z) or z end)
+  if not fine or type(v) == "string" or not blame.try(function() return #v end) or #v ~= m then
     error(("%s must have %d entries"):format(what, m), 0)
   end
   for j = 1, m do
@@ -70,7 +71,7 @@ end
 function M.entries(value, ...)
   if select("#", ...) > 0 then return several(value, ...) end
   if type(value) == "table" then return { table.unpack(value) } end
-  local fine, count = pcall(function() return #value end)
+  local fine, count = blame.try(function() return #value end)
   if not fine or type(value) == "string" then return { value } end
   local out = {}
   for i = 1, count do out[i] = value[i] end

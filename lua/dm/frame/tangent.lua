@@ -8,7 +8,6 @@ local core = require "dm.core"
 local linear = require "dm.base.linear"
 local points = require "dm.frame.points"
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local M = { docs = {}, CONDITION = 1e10 } -- of J psi: beyond it the frame turns on round-off
 
@@ -101,7 +100,7 @@ function M.transversality(frame, list)
   local first = { table.unpack(list, 1, frame.k) }
   local J, r = J_at(frame, first), frame.r
   local A = J * psi_at(frame, first)
-  local fine, inverse = pcall(function() return A:inverse() end)
+  local fine, inverse = blame.try(function() return A:inverse() end)
   local condition, size_of_inverse = math.huge, math.huge
   if fine then
     local turns = size(J, r, frame.k * frame.m) * require("dm.frame").flat(first):norm()
@@ -142,7 +141,7 @@ local SAMPLES = 6  -- of general points; what is singular at all of them is sing
 function M.check_orbits(frame, on_section)
   local enough, seen = frame.k * frame.m >= frame.r, 0
   for seed = 1, enough and SAMPLES or 0 do
-    local fine, _, condition = pcall(M.transversality, frame, points.sample(frame, seed))
+    local fine, _, condition = blame.try(M.transversality, frame, points.sample(frame, seed))
     if fine and condition < M.CONDITION then return end
     seen = seen + (fine and 1 or 0)
   end
@@ -189,7 +188,7 @@ end
 function M.phantom(frame, count)
   local out, values = {}, {}
   for seed = 1, 60 do
-    local fine, list = pcall(function()
+    local fine, list = blame.try(function()
       local z, F = points.sample(frame, seed, max(count, frame.k)), require "dm.frame"
       -- again from the section, where the frame is the identity and rounds least
       for _ = 1, 2 do z = F.moved(frame, F.element(frame, z), z) end

@@ -15,7 +15,6 @@ local text = require "dm.frame.text"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local huge, max, min = math.huge, math.max, math.min
 
@@ -53,7 +52,7 @@ end
 local function moved(frame, g, list)
   local out = {}
   for i, z in ipairs(list) do
-    local fine, w = pcall(places.image, frame.action, g, z)
+    local fine, w = blame.try(places.image, frame.action, g, z)
     if not fine or not (places.size(w) < FAR) or not places.is_inside(frame.action, w) then
       return nil
     end
@@ -66,7 +65,7 @@ end
 local function hint(trial, g, list)
   local frame = trial.frame
   local there = moved(frame, groups.kit(frame.group).inverse(g), list)
-  local fine, off = pcall(tangent.distance, frame, there, there and trial.section(frame, there))
+  local fine, off = blame.try(tangent.distance, frame, there, there and trial.section(frame, there))
   return fine and off < VALID and "; its inverse is: solution gives the element that moves the "
     .. "points to the section" or ""
 end
@@ -90,10 +89,9 @@ end
 -- what the formula gives, an element; nothing where it raises or is not finite
 local function by_formula(frame, list)
   local kit = groups.kit(frame.group)
-  local fine, value = pcall(frame.solution, table.unpack(list))
-  if blame.is_stop(value) then error(value, 0) end
+  local fine, value = blame.try(frame.solution, table.unpack(list))
   if not fine then return nil, value end
-  local is, g = pcall(kit.element, value)
+  local is, g = blame.try(kit.element, value)
   if not is then refuse("at z = %s the solution gives something else: %s", text.points(list), g) end
   if not kits.is_finite(kit.entries(g)) then return nil end
   local defect, why = kit.defect(g)
@@ -107,7 +105,7 @@ end
 -- The root; nothing where there is none, and why. What else it raises is an error of the section,
 -- branch or start.
 local function by_root(frame, list)
-  local fine, y = pcall(frame.root, points.flat(list))
+  local fine, y = blame.try(frame.root, points.flat(list))
   if fine then return require("dm.frame.partial").element(frame, y) end
   if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
   return nil, y
@@ -140,10 +138,10 @@ end
 -- Are the points there on the section? Nothing: it cannot be told.
 local function is_on(trial, list, a)
   local frame = trial.frame
-  local fine, Z = pcall(trial.section, frame, a.there)
+  local fine, Z = blame.try(trial.section, frame, a.there)
   if not fine or not kits.is_finite(Z) then return nil end
   if is_surely_on(trial, Z) then return true end
-  local told, off, condition, unit = pcall(tangent.distance, frame, a.there, Z)
+  local told, off, condition, unit = blame.try(tangent.distance, frame, a.there, Z)
   if not told then fail("the cross-section has no derivative: %s", blame.bare(off)) end
   a.condition = condition
   if not (condition < tangent.CONDITION and off < huge) then return nil end

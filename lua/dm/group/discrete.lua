@@ -32,7 +32,7 @@ local function ends_of(Ld, g0, g1)
   local kit, P = kits.of(Ld.Q), Ld.place
   local out = {}
   for k, g in ipairs { g0, g1 } do
-    local fine, x = pcall(kit.element, g)
+    local fine, x = blame.try(kit.element, g)
     if not fine then error(("g%d: %s"):format(k - 1, x), 0) end
     out[k] = core.vector(P.flat(x))
   end

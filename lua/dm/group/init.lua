@@ -58,7 +58,7 @@ end
 
 -- an element; a matrix of numbers that is not on the group is an error
 local function element(kit, x, space)
-  local right, g = pcall(kit.element, x)
+  local right, g = blame.try(kit.element, x)
   if not right then error(tostring(g) .. looks(kit, space), 0) end
   local list = kit.entries and kit.entries(g) or g
   for i = 1, #list do
@@ -67,7 +67,7 @@ local function element(kit, x, space)
   if not kits.is_finite(list) then error("the group element is not finite", 0) end
   local defect, why = kit.defect(g)
   if not (defect <= LOOSE) then
-    local fine, near = pcall(kit.project, g)
+    local fine, near = blame.try(kit.project, g)
     local hint = fine and kit.defect(near) <= LOOSE and "; G:project(g) is an element near it"
       or looks(kit, space)
     error(("this is no element of %s: %s%s")
@@ -283,7 +283,7 @@ local VALID = 1e-9
 core.method("dm.space", "valid", blame.caller(function(space, g)
   check_space(space)
   local kit = M.kit(space)
-  local fine, element = pcall(kit.element, g)
+  local fine, element = blame.try(kit.element, g)
   if not fine then return false, element end
   if not kits.is_finite(kit.entries and kit.entries(element) or kit.flat(element)) then
     return false, "it is not finite"

@@ -24,6 +24,7 @@
 --   arcs(xi)                squares of the angles by which exp(xi) turns, below pi^2 where log is
 --                           its inverse; nothing where it always is
 --   manifold                true where it is none: a space without a product of its points
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local matrix_functions = require "dm.group.matrix_functions"
@@ -106,7 +107,7 @@ function M.matrix(x, n, what)
     error(("%s must be a matrix of %d x %d (got %s)"):format(what, n, n, class), 0)
   end
   if class == "table" then
-    local fine, m = pcall(core.matrix, x)
+    local fine, m = blame.try(core.matrix, x)
     if not fine then
       error(("%s must be a matrix of %d x %d: %s"):format(what, n, n, m:match "%((.*)%)$" or m), 0)
     end
@@ -189,7 +190,7 @@ local function cayley_of_matrices(kit)
   end
   kit.cayleyinv = kit.cayleyinv or function(g)
     local m = kit.matrix(g)
-    local fine, x = pcall(m.solve, m + one, m - one)
+    local fine, x = blame.try(m.solve, m + one, m - one)
     if not fine or linear.is_plain(x) and linear.size(x) > UNREACHED then
       error("the Cayley map does not reach this element: -1 is one of its eigenvalues", 0)
     end

@@ -1,5 +1,6 @@
 --- Matrix functions for the groups, over numbers, symbols and hyper-dual numbers: exponential and
 -- its differential, principal logarithm, nearest orthogonal and symplectic matrix.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -171,13 +172,13 @@ local function average(x, dual, what)
   local plain = linear.is_plain(x)
   for i = 1, plain and 100 or SYMBOL_AVERAGES do
     if i < 5 then
-      local fine, scale = pcall(scale_of, x)
+      local fine, scale = blame.try(scale_of, x)
       if not fine or scale == math.huge then
         error(("there is no nearest %s matrix: it is singular"):format(what), 0)
       end
       x = x * scale
     end
-    local fine, other = pcall(dual, x)
+    local fine, other = blame.try(dual, x)
     if not fine then error(("there is no nearest %s matrix: %s"):format(what, other), 0) end
     local y = (x + other) * 0.5
     if plain and linear.size(y - x) <= 1e-15 * linear.size(x) then return y end

@@ -14,6 +14,7 @@
 --                  difference would lose digits
 --   mend(list)     what tidy adds
 --   follow(list, last)  those of the same element that are near to `last`
+local blame = require "dm.base.blame"
 local changes = require "dm.group.change"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
@@ -256,7 +257,7 @@ local LOOSE = 1e-9  -- how far a start may be off its group
 -- the element, on the group or brought there
 local function on_group(place, q, project)
   local kit = place.kit
-  local fine, g = pcall(kit.element, q)
+  local fine, g = blame.try(kit.element, q)
   if not fine then
     error(("%s; an element of %s is %s"):format(g, tostring(place.space),
       require "dm.group.form".of(kit)), 0)

@@ -1,5 +1,6 @@
 --- Products of groups, and of spaces: elements are lists {g, h, ...}; algebra vectors and flat
 -- coordinates stand one after the other.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 
@@ -25,7 +26,7 @@ local function element_of(parts, method)
     end
     local out = {}
     for k, part in ipairs(parts) do
-      local fine, x = pcall(part[method], g[k])
+      local fine, x = blame.try(part[method], g[k])
       if not fine then error(("factor %d: %s"):format(k, x), 0) end
       out[k] = x
     end

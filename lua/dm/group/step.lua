@@ -1,5 +1,6 @@
 --- The functions of dm.step as functions of flat coordinates, which are traced: y becomes a table
 -- with q, p, t, and m has the functions of the system.
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -69,7 +70,7 @@ local function check_quadratic(system, L, mass)
   local own, d = system.place, L.dimension
   local x, v = kits.normals(core.random(3), 0, d, 0.3), kits.normals(core.random(3), 1, d, 0.7)
   local base = L.coordinates(own and own.kit.exp(x) or x)
-  local fine, a, b = pcall(function()
+  local fine, a, b = blame.try(function()
     return mass(base, core.zeros(d), 0), mass(base, v, 0)
   end)
   if fine and linear.largest(a - b) > 1e-9 * linear.largest(a) then
@@ -284,7 +285,7 @@ function M.is_timed(options, system)
   local parts, total = options.parts, 0
   for _, entry in ipairs(parts or {}) do total = total + entry[2] end
   local m = M.functions_of(system)
-  pcall(core.trace, function(z, t, h)
+  blame.try(core.trace, function(z, t, h)
     local q, p, list = part(z, 0, n), part(z, n, d), part(z, n + d, total)
     local y = state_of(system, parts, q, p, t, list)
     local value = options.next(y, part(z, n + d + total, options.unknowns), h, m)

@@ -106,8 +106,8 @@ local function follow(boxes, known, given)
     if is_zero(boxes.M[r]) then
       local c, how = told_by(boxes, r, known)
       if c then
-        local fine, values = pcall(how, boxes, r, c, known)
-        if not fine and (blame.is_stop(values) or not given[c]) then error(values, 0) end
+        local fine, values = blame.try(how, boxes, r, c, known)
+        if not fine and not given[c] then error(values, 0) end
         known[c] = fine and values or given[c]
         return true
       end

@@ -167,7 +167,7 @@ local function bind(state, known, given, open, loose)
   for _, c in ipairs(candidates(state, given)) do
     local others, slope = {}, state.slope[c]
     for k, values in pairs(known) do others[k] = k ~= c and values or nil end
-    local fine = pcall(follow.all, state, others, {})
+    local fine = blame.try(follow.all, state, others, {})
     if fine and others[c] and not broken(state, others, open) then
       known[c] = move(state, given[c], others[c], c)
       return
@@ -248,9 +248,8 @@ end
 local function known_of(state, given)
   if kernel.is_aligned(state) then return by_rows(state, given) end
   local slopes = lists.copy(state.slope)
-  local fine, known, loose = pcall(by_rows, state, given)
+  local fine, known, loose = blame.try(by_rows, state, given)
   if fine then return known, loose end
-  if blame.is_stop(known) then error(known, 0) end
   state.slope, state.moved = slopes, {}
   return moved_along_kernel(state, given), {}
 end

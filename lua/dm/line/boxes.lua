@@ -33,7 +33,7 @@ lacking.refuse(Solver, { fellow = "dm.solver", what = "solver of boxes", reasons
 ---- what is given ----
 
 local function square(given, key, d)
-  local fine, matrix = pcall(core.matrix, given)
+  local fine, matrix = blame.try(core.matrix, given)
   if not fine or #matrix ~= #matrix[1] or d and #matrix ~= d then
     fail("option '%s' must be a matrix of %s numbers (got %s)", key,
       d and ("%d x %d"):format(d, d) or "d x d", option.got(given))

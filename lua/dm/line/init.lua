@@ -69,7 +69,7 @@ local function check_speeds(L, n, grid)
     local seen, moves = false, false
     for row = 1, 5 do
       local function at(u, ut, ux) return L(u, ut, ux, grid.from + 0.3 * grid.dx, 0.1 * row) end
-      local fine, a, b = pcall(function()
+      local fine, a, b = blame.try(function()
         return at(sample.of(random, row, n)), at(sample.of(random, row, n, k))
       end)
       if not fine and tostring(a):find "must return" then error(a, 0) end

@@ -112,7 +112,7 @@ local function beyond(run)
   local field, solver = run.field, run.solver
   if solver.moves then return nil end
   for _, about in ipairs { { "the start", run.u[1] }, { "u = 0", 0 } } do
-    local fine, limit = pcall(field.stability_limit, field, solver.rule, { u = about[2],
+    local fine, limit = blame.try(field.stability_limit, field, solver.rule, { u = about[2],
       t = run.t[#run.t] })
     if fine and limit < solver.h * (1 - 1e-9) then return limit, about[1] end
   end

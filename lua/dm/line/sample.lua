@@ -1,4 +1,5 @@
 --- Numbers at which the L of a field on a line is looked at.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -18,7 +19,7 @@ end
 
 --- f(...) as a number; NaN where it is none.
 function M.number(f, ...)
-  local fine, value = pcall(f, ...)
+  local fine, value = blame.try(f, ...)
   return fine and type(value) == "number" and value or 0 / 0
 end
 

@@ -1,4 +1,5 @@
 --- Ld:against_exact: how far the discrete Lagrangian of a rule is from that of the flow.
+local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local options = require "dm.base.options"
@@ -23,7 +24,7 @@ end
 local function read_steps(given)
   local list = options.need(given, "h", WHERE, "a list of steps")
   if type(list) == "number" then list = { list } end
-  local fine, hs = pcall(core.vector, list)
+  local fine, hs = blame.try(core.vector, list)
   for i = 1, fine and #hs or 0 do fine = fine and hs[i] > 0 and hs[i] < math.huge end
   options.demand(fine and #hs > 0, given, "h", WHERE, "a list of steps > 0")
   return hs

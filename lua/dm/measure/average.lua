@@ -1,5 +1,6 @@
 --- Ld:average: the mean of a discrete Lagrangian over a compact group, which is invariant.
 local actions = require "dm.action"
+local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local groups = require "dm.group"
@@ -60,7 +61,7 @@ end
 
 -- of a rule of stages, whose velocities are found inside
 local function solved_formula(Ld)
-  local fine, coefficients = pcall(Ld.coefficients, Ld)
+  local fine, coefficients = blame.try(Ld.coefficients, Ld)
   if not fine or not coefficients then
     options.fail(WHERE, "the Ld of '%s' is no formula and has no stages: take a rule of stages, "
       .. "gauss(s), lobatto(s), galerkin(s, quadrature), or a formula of your own", Ld.rule)
@@ -101,7 +102,7 @@ local function defect_at(f, mean, Ld, action, stream, i)
   local a = kits.normals(stream, 2 * i, n, 0.7)
   local b = a + kits.normals(stream, 2 * i + 1, n, 0.3)
   local g = kit.sample(stream, 1000 + i)
-  local fine, x, y, size = pcall(function()
+  local fine, x, y, size = blame.try(function()
     local function at(F, u, v) return F(u, v, Ld.h, Ld.params) end
     return at(mean, a, b), at(mean, actions.move(action, g, a), actions.move(action, g, b)),
       abs(at(f, a, b)) + abs(at(f, actions.move(action, g, a), actions.move(action, g, b)))

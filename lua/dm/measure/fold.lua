@@ -38,12 +38,12 @@ end
 local function solve(solver, moves, q0, p0, guess, h)
   local Ld, q1, last = with_step(solver, h), guess, huge
   for _ = 1, 30 do
-    local fine, r = pcall(Ld.legendre_minus, Ld, q0, q1)
-    local also, W = pcall(Ld.two_form, Ld, q0, q1)
+    local fine, r = blame.try(Ld.legendre_minus, Ld, q0, q1)
+    local also, W = blame.try(Ld.two_form, Ld, q0, q1)
     if not (fine and also) then return nil end
-    local solved, d = pcall(W.solve, W, p0 - r)
+    local solved, d = blame.try(W.solve, W, p0 - r)
     if not solved then return nil end
-    local moved, there = pcall(moves.plus, q1, d)
+    local moved, there = blame.try(moves.plus, q1, d)
     if not moved then return nil end
     q1 = there
     local size = d:norm() / moves.size(q0, q1)
@@ -102,7 +102,7 @@ local function check_start(solver, options, what, rule)
     error(what .. ": give the start as q and v or as q and p", 0)
   end
   local step = { rule = solver.rule, h = solver.h }
-  local fine, why = pcall(core.discrete_lagrangian, solver.system, step)
+  local fine, why = blame.try(core.discrete_lagrangian, solver.system, step)
   if not fine then
     error(("%s: the step of '%s' is not one equation for q1: it is explicit, or composed of "
       .. "steps (%s)"):format(what, rule, tostring(why):match "^[^\n]*"), 0)

@@ -117,7 +117,7 @@ end
 -- has outgrown all others
 local function run_beside(lifted, s, j, steps, every)
   local n, w = s.n, s.vectors[j]
-  local fine, path = pcall(lifted.run, lifted, { q = lists.joined(s.q, lists.part(w, 0, n)),
+  local fine, path = blame.try(lifted.run, lifted, { q = lists.joined(s.q, lists.part(w, 0, n)),
     p = lists.joined(lists.part(w, n, n), s.p), t0 = s.t, steps = steps, every = every,
     project = s.project, watch = { growth = growth_of(n), x = function(x) return x end,
       p = function(_, _, _, y) return y end } })

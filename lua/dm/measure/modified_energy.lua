@@ -109,7 +109,7 @@ local function is_simple(system)
   if not (s.separable and s.constant_mass) then return false end
   local n, rest, here = system.Q.dimension, {}, {}
   for i = 1, n do rest[i], here[i] = 0, 0.1 * i end
-  local fine, p = pcall(system.momentum, system, here, rest)
+  local fine, p = blame.try(system.momentum, system, here, rest)
   return fine and p:norm() == 0
 end
 
@@ -236,7 +236,7 @@ end
 local function run_extended(solver, system, simple, options)
   local q, p = start_of(system, options)
   local whole = system.place and extended_on_group(system) or extended(system, simple)
-  local fine, path = pcall(function()
+  local fine, path = blame.try(function()
     return whole:solver { rule = solver.rule, h = solver.h,
       newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
       :run { q = q, p = p, steps = options.steps }

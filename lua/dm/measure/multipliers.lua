@@ -227,7 +227,7 @@ local function fingerprint(f, at)
   out[#out + 1] = f.g and f.g(at.q, at.t) or 0
   local text = {}
   local function add(x)
-    local fine, count = pcall(function() return #x end)
+    local fine, count = blame.try(function() return #x end)
     if type(x) == "number" or not fine then text[#text + 1] = ("%a"):format(x) return end
     for i = 1, count do add(x[i]) end
   end
@@ -307,7 +307,7 @@ local function state(system, q, v, t, what)
   end
   if not place then check("q", q) end
   check("v", v)
-  local fine, symbol = pcall(function() return t == nil or type(t) == "number" or t + 0 end)
+  local fine, symbol = blame.try(function() return t == nil or type(t) == "number" or t + 0 end)
   if not fine or type(symbol) == "table" then
     error(("%s: t must be a number (got %s)"):format(what, type(t)), 0)
   end

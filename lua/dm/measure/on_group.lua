@@ -1,5 +1,6 @@
 --- Linearization and tangent maps of systems on groups, in the left trivialization: a change of g
 -- is u = g^-1 dg, of the body momentum dp.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
@@ -62,7 +63,7 @@ end
 
 -- a run on the tangent group, whose chart is longer than that of the group
 local function run_prolonged(solver, lifted, options, what)
-  local fine, path = pcall(lifted.run, lifted, options)
+  local fine, path = blame.try(lifted.run, lifted, options)
   if fine then return path end
   local why = type(path) == "string" and path
   if why and why:find "it splits L" then

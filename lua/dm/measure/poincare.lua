@@ -138,14 +138,12 @@ local function run(solver, o, start, g)
   local direction = o.direction ~= "both" and (o.direction or "up") or nil
   start, solver = starts.lists({ q = start.q, v = start.v, p = start.p, a = start.a or o.a },
     solver)
-  local fine, path = pcall(solver.run, solver, { q = start.q, v = start.v, p = start.p, t = o.t,
+  local fine, path = blame.try(solver.run, solver, { q = start.q, v = start.v, p = start.p, t = o.t,
     steps = o.steps, t0 = o.t0, project = o.project, every = o.every or ONLY_ENDS,
     events = { cut = { g = g, direction = direction } } })
   if fine then return path end
-  local failed, so_far = pcall(function() return path.path end)
-  if type(path) == "string" or blame.is_stop(path) or not failed or not so_far then
-    error(path, 0)
-  end
+  local failed, so_far = blame.try(function() return path.path end)
+  if type(path) == "string" or not failed or not so_far then error(path, 0) end
   return so_far, path
 end
 

@@ -146,9 +146,9 @@ local MOST_ROWS, BAD = 4000, 1e4
 local function path_of(solver, options, steps)
   local run = lists.copy(options)
   run.every = max(1, steps // MOST_ROWS)
-  local fine, path = pcall(solver.run, solver, run)
+  local fine, path = blame.try(solver.run, solver, run)
   if fine then return path end
-  if type(path) == "string" or path.code == "stopped" or not path.path then error(path, 0) end
+  if type(path) == "string" or not path.path then error(path, 0) end
   return path.path, path
 end
 
@@ -156,7 +156,7 @@ end
 -- values are negative, the velocity; nothing where no velocity belongs to the momentum
 local function look_at(system, path, rows, i, first)
   local q, t = path.q[i], path.t[i]
-  local known, v = pcall(path.velocity, path, i)
+  local known, v = blame.try(path.velocity, path, i)
   if not known then return nil end
   local mass, across = system:mass(q, v, t), rows and rows(q, v, t)
   local scales = first and first.scales or scales_of(mass)

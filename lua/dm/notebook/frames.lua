@@ -1,5 +1,6 @@
 --- Frames of a session that a program drives: one JSON object a line, on two descriptors of their
 -- own, so that what a cell and its child processes print stays apart.
+local blame = require "dm.base.blame"
 local json = require "dm.base.json"
 
 local M = {}
@@ -17,7 +18,7 @@ function M.read()
   while true do
     local line, _, code = input:read "L"
     if line then
-      local fine, request = pcall(json.decode, line)
+      local fine, request = blame.try(json.decode, line)
       if fine and type(request) == "table" then return request end
       M.write { event = "wrong", text = fine and "a frame is an object" or request }
     elseif code ~= EINTR then

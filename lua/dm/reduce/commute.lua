@@ -126,7 +126,7 @@ local function step_faces(rows, c)
 end
 
 local function literal_face(rows, c)
-  local fine, step = pcall(c.shape.rsprk, c.shape, { rule = c.rule, h = c.h })
+  local fine, step = blame.try(c.shape.rsprk, c.shape, { rule = c.rule, h = c.h })
   if not fine then return end
   local reduced, worst = c.reduced, 0
   local a, s = reduced.q[1], c.shape:magnetic_momentum(reduced.q[1], reduced.p[1])
@@ -229,7 +229,7 @@ M.commute = blame.caller(function(system, options)
   c.full = c.system:solver({ rule = c.rule, h = c.h }):run { q = c.q, v = c.v, steps = c.steps }
   c.reduced = c.shape:solver({ rule = c.rule, h = c.h }):run { q = c.x, v = c.u, steps = c.steps }
   local rows = setmetatable({ rule = c.rule, h = c.h, steps = c.steps, mu = c.mu }, class)
-  local fine, D = pcall(c.shape.discrete, c.shape, { rule = c.rule, h = c.h })
+  local fine, D = blame.try(c.shape.discrete, c.shape, { rule = c.rule, h = c.h })
   if fine then
     c.D = D
     discrete_faces(rows, c)

@@ -27,7 +27,7 @@ local run, run_doc = core.method("dm.solver", "run")
 -- a run of a reduced system that fails says what of the reduction is in the way
 local function guarded(solver, options)
   local routh = package.loaded["dm.reduce.routh"]
-  if routh and pcall(function() return solver.system end) and routh.info(solver.system) then
+  if routh and blame.try(function() return solver.system end) and routh.info(solver.system) then
     return require "dm.reduce.run.failure".run(run, solver, options)
   end
   return run(solver, options)
@@ -45,7 +45,7 @@ local ensemble, ensemble_doc = core.method("dm.solver", "ensemble")
 
 local function guarded_ensemble(solver, options)
   local routh = package.loaded["dm.reduce.routh"]
-  if routh and pcall(function() return solver.system end) and routh.info(solver.system) then
+  if routh and blame.try(function() return solver.system end) and routh.info(solver.system) then
     return require "dm.reduce.run.members".ensemble(ensemble, run, solver, options)
   end
   return ensemble(solver, options)

@@ -37,11 +37,6 @@ function M.is_refusal(why)
   return false
 end
 
---- A failure that only the person at the keyboard can mean is passed on.
-function M.pass_stop(failure)
-  if blame.is_stop(failure) then error(failure, 0) end
-end
-
 --- The first line of a failure, without its place.
 function M.words(failure)
   return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", ""))
@@ -72,9 +67,8 @@ end
 
 -- the same; path, or nil and why not
 local function try(self, ...)
-  local fine, path = pcall(run, self, ...)
+  local fine, path = blame.try(run, self, ...)
   if fine then return path end
-  M.pass_stop(path)
   return nil, M.words(path), path
 end
 
@@ -112,7 +106,7 @@ end
 
 local function lists(self)
   if self.system.place then return FIRST_ON_GROUPS, SECOND_ON_GROUPS end
-  local fine, s = pcall(self.system.structure, self.system)
+  local fine, s = blame.try(self.system.structure, self.system)
   local separable = fine and s.separable and s.constraints + s.rolling == 0
   local many = separable and self.system.Q.dimension > MANY
   return separable and FIRST_SEPARABLE or FIRST, many and FOR_MANY or SECOND

@@ -80,15 +80,13 @@ end
 --- { system =, start =, watch = } with the same motion, of a system whose L is linear in v and
 -- which has nothing beside it; nil where there is no such form. p of it is v.
 function M.of(system, start, t0, watch)
-  local fine, s = pcall(system.structure, system)
+  local fine, s = blame.try(system.structure, system)
   if not fine or not (s.linear_in_v and system.given.L and start.q) or s.forced
     or s.constraints + s.rolling > 0 then
     return nil
   end
-  local made, out = pcall(form, system, start, t0, watch)
-  if made then return out end
-  if blame.is_stop(out) then error(out, 0) end
-  return nil
+  local made, out = blame.try(form, system, start, t0, watch)
+  return made and out or nil
 end
 
 return M

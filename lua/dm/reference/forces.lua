@@ -1,5 +1,6 @@
 --- The forces of a system as one traced function of (q, v, t), for steps that must not jump over
 -- what is narrow in them (solver:run{control = { hidden = }}).
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -45,7 +46,7 @@ end
 function M.of(system)
   if not system.given.L then return nil, "the system is given by its H" end
   if system.place then return nil, "the system lives on a group" end
-  local fine, f = pcall(all_forces, system)
+  local fine, f = blame.try(all_forces, system)
   if not fine then return nil, "the forces are not traced" end
   if f:operations() > LARGEST then
     return nil, ("the forces are %d operations"):format(f:operations())

@@ -1,8 +1,8 @@
 --- A symmetry that is found: where turns of the plane or of space change neither L nor what is
 -- watched, motion is in a plane, and its angle there is cyclic.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local model_of = require "dm.scene.model"
-local pilot = require "dm.scene.pilot"
 
 local M = {}
 
@@ -105,10 +105,9 @@ end
 --- The system in (theta, r) of the plane of motion, theta cyclic; nil where it has no such
 -- symmetry.
 function M.model(problem, options)
-  local fine, e1, e2, start = pcall(function()
+  local fine, e1, e2, start = blame.try(function()
     if is_central(problem) then return plane(problem) end
   end)
-  if not fine then pilot.pass_stop(e1) end
   if not (fine and e1) then return nil end
   local at = state_of(e1, e2)
   local system = core.system { Q = core.R(2), coordinates = { "theta", "r" },

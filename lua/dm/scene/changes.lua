@@ -1,6 +1,7 @@
 --- Changes that may make a model smaller: stiff terms as constraints, coordinates at rest held,
 -- terms left out. Each is a function from a model to another one, or nil where it does not apply;
 -- whether it is allowed is measured elsewhere.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local model_of = require "dm.scene.model"
 local pilot = require "dm.scene.pilot"
@@ -133,8 +134,7 @@ local function stiff_changes(problem, out)
       local U = model.keep[i] and well(model, i)
       local function slope(s) return U:gradient(with(model, i, s), problem.v, problem.t0)[i] end
       local function curve(s) return U:hessian(with(model, i, s), problem.v, problem.t0)[i][i] end
-      local fine, s = pcall(function() return U and zero_near(slope, curve, problem.q[i]) end)
-      if not fine then pilot.pass_stop(s) end
+      local fine, s = blame.try(function() return U and zero_near(slope, curve, problem.q[i]) end)
       return fine and s and curve(s) < 0 and held(model, i, s, "where its own potential is least")
         or nil
     end
@@ -210,8 +210,7 @@ local function by_size(model)
   local problem, sizes, order = model.problem, {}, {}
   local along = states(model)
   for k, unit in ipairs(problem.units) do
-    local fine, size = pcall(size_of, unit, problem.n, along)
-    if not fine then pilot.pass_stop(size) end
+    local fine, size = blame.try(size_of, unit, problem.n, along)
     sizes[k], order[k] = fine and size or math.huge, k
   end
   table.sort(order, function(a, b)
@@ -232,11 +231,8 @@ end
 
 -- groups of the smallest terms, up to each gap in size; and the whole force
 local function group_changes(problem, out)
-  local fine, order, sizes = pcall(by_size, problem.as_given)
-  if not fine then
-    pilot.pass_stop(order)
-    return
-  end
+  local fine, order, sizes = blame.try(by_size, problem.as_given)
+  if not fine then return end
   local largest, groups, list = sizes[order[#order]], 0, {}
   for at, k in ipairs(order) do
     list[#list + 1] = k

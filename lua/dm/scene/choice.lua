@@ -1,5 +1,6 @@
 --- The choice of a scene: finalists are checked at times that were not used before, and between
 -- them.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
@@ -26,11 +27,8 @@ local function error_behind(scene, c, N)
   if not times then return math.huge end
   if #times == 0 then return 0 end
   local left = scene.began + scene.allowed - core.cpu()
-  local fine, path = pcall(scene.reference.path, scene.reference, times, max(LEAST, left / 2))
-  if not fine then
-    pilot.pass_stop(path)
-    return math.huge
-  end
+  local fine, path = blame.try(scene.reference.path, scene.reference, times, max(LEAST, left / 2))
+  if not fine then return math.huge end
   return error_beside(scene, c, N, times, pilot.record(scene.problem, path))
 end
 

@@ -1,5 +1,6 @@
 --- A deadline: every frame of model time costs at most so many seconds, by rules of fixed work, as
 -- accurately as that allows.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
 local report = require "dm.scene.report"
@@ -56,8 +57,7 @@ local function candidates(scene, model)
   local out, refused = {}, {}
   local bound = model.system:structure().constraints > 0
   for _, rule in ipairs(scene.options.rules or bound and BOUND or RULES) do
-    local fine, steps = pcall(steps_of, scene, model, rule)
-    if not fine then pilot.pass_stop(steps) end
+    local fine, steps = blame.try(steps_of, scene, model, rule)
     if fine and steps then
       -- fewer steps may be more accurate: round-off
       for _, fewer in ipairs { 1, 4, 16 } do

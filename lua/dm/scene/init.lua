@@ -38,7 +38,7 @@ local KNOWN = { 1, "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t
 
 local function check_system(options)
   local system = options.system or options[1]
-  local fine, given = pcall(function() return system.given end)
+  local fine, given = blame.try(function() return system.given end)
   if fine and given and given.H and not given.L then
     fail("option 'system': scenes read the kinetic energy off a Lagrangian, and this H has none "
       .. "(d2H/dp2 is singular, or H is not quadratic in p)")

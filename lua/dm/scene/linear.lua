@@ -2,11 +2,11 @@
 -- equilibrium near the start, or about the start where L and the forces are quadratic and linear
 -- anyway; with r(t) a sum of c t^k e^(mu t) (dm.scene.exponomials) the solution is a formula
 -- (dm.scene.flow): variation of constants, forcing as further components of one matrix.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local exponomials = require "dm.scene.exponomials"
 local flow = require "dm.scene.flow"
 local modes = require "dm.scene.modes"
-local pilot = require "dm.scene.pilot"
 
 local M = {}
 
@@ -252,8 +252,7 @@ function M.models(problem, options)
   local in_modes = modes.models(problem, options)
   if #in_modes > 0 then return in_modes end
   if not is_plain(problem) or options.rules or options.frame then return {} end
-  local fine, out = pcall(model_of, problem, options)
-  if not fine then pilot.pass_stop(out) end
+  local fine, out = blame.try(model_of, problem, options)
   return fine and { out } or {}
 end
 

@@ -1,5 +1,6 @@
 --- Models of a scene: the system as given, or fewer terms of L and of the force on fewer
 -- coordinates, with further constraints.
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -95,7 +96,7 @@ function M.problem(system, options)
   problem.v = core.vector(options.v or system:velocity(options.q, options.p, problem.t0))
   problem.p = system:legendre(problem.q, problem.v, problem.t0)
   watch.read(problem, options)
-  local fine, why = pcall(take_apart, problem)
+  local fine, why = blame.try(take_apart, problem)
   if not fine then problem.units, problem.whole = nil, why end
   return problem
 end
@@ -335,7 +336,7 @@ end
 --- The graphs of L, of the constraints and of the force as one text.
 function M:graphs()
   if not self.graph_text then
-    local fine, text = pcall(self:ready().system.graph, self.system)
+    local fine, text = blame.try(self:ready().system.graph, self.system)
     self.graph_text = table.concat({ fine and text or tostring(self.system),
       table.unpack(graphs_beside(self.system)) }, "|")
   end

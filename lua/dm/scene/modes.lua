@@ -1,9 +1,9 @@
 --- Linear models: L to second order about an equilibrium near the start, in its modes, of which
 -- those that the start does not excite, or nothing watched feels, are left out. They are solved in
 -- closed form.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local model_of = require "dm.scene.model"
-local pilot = require "dm.scene.pilot"
 
 local M = {}
 
@@ -87,8 +87,7 @@ function M.sensitivities(problem, q)
     end, n, n, "number")
     for _, place in ipairs { { q, core.zeros(n) }, { problem.q, problem.v } } do
       -- where it has no derivative, as a distance at its zero, the other one tells
-      local fine, J = pcall(g.jacobian, g, place[1], place[2], problem.t0)
-      if not fine then pilot.pass_stop(J) end
+      local fine, J = blame.try(g.jacobian, g, place[1], place[2], problem.t0)
       for i = 1, fine and J.rows or 0 do
         if is_finite(J[i]) then
           out[#out + 1] = { row = J[i],
@@ -252,7 +251,7 @@ end
 -- be stepped by these. None where there is no equilibrium near the start, or forces, constraints,
 -- couplings of q and v.
 function M.models(problem, options)
-  local fine, out = pcall(function()
+  local fine, out = blame.try(function()
     if not is_plain(problem) then return {} end
     local n = problem.n
     local L = core.trace(problem.L, n, n, "number")
@@ -264,7 +263,6 @@ function M.models(problem, options)
     local stepped = options.rules or options.frame
     return { (stepped and model_with or solved_modes)(problem, options, q, left, n) }
   end)
-  if not fine then pilot.pass_stop(out) end
   return fine and out or {}
 end
 

@@ -10,7 +10,7 @@ local M = {}
 
 local abs, max, min, huge = math.abs, math.max, math.min, math.huge
 
-M.pass_stop, M.is_refusal, M.first_line = engine.pass_stop, engine.is_refusal, engine.words
+M.is_refusal, M.first_line = engine.is_refusal, engine.words
 
 --- Times that do not fall in step with anything: `count` of them, t0 < t <= t0 + T, the last one at
 -- the end.
@@ -147,12 +147,9 @@ end
 
 --- Columns of what is watched at the times, by N steps, and the report; or nil and why not.
 function M.run(model, rule, N, times)
-  local fine, path, report = pcall(M.go, model, rule, N,
+  local fine, path, report = blame.try(M.go, model, rule, N,
     { at = times, watch = model:ready().watch })
-  if not fine then
-    M.pass_stop(path)
-    return nil, M.first_line(path)
-  end
+  if not fine then return nil, M.first_line(path) end
   return M.record(model.problem, path), report
 end
 
@@ -227,12 +224,11 @@ function M.frequency(model, term)
   local given, start = model.system.given, model.start
   local n = model.system.Q.dimension
   if n > LARGEST then return 0 end
-  local fine, squared = pcall(function()
+  local fine, squared = blame.try(function()
     local function L(q, v, t) return given.L(q, v, t, given.params) end
     local H = core.trace(L, n, n, "number"):hessian(start.q, start.v, start.t0)
     return stiffness(H, term and term:hessian(start.q, start.v, start.t0) or H, n)
   end)
-  if not fine then M.pass_stop(squared) end
   return fine and squared == squared and math.sqrt(squared) or 0
 end
 
@@ -248,7 +244,7 @@ local RULES = { "rk8", "gauss(4)", "degenerate(3)" }
 function M.free_run(model, tolerance, more)
   local problem, why = model.problem, nil
   for _, rule in ipairs(RULES) do
-    local fine, path = pcall(function()
+    local fine, path = blame.try(function()
       local options = options_of(model:ready(), { control = { tolerance = tolerance,
         largest = problem.T / 16 } })
       for key, value in pairs(more) do options[key] = value end
@@ -256,7 +252,6 @@ function M.free_run(model, tolerance, more)
       return model.system:solver({ rule = rule, h = problem.T / 256 }):run(options)
     end)
     if fine then return path end
-    M.pass_stop(path)
     if not why or M.is_refusal(why) then why = M.first_line(path) end
     if not M.is_refusal(M.first_line(path)) then return nil, why end
   end

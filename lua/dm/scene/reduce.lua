@@ -1,5 +1,6 @@
 --- Smaller models of a scene: coordinates that nothing watched feels, cyclic ones reduced away, and
 -- changes that are inside the tolerance, each measured against the reference and put together.
+local blame = require "dm.base.blame"
 local changes = require "dm.scene.changes"
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
@@ -75,8 +76,7 @@ function M.reduced(model)
   if #list == 0 or #list == #kept then return nil end
   local out = model:reduced(list, ("reduced by %s, cyclic and not watched")
     :format(names_of(problem, list)))
-  local fine, why = pcall(out.ready, out)
-  if not fine then pilot.pass_stop(why) end
+  local fine = blame.try(out.ready, out)
   return fine and out or nil
 end
 
@@ -152,13 +152,12 @@ end
 
 -- a change of the model, with what falls off by it; nil where it does not apply or does not pay
 local function changed(model, change)
-  local fine, out = pcall(function()
+  local fine, out = blame.try(function()
     local next_one = change(model)
     if not next_one then return nil end
     next_one = M.connected(next_one) or next_one
     return moves(next_one) and pays(next_one, model) and next_one or nil
   end)
-  if not fine then pilot.pass_stop(out) end
   return fine and out or nil
 end
 

@@ -1,5 +1,7 @@
 --- What a scene tells: the ladder of models and rules, with figures and the reason why each was
 -- kept or dropped.
+local blame = require "dm.base.blame"
+
 local M = {}
 
 local UNITS = { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } }
@@ -20,7 +22,7 @@ end
 M.error = error_text
 
 local function model_line(scene, row)
-  local fine, n, operations = pcall(row.model.size, row.model)
+  local fine, n, operations = blame.try(row.model.size, row.model)
   return ("  %s: dimension %s, %s operations, error %s: %s, %s")
     :format(row.model:words(), fine and n or "?", fine and operations or "?",
     error_text(scene, row.error), row.kept and "kept" or "dropped", row.verdict)

@@ -1,4 +1,5 @@
 --- The run that is handed out: which rows it has, and more steps where some of them fail.
+local blame = require "dm.base.blame"
 local choice = require "dm.scene.choice"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
@@ -87,12 +88,11 @@ end
 local function path_of(scene, options, tries)
   local which, lines = rows_of(scene, options)
   local err = scene.checked_error + scene.uncertainty + lines
-  local fine, path = pcall(rows.path, scene.best, which,
+  local fine, path = blame.try(rows.path, scene.best, which,
     { error_estimate = err * (scene.unit or 1),
     in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance")
       :format(err) })
   if fine then return path end
-  pilot.pass_stop(path)
   if not is_of_a_step(path) or tries == 0 or not choice.finer(scene) then error(path, 0) end
   scene.row_error = nil
   return path_of(scene, options, tries - 1)

@@ -1,6 +1,7 @@
 --- The cheapest rule and step for a model: each rule is tried first with as many steps as cost what
 -- the best one does so far. Where that is not enough for the tolerance the rule is out, with one
 -- pilot run; else fewer steps are looked for.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
@@ -92,9 +93,8 @@ end
 
 -- does the bound pay for N steps? Or why such a run fails
 local function pays(search, model, rule, N)
-  local fine, ns = pcall(search.profile.about, search.profile, model, rule, N)
+  local fine, ns = blame.try(search.profile.about, search.profile, model, rule, N)
   if fine then return ns <= SLACK * search.bound, nil, ns end
-  pilot.pass_stop(ns)
   return false, pilot.first_line(ns)
 end
 
@@ -152,8 +152,7 @@ local FAILING = 12
 -- do N steps that are not of one length cost more than the best does?
 local function costs_more(search, model, row, N)
   if search.bound == huge or pilot.is_even(row.rule) then return false end
-  local fine, cost = pcall(search.profile.cost, search.profile, model, row.rule, N)
-  if not fine then pilot.pass_stop(cost) end
+  local fine, cost = blame.try(search.profile.cost, search.profile, model, row.rule, N)
   return fine and cost > search.bound
 end
 
@@ -182,8 +181,7 @@ local function candidate(search, model, row, N, err, words, kept)
   local out = { model = model, rule = row.rule, order = row.order, N = N, h = model.problem.T / N,
     error = err, why = words, kept = kept }
   if err < huge and kept then
-    local fine, cost = pcall(search.profile.cost, search.profile, model, row.rule, N)
-    if not fine then pilot.pass_stop(cost) end
+    local fine, cost = blame.try(search.profile.cost, search.profile, model, row.rule, N)
     -- the time for rules was over while it was counted: it is taken where there is nothing else
     out.cost = fine and cost or huge
     if not fine then out.why, search.cut = words .. "; no time was left to count it", true end
@@ -233,8 +231,7 @@ local function cheaper(search, model, rule, N, err)
   local least, best = search.profile:cost(model, rule, N), N
   for _, factor in ipairs { 1.1, 1.25, 1.5, 2 } do
     local more = ceil(N * factor)
-    local fine, ns = pcall(search.profile.cost, search.profile, model, rule, more)
-    if not fine then pilot.pass_stop(ns) end
+    local fine, ns = blame.try(search.profile.cost, search.profile, model, rule, more)
     if fine and ns < 0.9 * least then least, best = ns, more end
   end
   if best == N then return N, err end

@@ -1,5 +1,6 @@
 --- What a scene watches: functions of (q, v, t, p), the columns that they make, the coordinates
 -- that they need.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -72,8 +73,8 @@ end
 -- f as a traced function of (q, v, t, p)
 local function traced(problem, name, f)
   local n = problem.n
-  local fine, out = pcall(core.trace, function(q, v, t, p) return f(q, v, t, p) end, n, n, "number",
-    n)
+  local function all(q, v, t, p) return f(q, v, t, p) end
+  local fine, out = blame.try(core.trace, all, n, n, "number", n)
   if not fine then fail("option 'watch': '%s': %s", name, tostring(out)) end
   return out
 end

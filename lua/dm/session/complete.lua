@@ -1,6 +1,7 @@
 --- Completion: what can stand at the end of a piece of Lua. No code of the user runs: tables are
 -- read with rawget and next, methods of userdata are found in their class, results of calls in the
 -- docs.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local lexer = require "dm.session.lexer"
 
@@ -61,7 +62,7 @@ local function member(object, name)
     found = (methods_of(object.class) or {})[name]
     if found == nil and type(object.value) == "table" then found = rawget(object.value, name) end
     if found == nil and OWN_FIELDS[object.class] and object.value ~= nil then
-      local fine, field = pcall(function() return object.value[name] end)  -- C of ours
+      local fine, field = blame.try(function() return object.value[name] end)  -- C of ours
       found = fine and field or nil
     end
   elseif type(object.value) == "string" then

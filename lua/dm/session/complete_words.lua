@@ -1,6 +1,7 @@
 --- What completes a string: names of rules, of a path's columns, of demonstrations, words that an
 -- option takes; where none is known, names of files. No code of the user runs: of his values only
 -- the columns of a path are asked.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -38,7 +39,7 @@ local function columns(object, method)
   if not object or object.class ~= "dm.path" then return nil end
   if method == "worst" then return WORST end
   if not OF_COLUMNS[method] or object.value == nil then return nil end
-  local fine, names = pcall(function() return object.value.columns end)
+  local fine, names = blame.try(function() return object.value.columns end)
   if not fine then return nil end
   local list = { method ~= "column" and "energy" or nil }
   for _, name in ipairs(names) do list[#list + 1] = name end

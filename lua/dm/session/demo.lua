@@ -124,7 +124,7 @@ local function next_numbers(demo, view, numbers)
     say(view, "Change a number and run again: " .. table.concat(parts, "; ") .. ".")
     local answer = ask(paint(view, "1", ("%s = , Return: done > "):format(demo.numbers[1].name)))
     if not answer or answer:match "^%s*[qQ]?%s*$" then return nil end
-    local fine, name, value = pcall(read_answer, demo, answer)
+    local fine, name, value = blame.try(read_answer, demo, answer)
     if fine then
       numbers[name] = value
       return numbers
@@ -161,11 +161,8 @@ end
 
 -- a run with changed numbers may fail, which is a result
 local function again(name, demo, view, numbers)
-  local fine, e = pcall(play, name, demo, view, numbers, false)
+  local fine, e = blame.try(play, name, demo, view, numbers, false)
   if fine then return say(view, select(2, demo.claim(e))) end
-  if tostring(e):find("interrupted!", 1, true) or type(e) == "table" and e.code == "stopped" then
-    error(e, 0)
-  end
   say(view, "It did not get through: " .. tostring(e):match "^[^\n]*")
 end
 

@@ -102,7 +102,7 @@ end
 
 -- the rows of the command line; nothing under a stock lua5.4
 local function manual()
-  local found, module = pcall(require, "dm.manual")
+  local found, module = blame.try(require, "dm.manual")
   return found and module or nil
 end
 

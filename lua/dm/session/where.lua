@@ -1,4 +1,5 @@
 --- dmlua --where NAME: folders that came with dmlua, for editors, Python and who wants to read.
+local blame = require "dm.base.blame"
 local option = require "dm.base.options"
 
 local M = {}
@@ -45,7 +46,7 @@ end
 
 --- `dmlua --where name`: prints the folder, or what is wrong and ends with 1.
 function M.command(name)
-  local fine, folder = pcall(M.folder, name)
+  local fine, folder = blame.try(M.folder, name)
   if fine then return print(folder) end
   io.stderr:write("dmlua: ", tostring(folder), "\n")
   os.exit(1, true)

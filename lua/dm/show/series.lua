@@ -1,5 +1,7 @@
 --- Series: pairs of columns as plain numbers, what can be drawn of them, and no more points of them
 -- than a picture can show.
+local blame = require "dm.base.blame"
+
 local M = {}
 
 local floor, huge = math.floor, math.huge
@@ -11,9 +13,9 @@ local function is_list(values) return #values, values[1] end
 
 -- a userdata as a table; the columns of a path, as path.t, have no totable but rows of numbers
 local function as_table(values)
-  local known, method = pcall(function() return values.totable end)
+  local known, method = blame.try(function() return values.totable end)
   if known and method then return method(values) end
-  local fine, n, first = pcall(is_list, values)
+  local fine, n, first = blame.try(is_list, values)
   if not fine or type(first) ~= "number" then return values end
   local out = {}
   for i = 1, n do out[i] = values[i] end

@@ -38,13 +38,12 @@ local PLACES, LONGEST = 32, 2 ^ 14  -- states that are looked at, and steps of t
 
 -- states (q, v, t) at even times of a run of `steps` steps; nothing where it fails
 local function orbit(map, system, start, h, steps)
-  local fine, path = pcall(function()
+  local fine, path = blame.try(function()
     return system:solver({ rule = "gauss(4)", h = h }):run { q = start.q, v = start.v, p = start.p,
       t0 = start.t, steps = steps, every = math.max(1, steps // PLACES),
       project = map.options.project, watch = { x = function(q) return q end,
       y = function(_, v) return v end } }
   end)
-  if not fine and blame.is_stop(path) then error(path, 0) end
   local out, n = {}, system.Q.dimension
   for i = 1, fine and #path or 0 do
     out[i] = { q = {}, v = {}, t = path.t[i] }
@@ -80,7 +79,8 @@ end
 -- notes what a system linearised at a state has; false where that cannot be
 local function note(out, system, state)
   local linearize = require "dm.measure.linearize".linearize
-  local fine, its = pcall(linearize, system, { q = state.q, v = state.v, p = state.p, t = state.t })
+  local fine, its = blame.try(linearize, system,
+    { q = state.q, v = state.v, p = state.p, t = state.t })
   if not fine then return false, (tostring(its):gsub("^[^\n]-lua:%d+: ", "")) end
   local first = out.matrices[1]
   out.constant = out.constant and not (first and differ(its.matrix, first))
@@ -123,7 +123,7 @@ end
 -- the same, and what the rule does; nil and why
 local function theory_of(map, cell)
   local rule = map.rule_list[cell.rule]
-  local fine, z, told = pcall(rules.stability_limit, rule)
+  local fine, z, told = blame.try(rules.stability_limit, rule)
   if not fine then return nil, (tostring(z):gsub("^[^\n]-lua:%d+: ", "")) end
   local linear, why = along_orbit(map, cell)
   if not linear then return nil, why end

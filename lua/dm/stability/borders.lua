@@ -67,9 +67,7 @@ local function is_by_ones(map)
   for i, b in ipairs(map.column.whole and map.borders or {}) do
     if b.low and b.high then
       local cell = M.cell_at(map, map.rows[i], b.low.x + 0.5)
-      local fine, why = pcall(map.system_of, cell)
-      if not fine and blame.is_stop(why) then error(why, 0) end
-      return not fine
+      return not blame.try(map.system_of, cell)
     end
   end
   return false

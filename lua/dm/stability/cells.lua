@@ -1,5 +1,6 @@
 --- Cells of a stability map: looked at with few rows, with others, longer, beside a resolved flow,
 -- with a tangent vector.
+local blame = require "dm.base.blame"
 local classes = require "dm.stability.classes"
 local core = require "dm.core"
 local flows = require "dm.stability.flows"
@@ -28,7 +29,7 @@ local function constraint_square(given)
   local g = given.constraint
   return function(q, _, t)
     local value, sum = given.params and g(q, t, given.params) or g(q, t), 0
-    if type(value) ~= "table" and not pcall(function() return #value end) then
+    if type(value) ~= "table" and not blame.try(function() return #value end) then
       return value * value
     end
     for i = 1, #value do sum = sum + value[i] ^ 2 end

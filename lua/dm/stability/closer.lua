@@ -81,8 +81,7 @@ local function cause_of(map, cell)
   local twin = { values = cell.values, rule = cell.rule, h = T / steps, class = cell.class,
     code = "ok" }
   local its = { map = map, rule = pair[1][1], system = job.system }
-  local fine, chaotic = pcall(cells.is_chaotic, its, twin, T)
-  if not fine and blame.is_stop(chaotic) then error(chaotic, 0) end
+  local fine, chaotic = blame.try(cells.is_chaotic, its, twin, T)
   return fine and (chaotic and "flow" or "step") or nil
 end
 

@@ -16,8 +16,7 @@ end
 local function is_constant(system, omega)
   local random, q = core.random(1), core.zeros(system.field.n)
   for i = 1, #q do q[i] = 2 * random:uniform(i, 0) - 1 end
-  local fine, other = pcall(fastest, system, q)
-  if not fine and blame.is_stop(other) then error(other, 0) end
+  local fine, other = blame.try(fastest, system, q)
   return fine and math.abs(other - omega) <= 1e-9 * omega
 end
 
@@ -25,12 +24,11 @@ end
 local function states(map, cell, system)
   local h = map.h[1]
   local steps = math.ceil(math.min(LONGEST, (map.options.t or map.options.steps * h) / h))
-  local fine, path = pcall(function()
+  local fine, path = blame.try(function()
     return system:solver({ rule = map.rule_list[cell.rule], h = h }):run { q = map.start.q(cell),
       v = map.start.v and map.start.v(cell), p = map.start.p and map.start.p(cell),
       t0 = map.options.t0, steps = steps, every = math.max(1, steps // PLACES) }
   end)
-  if not fine and blame.is_stop(path) then error(path, 0) end
   local out = {}
   for i = 1, fine and #path or 0 do out[i] = path.q[i] end
   return out
@@ -41,8 +39,7 @@ function M.along_orbit(map, cell, system)
   if system.field.sphere then
     return nil, "no linear theory of fields with values on a sphere is there"
   end
-  local fine, omega = pcall(fastest, system, map.start.q(cell))
-  if not fine and blame.is_stop(omega) then error(omega, 0) end
+  local fine, omega = blame.try(fastest, system, map.start.q(cell))
   if not fine then return nil, (tostring(omega):gsub("^[^\n]-lua:%d+: ", "")) end
   local out = { matrices = {}, fastest = omega, constant = is_constant(system, omega) }
   for _, q in ipairs(out.constant and {} or states(map, cell, system)) do

@@ -34,12 +34,11 @@ local SHARE = 1e-3        -- of the range: what rows of cells may miss between t
 
 local function can_step(job, rule, cell, T)
   local start = job.map.start
-  local fine, why = pcall(function()
+  local fine, why = blame.try(function()
     job.system:solver({ rule = rule, h = T / 2 ^ 20 }):run { q = start.q(cell),
       v = start.v and start.v(cell), p = start.p and start.p(cell), steps = 1,
       t0 = job.map.options.t0, project = job.map.options.project }
   end)
-  if not fine and blame.is_stop(why) then error(why, 0) end
   return fine, why
 end
 
@@ -261,9 +260,9 @@ end
 
 -- what is raised for one flow (L has no value at its start) is not told of the others
 local function resolve_each(job, flows, part)
-  local fine, why = pcall(resolve, job, flows, part)
+  local fine, why = blame.try(resolve, job, flows, part)
   if fine then return end
-  if blame.is_stop(why) or type(why) ~= "string" then error(why, 0) end
+  if type(why) ~= "string" then error(why, 0) end
   for _, flow in ipairs(flows) do flow.e, flow.horizon = nil, nil end
   if #flows == 1 then
     flows[1].why = blame.bare(why):match "^[^\n]*"

@@ -1,4 +1,5 @@
 --- What a map is given: a system and a start, as they are or as functions of the parameters.
+local blame = require "dm.base.blame"
 local axes = require "dm.stability.axes"
 local core = require "dm.core"
 local lines = require "dm.stability.lines"
@@ -64,7 +65,7 @@ end
 local function is_field(map, names)
   local values = {}
   for _, name in ipairs(names) do values[name] = map[name][1] end
-  local fine, system = pcall(map.system_of, { values = values })
+  local fine, system = blame.try(map.system_of, { values = values })
   return fine and system.field ~= nil
 end
 
@@ -154,9 +155,8 @@ end
 function M.first(map)
   local why
   for _, row in ipairs(map.cells) do
-    local fine, text = pcall(map.system_of, row[1])
+    local fine, text = blame.try(map.system_of, row[1])
     if fine then return row[1] end
-    if require "dm.base.blame".is_stop(text) then error(text, 0) end
     why = why or text
   end
   error(why, 0)
@@ -202,8 +202,7 @@ end
 --- What a reader of the map should know of its start and of its axes, as sentences.
 function M.notes(map, cell)
   local notes, h = {}, map.options.h
-  local fine, at_rest = pcall(rests, map, cell)
-  if not fine and require "dm.base.blame".is_stop(at_rest) then error(at_rest, 0) end
+  local fine, at_rest = blame.try(rests, map, cell)
   if fine and at_rest then
     notes[1] = "the start is an equilibrium: where nothing moves no instability shows; displace "
       .. "it, or give it a small velocity"

@@ -215,11 +215,11 @@ end
 -- has the system of a cell a prolonged one? On a group tangent vectors are run for a step, by each
 -- rule; where that is refused the map says so
 local function is_prolonged(map, cell, system)
-  if not system.place then return (pcall(prolong.system, system)) end
+  if not system.place then return (blame.try(prolong.system, system)) end
   for _, rule in ipairs(map.rule_list) do
-    local fine, why = pcall(cells.try_tangents, { map = map, rule = rule, system = system }, cell)
+    local job = { map = map, rule = rule, system = system }
+    local fine, why = blame.try(cells.try_tangents, job, cell)
     if not fine then
-      if blame.is_stop(why) then error(why, 0) end
       map.notes[#map.notes + 1] = "chaos is not told: " .. blame.bare(why):match "^[^\n]*"
       return false
     end

@@ -78,9 +78,8 @@ end
 -- a start that is refused (L is infinite there, say) is that of one cell: the others run without it
 local function run_part(job, part, plan)
   local map = job.map
-  local fine, result = pcall(plan.passes, job, part, plan.chaos)
+  local fine, result = blame.try(plan.passes, job, part, plan.chaos)
   if fine then return result end
-  if blame.is_stop(result) then error(result, 0) end
   map.refused = (map.refused or 0) + 1
   if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then
     error(result, 0)
@@ -133,8 +132,7 @@ local function family_of(map, cell)
   local key = map.key_of(cell)
   if not map.base or #map.used == 0 then return key end
   if not map.families[key] then
-    local fine, s = pcall(function() return map.system_of(cell):structure() end)
-    if not fine and blame.is_stop(s) then error(s, 0) end
+    local fine, s = blame.try(function() return map.system_of(cell):structure() end)
     map.families[key] = fine and ("%s %s %s %s")
       :format(s.separable, s.autonomous, s.linear_in_v, s.constant_mass) or key
   end
@@ -144,7 +142,7 @@ end
 -- does one kernel serve two cells of different parameters, and their tangent vectors?
 local function is_shared(map, rule, cells, plan)
   local job = { map = map, rule = rule, vary = map.used }
-  local fine, e = pcall(function()
+  local fine, e = blame.try(function()
     job.system = map.system_of(cells[1])
     local o = M.starts(job, cells)
     o.steps = 1
@@ -154,7 +152,6 @@ local function is_shared(map, rule, cells, plan)
     o.steps = 1
     return ensemble(job, prolong.system(job.system, map.used), o)
   end)
-  if not fine and blame.is_stop(e) then error(e, 0) end
   return fine and e.systems == 1
 end
 
@@ -209,8 +206,7 @@ end
 -- where one kernel does not do
 local function run_group(map, cells, plan, shared)
   local first = cells[1]
-  local rule, fine, system = map.rule_list[first.rule], pcall(map.system_of, first)
-  if not fine and blame.is_stop(system) then error(system, 0) end
+  local rule, fine, system = map.rule_list[first.rule], blame.try(map.system_of, first)
   if not fine then return refuse(map, cells, system) end
   local key = shared and "all of " .. family_of(map, first) or map.key_of(first)
   local stopped, left = run_job({ map = map, rule = rule, system = system, vary = shared

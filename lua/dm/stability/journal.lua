@@ -1,6 +1,7 @@
 --- Cells of a stability map as members of a sweep: kept in a journal, split into parts, shared out
 -- to ranks. A member tells of its cell what the passes have found, beside its rule, step and
 -- parameters.
+local blame = require "dm.base.blame"
 local carrier = require "dm.sweep.carrier"
 local cells = require "dm.stability.cells"
 local core = require "dm.core"
@@ -22,7 +23,7 @@ local fail = option.failing(WHERE)
 local function systems_text(map, all)
   local out = {}
   for _, cell in ipairs { all[1], all[#all] } do
-    local fine, text = pcall(function() return core.fingerprint(map.system_of(cell)) end)
+    local fine, text = blame.try(function() return core.fingerprint(map.system_of(cell)) end)
     out[#out + 1] = fine and text or "none"
   end
   return table.concat(out, " ")

@@ -2,6 +2,7 @@
 -- finer lines and heights tell it. Errors of cells go by even powers of both, so that runs of (m
 -- cells, s slabs), (2m, 2s) and (3m, 3s) make one of order 6 (Richardson); two unlike rules of
 -- cells must agree on it, as for other systems (dm.stability.flows).
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local fields = require "dm.line"
 local grids = require "dm.line.grid"
@@ -60,12 +61,12 @@ end
 -- m cells of a level for every cell: as many as slabs of the height h, and a third of it, are
 -- stable on
 local function refinement(field, rule, h, u, t)
-  local fine, limit = pcall(field.stability_limit, field, rule, { u = u, t = t })
+  local fine, limit = blame.try(field.stability_limit, field, rule, { u = u, t = t })
   if not fine or not (limit < huge) then limit = 0.4 * field.dx end
   local m = max(1, floor(limit / (SAFE * h)))
   while m > 1 do
     local last = finer(field, FINER[#FINER] * m)
-    local known, its = pcall(last.stability_limit, last, rule, { t = t })
+    local known, its = blame.try(last.stability_limit, last, rule, { t = t })
     if not known or not (its < h / FINER[#FINER]) then break end
     m = m // 2
   end
@@ -95,7 +96,7 @@ local function extrapolated(map, flow, field, rule, steps, T)
   for k, times in ipairs(FINER) do
     local line = finer(field, m * times)
     local start = start_of(map, flow, line)
-    local fine, run = pcall(function()
+    local fine, run = blame.try(function()
       return line:solver({ rule = rule, h = T / (steps * times) }):run { u = start.q, ut = start.v,
         steps = steps * times, every = times, t0 = map.options.t0 }
     end)
@@ -251,7 +252,7 @@ end
 function M.rules_of(job, cell)
   local why = unfit(job.map)
   if why then return nil, why end
-  local fine, refused = pcall(start_of, job.map, cell, job.map.system_of(cell).line)
+  local fine, refused = blame.try(start_of, job.map, cell, job.map.system_of(cell).line)
   if not fine then return nil, refused end
   return { M.RULES[1], M.RULES[2] }
 end

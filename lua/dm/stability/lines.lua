@@ -184,9 +184,8 @@ end
 --- The limit of the start of a cell, nil where it has none; and a sentence.
 function M.limit(map, cell, system)
   local rule = map.rule_list[cell.rule]
-  local fine, limit = pcall(system.line.stability_limit, system.line, rule,
+  local fine, limit = blame.try(system.line.stability_limit, system.line, rule,
     { u = map.start.q(cell), t = map.options.t0 or 0 })
-  if not fine and blame.is_stop(limit) then error(limit, 0) end
   if not fine then return nil, (tostring(limit):gsub("^[^\n]-lua:%d+: ", "")) end
   if limit == huge then return huge, "no oscillation about the start grows at any height" end
   return limit, ("about the start the fastest oscillation of %d cells grows from lambda = h/dx = "

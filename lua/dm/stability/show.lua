@@ -1,4 +1,5 @@
 --- How a stability map is told: a sentence, a table, a picture, a file of comma-separated values.
+local blame = require "dm.base.blame"
 local axes = require "dm.stability.axes"
 local cells = require "dm.stability.cells"
 local characters = require "dm.show.characters"
@@ -47,7 +48,7 @@ local function table_of(map, most)
   for k = 1, math.min(n, most) do
     local i = n <= most and k or 1 + (k - 1) * (n - 1) // math.max(most - 1, 1)
     local limit, why = map:limit(i)
-    local fine, theory = pcall(map.theory, map, i)
+    local fine, theory = blame.try(map.theory, map, i)
     lines[#lines + 1] = ("%-34s %12s %12s  %s")
       :format(row_text(map, map.rows[i]), limit_text(limit),
       fine and theory and limit_text(theory) or "-", why)
@@ -141,7 +142,7 @@ local function line_of(map, panel, along, what)
   local x, y, lo, hi = {}, {}, (axes.edges(map.column, 1)),
     select(2, axes.edges(map.column, #map.column))
   for k, i in ipairs(panel.rows) do
-    local fine, value = pcall(map[what == "right" and "limit" or what], map, i, what == "right"
+    local fine, value = blame.try(map[what == "right" and "limit" or what], map, i, what == "right"
       and "right" or nil)
     if fine and value and value >= lo and value <= hi then
       x[#x + 1], y[#y + 1] = along and along[k] or 1, value
@@ -165,14 +166,16 @@ end
 
 -- units of the system by name; of time under t
 local function units_of(map)
-  local fine, units = pcall(function()
+  local fine, units = blame.try(function()
     return (map.base or map.system_of(map.cells[1][1])).units
   end)
   return fine and units or {}
 end
 
 local function name_of(map)
-  local fine, name = pcall(function() return (map.base or map.system_of(map.cells[1][1])).name end)
+  local fine, name = blame.try(function()
+    return (map.base or map.system_of(map.cells[1][1])).name
+  end)
   return fine and name or nil
 end
 

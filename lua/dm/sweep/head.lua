@@ -1,11 +1,12 @@
 --- What the journal of a sweep says of itself: a list of { key, text }, the kind first. Two calls
 -- whose heads are equal have the same members.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
 
 local function version()
-  local known, manual = pcall(require, "dm.manual")
+  local known, manual = blame.try(require, "dm.manual")
   return known and manual.version or "-"
 end
 

@@ -86,9 +86,7 @@ local function member_bytes(run, i)
   if meta and meta.__name == "dm.failure" and value.code ~= "stopped" then
     return ("<s2i8s4"):pack(value.code, value.step or 0, tostring(value.message))
   end
-  if blame.is_stop(value) or type(value) == "table" and value.code == "stopped" then
-    error("interrupted!", 0)
-  end
+  if blame.is_stop(value) then error("interrupted!", 0) end
   fail("member %d: %s", i, blame.bare(tostring(value)))
 end
 

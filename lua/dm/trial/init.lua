@@ -77,7 +77,7 @@ end
 
 -- how many functions of a space there are
 local function count_of(f)
-  local fine, list = pcall(f, 0.5, 1)
+  local fine, list = blame.try(f, 0.5, 1)
   if not fine then error(list, 0) end
   if type(list) ~= "table" or #list == 0 then
     options.fail(GALERKIN, "'functions' must return a list { f1, f2, ... } (got %s)",

@@ -1,4 +1,5 @@
 --- Where a wave lives: points, potential and start as the equation wants them.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local option = require "dm.base.options"
 local vector = require "dm.wave.vector"
@@ -80,7 +81,7 @@ end
 
 -- a list of N values
 local function listed(V, wave)
-  local fine, values = pcall(core.vector, V)
+  local fine, values = blame.try(core.vector, V)
   if not fine or #values ~= wave.N then
     fail("option 'V' must be a function of x, a number, or a list of N = %d numbers (got %s)",
       wave.N, fine and #values .. " numbers" or option.got(V))
@@ -134,8 +135,8 @@ local function from_values(psi, N)
     fail("option 'psi' must be a function of x that returns re, im, or a complex vector (got %s)",
       option.got(psi))
   end
-  local fine, re = pcall(core.vector, psi.re)
-  local too, im = pcall(core.vector, psi.im or core.zeros(fine and #re or 0))
+  local fine, re = blame.try(core.vector, psi.re)
+  local too, im = blame.try(core.vector, psi.im or core.zeros(fine and #re or 0))
   if not (fine and too and #re == N and #im == N) then
     fail("option 'psi': re and im must have N = %d numbers each", N)
   end

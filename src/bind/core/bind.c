@@ -10,11 +10,23 @@
 volatile sig_atomic_t dml_stop = 0;
 volatile sig_atomic_t dml_raised = 0;
 
+int dml_is_stop(lua_State *L, int at) {
+    const char *text = lua_type(L, at) == LUA_TSTRING ? lua_tostring(L, at) : NULL;
+    if (text) return strstr(text, "interrupted!") != NULL;
+    if (lua_type(L, at) != LUA_TTABLE) return 0;
+    at = lua_absindex(L, at);
+    lua_pushliteral(L, "code");
+    lua_rawget(L, at);
+    const char *code = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    const int stopped = strcmp(code, "stopped") == 0;
+    lua_pop(L, 1);
+    return stopped;
+}
+
 int dml_try(lua_State *L, int arguments, int results) {
     const int status = lua_pcall(L, arguments, results, 0);
     if (status == LUA_OK) return 1;
-    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    if (status == LUA_ERRMEM || dml_stop || strstr(text, "interrupted!")) lua_error(L);
+    if (status == LUA_ERRMEM || dml_stop || dml_is_stop(L, -1)) lua_error(L);
     return 0;
 }
 

@@ -101,7 +101,11 @@ extern volatile sig_atomic_t dml_raised;
  * than one raise: what is behind the first would be lost in silence. `what` names the function. */
 void dml_callone(lua_State *L, int arguments, const char *what);
 
-/* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two
+/* Is the value at `at` what a stop raises, by Ctrl-C or a deadline: a text with "interrupted!", or
+ * a dm.failure of code "stopped"? */
+int dml_is_stop(lua_State *L, int at);
+
+/* lua_pcall for what may fail: true when it did not. Stops, which may come between any two
  * instructions of Lua, and want of memory are passed on. */
 int dml_try(lua_State *L, int arguments, int results);
 

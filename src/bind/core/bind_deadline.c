@@ -4,7 +4,6 @@
 #include "bind/core/child_process.h"
 
 #include <math.h>
-#include <string.h>
 #include <time.h>
 
 /* A process has one clock of CPU time. `until`: when it rings, s of that clock; infinite: never.
@@ -61,19 +60,6 @@ static void set_deadline(double until) {
     if (make_timer()) tell(left);
 }
 
-/* is the error on top what a stop raises? */
-static int is_stop(lua_State *L) {
-    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
-    if (text) return strstr(text, "interrupted!") != NULL;
-    if (lua_type(L, -1) != LUA_TTABLE) return 0;
-    lua_pushliteral(L, "code");
-    lua_rawget(L, -2);
-    const char *code = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    const int stopped = strcmp(code, "stopped") == 0;
-    lua_pop(L, 1);
-    return stopped;
-}
-
 /* An outer call that has less time left ends the inner one too, and then itself. */
 static int within(lua_State *L) {
     const double seconds = luaL_checknumber(L, 1), before = deadline.until;
@@ -84,7 +70,7 @@ static int within(lua_State *L) {
     const int rung = late;
     if (rung) late = dml_stop = 0;
     set_deadline(before);
-    if (status != LUA_OK && !(rung && is_stop(L))) return lua_error(L);
+    if (status != LUA_OK && !(rung && dml_is_stop(L, -1))) return lua_error(L);
     lua_pushboolean(L, status == LUA_OK);
     lua_replace(L, 1);
     return lua_gettop(L);

@@ -1,4 +1,5 @@
 --- Families of meshes: what they are at a time, and how fast their vertices and centres move.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
@@ -30,7 +31,7 @@ end
 
 -- the derivative parts of points that are functions of a hyper-dual number; nil where it is refused
 local function exact(phi, t)
-  local fine, points = pcall(phi.family, core.hyperdual(t, 1))
+  local fine, points = blame.try(phi.family, core.hyperdual(t, 1))
   if not fine or option.got(points) == "dm.mesh" or not lists.count(points) then return nil end
   local rows = {}
   for i = 1, #points do

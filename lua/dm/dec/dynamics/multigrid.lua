@@ -172,7 +172,7 @@ local function load_of(mg, b, where)
     option.fail(where, "a 0-form (a density) or a dual %d-form (its integrals) is needed, not a %s",
       K.dimension, form.name(b))
   end
-  local fine, values = pcall(core.vector, b)
+  local fine, values = blame.try(core.vector, b)
   if not fine or #values ~= K:count(0) then
     option.fail(where, "the right-hand side must be a form, or %d numbers (got %s)", K:count(0),
       fine and #values or option.got(b))

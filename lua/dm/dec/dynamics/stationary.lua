@@ -40,7 +40,7 @@ local function start_of(f, options)
   end
   local read, given = blame.try(start.read, f, options.x, "q")
   if not read then fail("%s", (tostring(given):gsub("field 'q'", "option 'x'"))) end
-  local fine, x = pcall(core.vector, given)
+  local fine, x = blame.try(core.vector, given)
   if not fine or #x ~= f.n then
     fail("option 'x' must be a form, a function of the position or a list of %d numbers (got %s)",
       f.n, fine and #x .. " numbers" or option.got(options.x))

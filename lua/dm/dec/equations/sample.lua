@@ -1,5 +1,6 @@
 --- Numbers on cells from what a script gives for them: a number, a function of the point, a form, a
 -- list or a vector.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local form = require "dm.dec.form"
 local option = require "dm.base.options"
@@ -34,7 +35,7 @@ function M.values(x, K, kind, count, points, where, what)
     for i = 1, count do out[i] = M.at_point(x, at, i, where, what) end
     return out
   end
-  local fine, values = pcall(core.vector, x)
+  local fine, values = blame.try(core.vector, x)
   if x == nil or not fine or #values ~= count then
     option.fail(where, "%s must be a number, a function of the point, a form or a list of %d "
       .. "numbers (got %s)", what, count, option.got(x))

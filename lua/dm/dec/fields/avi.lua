@@ -1,5 +1,6 @@
 --- field:solver { rule = "avi" }: asynchronous variational integrators, a step of its own in every
 -- cell of the potential (Lew, Marsden, Ortiz & West 2003).
+local blame = require "dm.base.blame"
 local cell_of = require "dm.dec.fields.cell"
 local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
@@ -119,7 +120,7 @@ end
 
 -- times that grow from `now` on, up to `last`
 local function times_at(options, now, last)
-  local fine, at = pcall(core.vector, options.at)
+  local fine, at = blame.try(core.vector, options.at)
   if not fine or #at == 0 then
     option.fail(RUN, "option 'at' must be a list of growing times (got %s)", option.got(options.at))
   end

@@ -23,8 +23,7 @@ local function beyond(system, rule, h, path)
   local f, rows = system.field, { { #path, "the last row" } }
   if not path.file then table.insert(rows, 1, { 1, "the start" }) end
   for _, row in ipairs(rows) do
-    local fine, limit = pcall(system.stability_limit, system, rule, { q = path.q[row[1]] })
-    if not fine and blame.is_stop(limit) then error(limit, 0) end
+    local fine, limit = blame.try(system.stability_limit, system, rule, { q = path.q[row[1]] })
     if fine and h > limit * (1 + 1e-9) then
       return ("h = %.6g is beyond the limit of stability, %.6g about %s (field:stability_limit)")
         :format(h, limit, row[2]) .. largest_text(f, path.q[#path])
@@ -38,8 +37,7 @@ local FAR = 1e100 -- values that are larger have left by themselves
 local function inverted(system, x)
   local cell = x:norm() < FAR and images.inverted(system.field, x)
   if not cell then return nil end
-  local fine, why = pcall(system.energy, system, x, 0 * x)
-  if not fine and blame.is_stop(why) then error(why, 0) end
+  local fine = blame.try(system.energy, system, x, 0 * x)
   return not fine and cell or nil
 end
 
@@ -64,7 +62,7 @@ local TOLD = { not_finite = true, no_convergence = true, singular = true }
 -- L is NaN at the start: of which cell is it?
 local function at_start(f, message, q)
   if not message:find "L is NaN at the start" then return message end
-  local fine, x = pcall(function() return core.vector(f.start(q, "q")) end)
+  local fine, x = blame.try(function() return core.vector(f.start(q, "q")) end)
   local cell = fine and #x == f.n and images.inverted(f, x)
   return cell and ("%s (the image of cell {%s} is inverted or degenerate)"):format(message,
     table.concat(cell, ", ")) or message
@@ -103,8 +101,7 @@ local function has_grown(system, path, options)
   if not (q1:norm() + p1:norm() > GROWN ^ 0.4 * (q:norm() + p:norm())) then return false end
   local first, moving = kinetic(f, p), kinetic(f, p1)
   local before = system:energy(q, p)
-  local finite, after = pcall(system.energy, system, q1, p1)
-  if not finite and blame.is_stop(after) then error(after, 0) end
+  local finite, after = blame.try(system.energy, system, q1, p1)
   if not finite or moving == math.huge then return true end -- its squares overflow
   local off = math.abs(after - before)
   return off > GROWN * (first + math.abs(before - first)) and off > 0.1 * moving
@@ -113,8 +110,7 @@ end
 --- Raises for a path whose energy has grown so; options: of its run; h: the largest step; why: what
 -- it comes from, where that is known.
 function M.check_growth(system, path, options, h, why)
-  local seen, grown = pcall(has_grown, system, path, options)
-  if not seen and blame.is_stop(grown) then error(grown, 0) end
+  local seen, grown = blame.try(has_grown, system, path, options)
   if not seen or not grown then return end
   local rule = tostring(path.rule)
   why = why and why .. largest_text(system.field, path.q[#path]) or beyond(system, rule, h, path)
@@ -127,7 +123,7 @@ end
 --- solver:run of a field by `plain`; h: the largest step. Failures say what they come from; an
 -- energy that has outgrown the start is one.
 function M.run(plain, solver, system, options, h)
-  local fine, path = pcall(plain, solver, options)
+  local fine, path = blame.try(plain, solver, options)
   if fine then
     M.check_growth(system, path, options, h)
     return path
@@ -137,8 +133,7 @@ function M.run(plain, solver, system, options, h)
     error(at_start(f, failure, type(options) == "table" and options.q), 0)
   end
   if TOLD[failure.code] and failure.path then
-    local told, why = pcall(reason, system, failure.rule, h, failure.path)
-    if not told and blame.is_stop(why) then error(why, 0) end
+    local told, why = blame.try(reason, system, failure.rule, h, failure.path)
     if told and why then
       failure.message = failure.message:gsub("(at step %d+ %(t = [^)]*%)); .*$",
         function(head) return head .. "; " .. why end)

@@ -1,5 +1,6 @@
 --- Forces on a field beside those of its Lagrangian: `force`, and `absorbing` for boundaries that
 -- let waves out. Both become sums over cells of their virtual work.
+local blame = require "dm.base.blame"
 local cell_of = require "dm.dec.fields.cell"
 local cochain = require "dm.dec.fields.cochain"
 local core = require "dm.core"
@@ -48,7 +49,7 @@ local function reader(f, F, like)
     end
     return function(cell, c) return each[c](cell, 1) end
   end
-  local fine, list = pcall(core.vector, F)
+  local fine, list = blame.try(core.vector, F)
   if not fine or #list ~= f.n or type(list[1]) ~= "number" then
     fail("option 'force' must return a form, a list of %d forms, or a list of %d numbers that are "
       .. "added to dL/dq (got %s); a force at some cells that depends on t is a form of numbers "

@@ -29,8 +29,8 @@ local run, run_doc = core.method("dm.solver", "run")
 
 -- the field that a solver is of, as a system, or nothing
 local function field_of(solver)
-  local fine, system = pcall(function() return solver.system end)
-  local has, field = pcall(function() return system.field end)
+  local fine, system = blame.try(function() return solver.system end)
+  local has, field = blame.try(function() return system.field end)
   return fine and has and field and system or nil
 end
 

@@ -23,7 +23,7 @@ end
 
 --- dm.prismal{t0, t1, ...}
 M.prismal = blame.caller(function(times)
-  local fine, list = pcall(core.vector, times)
+  local fine, list = blame.try(core.vector, times)
   if not fine or #list < 2 then
     option.fail(WHERE, "a list of two growing times or more is needed (got %s)", option.got(times))
   end

@@ -2,6 +2,7 @@
 -- coefficients, d > 0 whole, without a common factor of num's; the f are polynomials that a list of
 -- the field keeps, none a multiple of another, and none divides num. Functions such as exp(kappa)
 -- and roots are variables too ("atoms"); a root r = b^(1/q) obeys r^q = b.
+local blame = require "dm.base.blame"
 local factors = require "dm.frame.calculus.factors"
 local P = require "dm.frame.calculus.polynomial"
 
@@ -310,7 +311,7 @@ function M.reduced(e)
   local field = e.field
   for id, power in pairs(e.den) do
     local f = field.factors[id]
-    local fine, g = pcall(P.gcd, field.ring, e.num, f)
+    local fine, g = blame.try(P.gcd, field.ring, e.num, f)
     if fine and not factors.is_constant(g) then
       local rest = P.divide(field.ring, f, g)
       local den = {}

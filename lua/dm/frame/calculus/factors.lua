@@ -1,5 +1,6 @@
 --- The factors of denominators: a list that a field keeps, polynomials without a divisor in common
 -- as far as splitting off known ones and squares finds them.
+local blame = require "dm.base.blame"
 local P = require "dm.frame.calculus.polynomial"
 
 local M = {}
@@ -49,7 +50,7 @@ local function split(field, p, e, out)
   end
   for _, v in ipairs(P.variables(ring, p)) do
     local slope = P.partial(ring, p, v)
-    local fine, g = pcall(P.gcd, ring, p, slope)
+    local fine, g = blame.try(P.gcd, ring, p, slope)
     if fine and not M.is_constant(g) then
       local rest = P.divide(ring, p, g)
       if rest and not M.is_constant(rest) then

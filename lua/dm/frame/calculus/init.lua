@@ -14,7 +14,6 @@ require "dm.frame.calculus.text"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local WHERE = "dm.differential_invariants"
 local fail = option.failing(WHERE)
@@ -141,7 +140,7 @@ local function not_transversal(C)
     local order = math.max(1, C.section.order)
     local lifted = C.action:jet(order, C.parametrized and nil
       or { independent = C.given_independent })
-    local fine, isotropy = pcall(function()
+    local fine, isotropy = blame.try(function()
       local z = require "dm.action.points".sample_point(lifted.on, core.random(5), 3)
       return lifted:isotropy(z).dimension
     end)

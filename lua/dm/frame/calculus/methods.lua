@@ -12,7 +12,6 @@ local matrix = require "dm.frame.calculus.matrix"
 local option = require "dm.base.options"
 local variation = require "dm.frame.calculus.variation"
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local function method(name, f, doc) core.method("dm.calculus", name, blame.caller(f), doc) end
 
@@ -43,7 +42,7 @@ D^2 + kappa^2.]])
 
 local function jet_of(C, jet, where)
   local list = {}
-  local fine = pcall(function()
+  local fine = blame.try(function()
     for i = 1, #jet do list[i] = jet[i] + 0.0 end
   end)
   local length, order = 0, 0
@@ -96,7 +95,7 @@ method("invariants", function(self, jet)
   for j, row in ipairs(C.named) do
     local values = {}
     for place = 1, #C.words.list do
-      local fine, x = pcall(at, nil, { invariant = j, place = place })
+      local fine, x = blame.try(at, nil, { invariant = j, place = place })
       if not fine then break end
       values[place] = x
     end

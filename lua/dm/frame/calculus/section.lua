@@ -1,4 +1,5 @@
 --- The cross-section as exact equations of a jet, solved for as many of its entries.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local F = require "dm.frame.calculus.field"
@@ -16,7 +17,7 @@ local HIGHEST = 8  -- order of the jets that a section may ask for
 -- what the section gives at a jet of numbers: a list, or nothing and why
 local function try(section, length)
   local z = kits.normals(core.random(21), length, length, 1):map(function(x) return 1.5 + x end)
-  local fine, value = pcall(function() return points.entries(section(z)) end)
+  local fine, value = blame.try(function() return points.entries(section(z)) end)
   if not fine then return nil, value end
   for i = 1, #value do
     if type(value[i]) ~= "number" then return nil, "its entries must be numbers" end
@@ -129,7 +130,7 @@ local function choose(C, entry, roots, branch, values)
       local known = values[k]
       return k == entry and x or known and known:constant() or 1
     end)
-    local fine, b = pcall(function() return points.entries(branch(z)) end)
+    local fine, b = blame.try(function() return points.entries(branch(z)) end)
     local holds = fine
     for i = 1, fine and #b or 0 do holds = holds and b[i] > 0 end
     if holds then kept[#kept + 1] = x end

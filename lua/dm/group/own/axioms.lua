@@ -1,4 +1,5 @@
 --- The axioms of a group that a script defines, tested at random elements that are always the same.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 
@@ -77,7 +78,7 @@ local function where(axiom, sample)
 end
 
 local function test(kit, name, axiom, sample)
-  local fine, x, y = pcall(axiom[3], kit, sample)
+  local fine, x, y = blame.try(axiom[3], kit, sample)
   if not fine then
     error(("dm.group '%s': the axiom of %s cannot be tested%s: %s")
       :format(name, axiom[1], where(axiom, sample), x), 0)
@@ -92,7 +93,7 @@ end
 function M.check(kit, name)
   local stream, samples = core.random(20261), {}
   for i = 1, POINTS do
-    local fine, sample = pcall(sample_of, kit, stream, i)
+    local fine, sample = blame.try(sample_of, kit, stream, i)
     if not fine then
       error(("dm.group '%s': mul and exp fail at small elements: %s"):format(name, sample), 0)
     end

@@ -101,7 +101,7 @@ end
 -- exp has a derivative at 0, of full rank: its columns are the directions at the identity
 local function directions(kit, N)
   local r = kit.dimension
-  local fine, E = pcall(function()
+  local fine, E = blame.try(function()
     return core.derivative(function(xi) return kit.exp(xi) end, r)(core.zeros(r))
   end)
   if not fine or not (linear.largest(E) < math.huge) then
@@ -184,7 +184,7 @@ local function of_vectors(given)
   else
     function kit.defect(g)
       local off = (kit.compose(g, kit.inverse(g)) - identity):norm()
-      local fine, x = pcall(kit.log, g)
+      local fine, x = blame.try(kit.log, g)
       return fine and max(off, (kit.exp(x) - g):norm() / max(1, g:norm())) or off
     end
     function kit.project(g) return kit.exp(kit.log(g)) end

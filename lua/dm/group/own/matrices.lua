@@ -1,5 +1,6 @@
 --- Matrix groups of a basis of their algebra, for dm.group: hat, vee, brackets, and the flat
 -- coordinates, which are as many entries of a matrix as tell all of it.
+local blame = require "dm.base.blame"
 local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -22,7 +23,7 @@ local function check_basis(basis)
   end
   local E, n = {}, nil
   for i, m in ipairs(basis) do
-    local fine, matrix = pcall(core.matrix, m)
+    local fine, matrix = blame.try(core.matrix, m)
     if not fine or not linear.is_plain(matrix) or matrix.rows ~= matrix.columns then
       fail("entry %d of the basis must be a square matrix of numbers", i)
     end
@@ -124,9 +125,9 @@ end
 
 -- J with g^T J g = J: E^T J + J E = 0
 local function check_form(form, E, n)
-  local fine, J = pcall(kits.matrix, form, n, "option 'form'")
+  local fine, J = blame.try(kits.matrix, form, n, "option 'form'")
   if not fine then fail("%s", J) end
-  if not linear.is_plain(J) or not pcall(J.inverse, J) then
+  if not linear.is_plain(J) or not blame.try(J.inverse, J) then
     fail("option 'form' must be a regular matrix of numbers")
   end
   for i, e in ipairs(E) do
@@ -264,7 +265,7 @@ local function defects(kit, J)
       if off > 1e-9 then return off, ("g^T J g is off J by %.3g"):format(off) end
     end
     if not (abs(g:det()) > 1e-14 * linear.size(g) ^ g.rows) then return 1, "it is singular" end
-    local fine, x = pcall(kit.log, g)
+    local fine, x = blame.try(kit.log, g)
     if not fine then return off end
     return max(off, linear.largest(g - kit.exp(x)) / size)
   end
@@ -274,7 +275,7 @@ end
 -- groups of other than quadratic relations may lose them by the Cayley map
 local function try_cayley(kit)
   for i = 1, 3 do
-    local fine, g = pcall(kit.cayley, kits.normals(core.random(11), i, kit.dimension, 0.3))
+    local fine, g = blame.try(kit.cayley, kits.normals(core.random(11), i, kit.dimension, 0.3))
     if not fine or kit.defect(g) > 1e-9 then
       for _, key in ipairs { "cayley", "cayleyinv", "dcay", "dcayinv" } do kit[key] = nil end
       kit.no_cayley = true

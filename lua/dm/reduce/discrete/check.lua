@@ -1,5 +1,6 @@
 --- What shape:discrete takes: an Ld of the unreduced system, with its constraint or none, that the
 -- group leaves as it is.
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local forces = require "dm.reduce.discrete.forces"
@@ -21,7 +22,7 @@ local INSIDE = "discrete: this system has constraints, and '%s' has them at poin
 
 --- The discrete Lagrangian of a system and a rule: it has its constraints at the nodes.
 function M.of_rule(system, options)
-  local fine, Ld = pcall(core.discrete_lagrangian, system, options)
+  local fine, Ld = blame.try(core.discrete_lagrangian, system, options)
   if fine then return Ld end
   if not tostring(Ld):find("has no place for", 1, true) then error(Ld, 0) end
   error(INSIDE:format(tostring(options.rule)), 0)
@@ -117,7 +118,7 @@ local function check_symmetry(D, p)
   end
   if D.forces then forces.check(D, x, y, psi, places) end
   for _, theta in ipairs(places) do
-    local fine, worst, name, p0, p1 = pcall(defect, D, x, y, theta, psi)
+    local fine, worst, name, p0, p1 = blame.try(defect, D, x, y, theta, psi)
     if fine and worst > 1e-8 then
       error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, for "
         .. "x0 = %s, x1 = %s, with the group at %.6g")

@@ -2,6 +2,7 @@
 -- the rows E of their reactions (Cuell-Patrick 3). They are reduced where the group moves them as
 -- it moves the points and each is zero along the group, F1 . xi_Q(q0) = F2 . xi_Q(q1) = E_c .
 -- xi_Q(q0) = 0: then mu is kept, and psi_mu solves what it solved without them (Leok 2.8.2-2.8.3).
+local blame = require "dm.base.blame"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -152,7 +153,7 @@ end
 function M.check(D, x0, x1, psi, places)
   local first
   for _, theta in ipairs(places) do
-    local fine, list = pcall(seen, D, x0, x1, theta, psi)
+    local fine, list = blame.try(seen, D, x0, x1, theta, psi)
     if fine and is_finite(list) then
       for k, item in ipairs(list) do
         check_along(D.info, item, x0, x1)

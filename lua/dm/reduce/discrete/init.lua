@@ -131,7 +131,7 @@ function methods.step(D, x0, x1)
   end
   x0, x1 = points(D, x0, x1)
   local step, before_psi = step_of.of(D)
-  local fine, found = pcall(step, x1, psi_of.pair(D, x0, x1).y1, x1)
+  local fine, found = blame.try(step, x1, psi_of.pair(D, x0, x1).y1, x1)
   if not fine then
     error(("step: no next point was found after x1 = %s: %s"):format(tostring(x1), found), 0)
   end
@@ -211,7 +211,7 @@ local function read(info, full, given)
     check.places(info, full)
     return check.of_rule(info.full, { rule = given.rule, h = given.h })
   end
-  local fine, n = pcall(function() return given.Q.dimension, given.h end)
+  local fine, n = blame.try(function() return given.Q.dimension, given.h end)
   if not fine or type(given) ~= "userdata" or n ~= full.Q.dimension then
     error("shape:discrete takes { rule =, h = } or a dm.discrete_lagrangian on the unreduced "
       .. "coordinates", 0)

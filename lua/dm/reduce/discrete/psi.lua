@@ -1,6 +1,7 @@
 --- psi_mu of a discrete Lagrangian that the group leaves as it is: the group variable psi for which
 -- dLd/dpsi (x0, x1, psi) = mu, an implicit function; with it the canonical momenta -dLd/dx0 and
 -- dLd/dx1. Its derivatives are those of the graph.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local forces = require "dm.reduce.discrete.forces"
 local lists = require "dm.base.lists"
@@ -83,7 +84,7 @@ end
 
 -- the same, 0 where the line has no velocity of the group
 local function first_guess(D, x0, x1)
-  local fine, guess = pcall(line_of(D), x0, x1)
+  local fine, guess = blame.try(line_of(D), x0, x1)
   if not fine then return core.zeros(D.info.m) end
   local sum = 0
   for a = 1, D.info.m do sum = sum + abs(guess[a]) end
@@ -97,7 +98,7 @@ local NONE = "no psi_mu between x0 = %s and x1 = %s: %s (h = %.6g)"
 
 -- f(x0, x1, guess), or an error that names the shapes
 local function at_pair(D, f, x0, x1, guess)
-  local fine, out = pcall(f, x0, x1, guess or first_guess(D, x0, x1))
+  local fine, out = blame.try(f, x0, x1, guess or first_guess(D, x0, x1))
   if fine then return out end
   local why = tostring(out):match "psi_mu has no value.*" or tostring(out)
   error(NONE:format(tostring(x0), tostring(x1), why, D.h), 0)

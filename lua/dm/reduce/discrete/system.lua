@@ -3,6 +3,7 @@
 -- (D2 Ld - D1 Ld) / 2 of a step approaches L_v: along the group, or mu would mean something else.
 -- What is left at k must be explained by how it changes with k and by round-off: eps |L_vv| |q| / k
 -- of momenta, by k once more of equations, or more, as it scatters.
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
@@ -109,7 +110,7 @@ end
 local function wrong_limit(c, steps)
   local count, limit = 0, nil
   for _, k in ipairs(steps) do
-    local fine, other = pcall(other_limit, c, k)
+    local fine, other = blame.try(other_limit, c, k)
     if fine and other then count, limit = count + 1, other end
     if count == ENOUGH then return limit end
   end
@@ -245,7 +246,7 @@ function M.compare(full, Ld, points)
     push = given.force and forces.of(Ld).push }
   for _, part in ipairs(PARTS) do o.steps[#o.steps + 1] = min(part * Ld.h, 2 ^ 40) end
   for _, p in ipairs(points) do
-    local fine, why = pcall(check_point, o, p, p.G, p.generators)
+    local fine, why = blame.try(check_point, o, p, p.G, p.generators)
     if fine and why then error(why, 0) end
   end
 end

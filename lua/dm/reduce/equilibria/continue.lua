@@ -49,7 +49,7 @@ local function correct(V, z, t, d, n)
   local foot = z
   z = table.move(z, 1, d + 1, 1, {})
   for round = 1, 12 do
-    local fine, g, rows = pcall(equation, V, z, d, n)
+    local fine, g, rows = blame.try(equation, V, z, d, n)
     if not fine then return nil end
     local A, rest, off = {}, {}, 0
     for i = 1, d do A[i], rest[i] = rows[i], g[i] end
@@ -94,7 +94,7 @@ local function middle(c, a, b)
   for i = 1, c.d + 1 do chord[i] = chord[i] / sqrt(size) end
   local z, rows = correct(c.V, guess, chord, c.d, c.n)
   local t = z and tangent(rows, a.t, c.d)
-  local there, e = pcall(describe, c.info, c.R, c.V, z, c.n)
+  local there, e = blame.try(describe, c.info, c.R, c.V, z, c.n)
   return t and there and e and { z = z, t = t, e = e } or nil
 end
 
@@ -177,7 +177,7 @@ end
 local function arrive(c, now, z, rows)
   local t = tangent(rows, now.t, c.d)
   if not t then return nil end
-  local there, e = pcall(describe, c.info, c.R, c.V, z, c.n)
+  local there, e = blame.try(describe, c.info, c.R, c.V, z, c.n)
   return there and e and { z = z, t = t, e = e } or nil
 end
 

@@ -134,7 +134,7 @@ end
 
 -- |det| of the locked inertia and of the mass that is left, at x; 0, 0 outside of the domain
 local function regularity(info, R, mu, x)
-  local fine, inertia, mass = pcall(function()
+  local fine, inertia, mass = blame.try(function()
     local _, I = model.momentum_parts(info, x, lists.zeros(info.d), 0)
     return size_of_det(I), size_of_det(balance.mass(R, x, mu, info.d))
   end)
@@ -171,7 +171,7 @@ M.relative_equilibria = blame.caller(function(shape, options)
     local found = balance.stationary(V, x, mu, d, scale)
     if found and inside(found, region, scale.length) and is_new(list, found, scale.length)
       and is_regular(info, R, mu, found, least) then
-      local fine, e = pcall(balance.describe, info, R, V, found, mu)
+      local fine, e = blame.try(balance.describe, info, R, V, found, mu)
       if fine and e and not (options.copies == false and is_copy(list, e)) then
         list[#list + 1] = e
       end

@@ -1,6 +1,7 @@
 --- Shapes between two others at which the locked inertia vanishes: the group does not act freely
 -- there, mu is 0, and what lies behind are the same states again, in mirrored coordinates. A branch
 -- of relative equilibria that runs into one ends there; mu^2 / 2 I turns it round like a fold.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local model = require "dm.reduce.routh.model"
 
@@ -12,7 +13,7 @@ local min, abs, huge = math.min, math.abs, math.huge
 local function least(info, x)
   local rest = {}
   for j = 1, info.d do rest[j] = 0 end
-  local fine, re = pcall(function()
+  local fine, re = blame.try(function()
     local _, I = model.momentum_parts(info, core.vector(x), core.vector(rest), 0)
     return (core.matrix(I):eigenvalues())
   end)

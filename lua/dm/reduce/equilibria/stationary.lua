@@ -3,6 +3,7 @@
 -- terms - V_mu: M y'' + S y' + K y = 0, S_ij = R_x'i xj - R_xi x'j, K = V_mu's Hessian. Stable by
 -- energy where K is positive definite; spectrally where all characteristic values are imaginary
 -- (Simo, Lewis & Marsden 1991).
+local blame = require "dm.base.blame"
 local branches = require "dm.reduce.equilibria.branch"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
@@ -74,7 +75,7 @@ function M.scale(V, points, lengths, mu, d)
   local seen, slope = {}, {}
   for i = 1, d do seen[i] = {} end
   for _, x in ipairs(points) do
-    local fine, g = pcall(V.gradient, V, core.vector(x), mu)
+    local fine, g = blame.try(V.gradient, V, core.vector(x), mu)
     for i = 1, fine and d or 0 do seen[i][#seen[i] + 1] = abs(g[i]) end
   end
   for i = 1, d do
@@ -88,7 +89,7 @@ end
 -- shrink; nothing where it ends elsewhere.
 function M.stationary(V, x, mu, d, scale)
   x = core.vector(x)
-  local fine, g = pcall(V.gradient, V, x, mu)
+  local fine, g = blame.try(V.gradient, V, x, mu)
   if not fine then return nil end
   for _ = 1, MOST do
     local H = V:hessian(x, mu)
@@ -101,7 +102,7 @@ function M.stationary(V, x, mu, d, scale)
     repeat
       trial = core.vector(x)
       for i = 1, d do trial[i] = x[i] - part * step[i] end
-      local there, new = pcall(V.gradient, V, trial, mu)
+      local there, new = blame.try(V.gradient, V, trial, mu)
       slope = there and new or nil
       part = part / 2
     until slope and (slope_of(slope, d, scale) < before

@@ -10,7 +10,6 @@ local option = require "dm.base.options"
 
 local M = {}
 
-local pcall = blame.try  -- Ctrl-C passes
 
 local WHERE = "level:relative_equilibria"
 local STEPS, CLOSE, SAME = 60, 1e-11, 1e-6
@@ -120,7 +119,7 @@ function M.find(self, amended, o)
   for i = 1, starts do
     local x = d > 0 and about + kits.normals(stream, 3 * i, n, spread) or core.zeros(n)
     local nu = kit.coAd(kit.exp(kits.normals(stream, 3 * i + 1, r, 1.5)), self.mu)
-    local fine, found = pcall(search, self, W, x, nu)
+    local fine, found = blame.try(search, self, W, x, nu)
     if fine and found and not is_known(kept, found) then
       kept[#kept + 1] = { nu = found.nu, x_full = found.x }
       out[#out + 1] = described(self, amended, found)

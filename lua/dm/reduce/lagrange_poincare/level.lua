@@ -69,7 +69,7 @@ local function check_inertia(self)
   for i = 1, 8 do
     local x = kits.normals(core.random(88), i, f.n, 0.6)
     local u, xi = rest(self)
-    local fine, I = pcall(f.inertia, x, u, xi)
+    local fine, I = blame.try(f.inertia, x, u, xi)
     if fine then
       local again = f.inertia(x, u, kits.normals(core.random(88), 100 + i, S.r, 1))
       if linear.largest(again - I) > 1e-9 * (1 + linear.largest(I)) then
@@ -77,7 +77,7 @@ local function check_inertia(self)
           .. "systems "
           .. "are reduced by groups that are not abelian")
       end
-      if pcall(I.inverse, I) then return end
+      if blame.try(I.inverse, I) then return end
     end
   end
   option.fail(WHERE, "the locked inertia is singular: some turns of the group cost no momentum")
@@ -211,7 +211,7 @@ end
 
 -- I^-1 b at the shape x
 local function by_inertia(I, b, x)
-  local fine, out = pcall(I.solve, I, b)
+  local fine, out = blame.try(I.solve, I, b)
   if fine then return out end
   if not linear.is_plain(I) then error(out, 0) end
   option.fail("dm.level", "the locked inertia is singular at the shape %s: a turn of the group "

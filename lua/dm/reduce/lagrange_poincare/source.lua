@@ -1,5 +1,6 @@
 --- Where a reduced step comes from: a formula l(x0, x1, f, h), as an action S(q0, V, h) of the
 -- stage velocity V in a chart tau, or a system and a rule lie(s) (Leok 5.3).
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local bound = require "dm.base.bound"
 local kits = require "dm.group.kit"
@@ -89,7 +90,7 @@ function M.check_invariance(S, system, where)
     local v = kits.normals(stream, 4 * i + 1, whole.dimension, 1)
     local g = kit.exp(kits.normals(stream, 4 * i + 2, S.r, 0.5))
     local h = kit.exp(kits.normals(stream, 4 * i + 3, S.r, 0.7))
-    local fine, a, b = pcall(function()
+    local fine, a, b = blame.try(function()
       return L(space.element(S, x, g), v, 0), L(space.element(S, x, kit.compose(h, g)), v, 0)
     end)
     if fine and math.abs(a) < math.huge and math.abs(b) < math.huge then

@@ -1,5 +1,6 @@
 --- Is it a symmetry? Looked at where the derivatives are exact: at points in the domain, the first
 -- that says no is named.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -44,7 +45,9 @@ function M.points(n, f, start, enough)
     local q = point(random, try, n, near and start.q or nil)
     local v = point(random, try, n, near and start.v or nil)
     local t = 0.3 * abs(random())
-    if pcall(f, q, v, t) then out[#out + 1] = { q = core.vector(q), v = core.vector(v), t = t } end
+    if blame.try(f, q, v, t) then
+      out[#out + 1] = { q = core.vector(q), v = core.vector(v), t = t }
+    end
     if #out == enough then break end
   end
   return out
@@ -106,7 +109,7 @@ end
 
 local function compare(what, f, info, read)
   for _, p in ipairs(info.points) do
-    local fine, a, b = pcall(function()
+    local fine, a, b = blame.try(function()
       return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p), p.v, p.t))
     end)
     for i = 1, fine and #a or 0 do
@@ -123,7 +126,7 @@ end
 function M.force(info, f)
   compare("the force", f, info, function(g, q, v, t) return g(q, v, t) end)
   for _, p in ipairs(info.points) do
-    local fine, F = pcall(f, p.q, p.v, p.t)
+    local fine, F = blame.try(f, p.q, p.v, p.t)
     for _, i in ipairs(fine and info.cyclic or {}) do
       if abs(F[i]) > TOLERANCE then
         error(("the force has a component along the group: it pushes '%s' with %.6g at %s, so "

@@ -1,6 +1,7 @@
 --- The slice that a symmetry is cut along when none is given: coordinates held at 0 wherever the
 -- orbit of the start comes to such points. Held at any other value r0, a slice of rotations has no
 -- points with r < r0, and the mass of the shape vanishes where an orbit comes down to r0.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -111,7 +112,7 @@ local function candidate(orbit, m, n, held, at, mask, least)
     end
   end
   for try = 0, 2 * TURNS do
-    local fine, theta = pcall(solve, orbit, m, n, held, value, start(m, try))
+    local fine, theta = blame.try(solve, orbit, m, n, held, value, start(m, try))
     if fine and theta then
       local q, found = orbit(theta), { held = held, value = value, theta = theta, zeros = zeros,
         moved = theta:norm() > 1e-14, rest = 0 }

@@ -158,7 +158,7 @@ local function read_mu(info, options)
     if not options.q or not options.v then
       error("option 'mu' must be given, or the start q, v that has it", 0)
     end
-    local fine, p = pcall(info.derived.slope, options.q, options.v, 0)
+    local fine, p = blame.try(info.derived.slope, options.q, options.v, 0)
     if not fine then
       error(("L is not finite at the start q = %s, v = %s, or its momentum is not")
         :format(check.text(options.q), check.text(options.v)), 0)

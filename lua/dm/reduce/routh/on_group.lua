@@ -2,6 +2,7 @@
 -- acts on it: g = action(theta, section(x)), so that y = (theta, x) are coordinates near the
 -- section and the velocity is linear in y', xi = J(y) y'. Moves of theta are then moves of
 -- coordinates.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
@@ -54,7 +55,7 @@ end
 -- somewhere the group leaves the section, and no two shapes are one: y are coordinates there
 local function check_chart(velocity, n)
   for _, y in ipairs(starts(n)) do
-    local fine, values = pcall(function()
+    local fine, values = blame.try(function()
       return linear.singular_values(rates_at(velocity, n, y))
     end)
     if fine and min(table.unpack(values)) > 1e-9 * max(table.unpack(values)) then return end
@@ -70,7 +71,7 @@ local function transfer(system, element, velocity, n)
   -- Newton's method for g(y) = g0 from y; nothing where it leads nowhere
   local function find(g0, y)
     for _ = 1, 50 do
-      local fine, step = pcall(function()
+      local fine, step = blame.try(function()
         local g = element(y)
         local off = G:log(G:compose(G:inverse(g), g0))
         return rates_at(velocity, n, y):solve(own.right and G:Ad(g, off) or off)

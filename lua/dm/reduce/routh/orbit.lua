@@ -2,6 +2,7 @@
 -- by Newton's method. Sections of polar coordinates and angles are met several times, at r and at
 -- -r half a turn on: of these the shape of least norm is taken, of equal norms the one whose first
 -- entry is positive; or the one nearest to a shape that is known.
+local blame = require "dm.base.blame"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -27,7 +28,7 @@ local MOST = 50
 local function invert(Phi, q, start)
   local y = core.vector(start)
   for _ = 1, MOST do
-    local fine, step = pcall(M.solve, Phi:jacobian(y), Phi(y) - q)
+    local fine, step = blame.try(M.solve, Phi:jacobian(y), Phi(y) - q)
     if not fine then return nil end
     local size = 0
     for i = 1, #q do y[i] = y[i] - step[i]; size = max(size, abs(step[i])) end
@@ -56,7 +57,7 @@ end
 local SAME = 1e-9 -- of the size of q, or of a shape: they are the same
 
 local function leads_to(S, y, q)
-  local fine, there = pcall(S.Phi, y)
+  local fine, there = blame.try(S.Phi, y)
   return fine and (there - q):norm() <= SAME * max(1, q:norm())
 end
 
@@ -164,7 +165,7 @@ local NONE = "the point %s is not on an orbit through the section: no theta and 
 function M.find(S, q)
   local best, seen = nil, {}
   for try = 0, TRIES - 1 do
-    local fine, y = pcall(invert, S.Phi, q, start_of(S, q, try))
+    local fine, y = blame.try(invert, S.Phi, q, start_of(S, q, try))
     if fine and y then best = best_of(S, q, y, best, seen) end
     local exact = best and S.home and distance(S, best) <= SAME
     if best and (try % BLOCK == BLOCK - 1 or exact) then

@@ -1,5 +1,6 @@
 --- Is L quadratic in theta'? Then theta' is eliminated by a linear system in the graph; else it is
 -- an implicit function, dm.root.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local model = require "dm.reduce.routh.model"
 
@@ -13,7 +14,7 @@ function M.is(info)
     local v = {}
     for i = 1, n do v[i] = p.v[i] end
     for a, i in ipairs(info.cyclic) do v[i] = v[i] + 0.31 + 0.17 * a end
-    local fine, one, two = pcall(function()
+    local fine, one, two = blame.try(function()
       return rows(p.q, p.v, p.t), rows(p.q, core.vector(v), p.t)
     end)
     for a = 1, fine and info.m or 0 do
@@ -55,7 +56,7 @@ function M.is_branch(info, q, v, t)
   local x, u = model.split(info, q), nil
   local rate
   u, rate = model.split(info, v)
-  local fine, found = pcall(model.group_velocity, info, core.vector(x), core.vector(u), t or 0)
+  local fine, found = blame.try(model.group_velocity, info, core.vector(x), core.vector(u), t or 0)
   for a = 1, fine and info.m or 0 do
     if math.abs(found[a] - rate[a]) > 1e-5 * math.max(math.abs(rate[a]), math.abs(found[a])) then
       return false, rate

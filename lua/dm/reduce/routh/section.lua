@@ -1,6 +1,7 @@
 --- From a symmetry in the coordinates of Q to cyclic ones: q = action(theta, section(x)) makes L a
 -- function of (theta, x) that does not depend on theta, if the action is abelian and leaves L as it
 -- is.
+local blame = require "dm.base.blame"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -19,8 +20,8 @@ local function read_action(options)
   if type(action) == "function" then
     return core.one(action, "action"), options.dimension or 1
   end
-  local fine, map = pcall(function() return action.map end)
-  if fine and not map and pcall(function() return action.dimension, action.exp end)
+  local fine, map = blame.try(function() return action.map end)
+  if fine and not map and blame.try(function() return action.dimension, action.exp end)
     and action.name then
     error(("option 'action': %s is a group, which acts in many ways: give function(theta, q) or "
       .. "a dm.action"):format(tostring(action)), 0)
@@ -57,7 +58,7 @@ local function point(value, n, option)
     error(("option '%s' must return a point of Q: %d numbers (got %s)")
       :format(option, n, lists.got(value)), 0)
   end
-  local is, out = pcall(core.vector, value)
+  local is, out = blame.try(core.vector, value)
   if not is then
     error(("option '%s' must return a point of Q: %s")
       :format(option, tostring(out):gsub("^.-%.lua:%d+: ", "")), 0)
@@ -88,8 +89,8 @@ end
 local function somewhere(move, m, n, L, points)
   local rest = core.vector(lists.zeros(n))
   local function will_do(q)
-    local fine, value = pcall(L, q, rest, 0)
-    local moves, columns = pcall(generators, move, m, q)
+    local fine, value = blame.try(L, q, rest, 0)
+    local moves, columns = blame.try(generators, move, m, q)
     return fine and value == value and abs(value) < math.huge and moves
       and default_section.moved_most(columns, n)
   end
@@ -141,7 +142,7 @@ local function check_action(move, m, points)
   local a, b, both = {}, {}, {}
   for k = 1, m do a[k], b[k] = 0.3 + 0.1 * k, -0.7 + 0.2 * k; both[k] = a[k] + b[k] end
   for _, p in ipairs(points) do
-    local fine, once, twice, other = pcall(function()
+    local fine, once, twice, other = blame.try(function()
       return move(both, p.q), move(a, move(b, p.q)), move(b, move(a, p.q))
     end)
     if fine then
@@ -155,7 +156,7 @@ end
 local function transfer(system, S)
   local T, Phi = { system = system }, S.Phi
   local function crossed(J, b, q)
-    local fine, x = pcall(orbit.solve, J, b)
+    local fine, x = blame.try(orbit.solve, J, b)
     if fine then return x end
     error(("at %s the group does not cross the section: it does not move this point in all its "
       .. "directions, or along the section; take another one")

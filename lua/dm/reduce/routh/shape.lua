@@ -47,7 +47,7 @@ end
 
 -- f(...), or an error that says at which shape there is no value
 local function at_shape(what, x, f, ...)
-  local fine, out = pcall(f, ...)
+  local fine, out = blame.try(f, ...)
   if fine then return out end
   local message = tostring(out)
   if not (message:find(" is NaN ", 1, true) or message:find("infinite", 1, true)) then

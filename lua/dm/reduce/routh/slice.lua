@@ -66,7 +66,7 @@ M.slice = blame.caller(function(shape, what, options)
   local series = core.result {}
   for k = 0, points - 1 do
     local x = a + (k / (points - 1)) * (b - a)
-    local fine, value = pcall(shape[what], shape, x, options.t)
+    local fine, value = blame.try(shape[what], shape, x, options.t)
     if fine then
       for i, entry in ipairs(entries(what, value, info)) do
         local s = series[i] or { x = {}, y = {}, name = entry[1], xlabel = label,

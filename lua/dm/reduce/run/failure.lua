@@ -1,6 +1,7 @@
 --- Reduced runs that fail or have lost their way: named by the first step that went wrong, whatever
 -- rows were kept, and by what is there (reason.lua). Looked for in the rows that were kept; where
 -- these look suspect the steps are run again and all of them are looked at.
+local blame = require "dm.base.blame"
 local jumps = require "dm.reduce.run.jump"
 local reason = require "dm.reduce.run.reason"
 local routh = require "dm.reduce.routh"
@@ -216,7 +217,7 @@ end
 local function explain(shape, info, failure)
   local path = failure.path
   if not path or path.watched or #path < 1 or failure.code == "stopped" then return end
-  local fine, code, why = pcall(reason.of_end, shape, info, path)
+  local fine, code, why = blame.try(reason.of_end, shape, info, path)
   if fine and code then
     failure.reason = code
     failure.message = ("%s (%s)"):format(failure.message, why)
@@ -227,7 +228,7 @@ end
 -- was wrong before
 local function look(path, info, run, all_steps, failure)
   local stopped = failure and failure.code == "stopped"
-  local fine, found = pcall(wrong, path, info, run, all_steps, failure and not stopped)
+  local fine, found = blame.try(wrong, path, info, run, all_steps, failure and not stopped)
   if failure then explain(path.system, info, failure) end
   if not fine or not found or not found.code and not failure then return end
   if not failure or failure.reason ~= "edge" and not found.alone then raise(found.whole, found) end
@@ -245,7 +246,7 @@ local function all_steps_of(plain, solver, options)
     for _, key in ipairs(KEPT) do again[key] = options[key] end
     local fine, all = false, nil
     if path.steps >= 1 and path.steps <= jumps.LONGEST then
-      fine, all = pcall(plain, solver, again)
+      fine, all = blame.try(plain, solver, again)
     end
     return fine and all or nil
   end

@@ -2,6 +2,7 @@
 -- of the section or of the coordinates, through which no motion goes and behind which the rows mean
 -- nothing. Looked for where the energy moves more than it does elsewhere in the same run: between
 -- rows that are far apart the steps are run again.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local routh = require "dm.reduce.routh"
 
@@ -22,14 +23,14 @@ M.LONGEST = LONGEST
 
 --- The mass of the shape that a path is of at (x, t), or nothing.
 function M.mass(path, x, t)
-  local fine, G = pcall(path.mass, path, x, t)
+  local fine, G = blame.try(path.mass, path, x, t)
   return fine and G or nil
 end
 
 -- |det| of the mass, or nothing outside of the domain
 local function determinant(path, x, t)
   local G = M.mass(path, x, t)
-  local fine, det = pcall(function() return G:det() end)
+  local fine, det = blame.try(function() return G:det() end)
   return fine and abs(det) or nil
 end
 
@@ -69,7 +70,7 @@ function M.over(path, i, change)
   local where = M.singular(path, a, b, t, change > LARGE and SINGULAR or ZERO)
   if where or change <= HUGE then return where end
   for side, x in ipairs { a, b } do
-    local fine, v = pcall(path.velocity, path, i - 2 + side)
+    local fine, v = blame.try(path.velocity, path, i - 2 + side)
     where = fine and M.singular(path, x, x + (side == 1 and dt or -dt) * v, t)
     if where then return where end
   end
@@ -83,7 +84,7 @@ function M.energy_size(path, first, rows)
   local kinetic, last = {}, rows or #path
   for k = 0, SAMPLES - 1 do
     local i = 1 + k * (last - 1) // (SAMPLES - 1)
-    local known, v = pcall(path.velocity, path, i)
+    local known, v = blame.try(path.velocity, path, i)
     kinetic[#kinetic + 1] = known and abs(v:dot(path.p[i])) or 0
   end
   local start = max(abs(first), kinetic[1])
@@ -110,9 +111,9 @@ local LAST = 4 -- rows at the end of a run that failed which may have no energy
 -- not keep one, or has recorded other things.
 function M.energies(path, info)
   if path.watched or info.full.given.force or not routh.is_autonomous(info) then return nil end
-  local fine, E = pcall(path.energy, path)
+  local fine, E = blame.try(path.energy, path)
   for less = 1, fine and 0 or min(LAST, #path - 1) do
-    fine, E = pcall(function() return M.head(path, #path - less):energy() end)
+    fine, E = blame.try(function() return M.head(path, #path - less):energy() end)
     if fine then break end
   end
   return fine and E or nil
@@ -175,7 +176,8 @@ function M.again(path, run, first, last)
   local steps = last and math.floor((path.t[last] - t0) / path.h + 0.5)
     or path.steps - math.floor((t0 - path.t[1]) / path.h + 0.5)
   if steps < 1 or steps > LONGEST then return nil end
-  local fine, dense = pcall(run, { q = path.q[first], p = path.p[first], t0 = t0, steps = steps })
+  local fine, dense = blame.try(run,
+    { q = path.q[first], p = path.p[first], t0 = t0, steps = steps })
   if not fine and type(dense) ~= "table" then return nil end
   return fine and dense or dense.path
 end

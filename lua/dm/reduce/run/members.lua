@@ -1,6 +1,7 @@
 --- Members of ensembles of a reduced system that lost their way: found as in runs of their own
 -- (failure.lua), which are made again for all members where these take few steps in all, else for
 -- those whose energy has moved most.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local failure = require "dm.reduce.run.failure"
 local lists = require "dm.base.lists"
@@ -72,7 +73,7 @@ local function run_again(run, e, options, kept, i)
     solver = system:solver { rule = solver.rule, h = h,
       newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
   end
-  local fine, why = pcall(failure.run, run, solver, { q = kept.q[i], v = kept.v and kept.v[i],
+  local fine, why = blame.try(failure.run, run, solver, { q = kept.q[i], v = kept.v and kept.v[i],
     p = kept.p and kept.p[i], t0 = options.t0, steps = e.steps[i], project = options.project })
   if not fine and type(why) == "table" and why.reason then return why end
 end
@@ -122,9 +123,9 @@ function M.ensemble(plain, run, solver, options)
   if type(options) ~= "table" or options.watch then return plain(solver, options) end
   local given, kept = remember(options)
   local e = plain(solver, given)
-  local fine, list = pcall(candidates, plain, e, options, kept, routh.info(solver.system))
+  local fine, list = blame.try(candidates, plain, e, options, kept, routh.info(solver.system))
   for _, i in ipairs(fine and list or {}) do
-    local known, why = pcall(run_again, run, e, options, kept, i)
+    local known, why = blame.try(run_again, run, e, options, kept, i)
     if known and why then
       found[e] = found[e] or {}
       found[e][i] = why

@@ -2,6 +2,7 @@
 -- mass of the shape. A shape at which the group does not act freely (r = 0, all rods vertical) has
 -- a singular locked inertia: with mu it is behind a wall of V_mu, which a step that is too long may
 -- jump; a pole or an edge of the coordinates makes the mass d2R/dx'2 singular or infinite.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local jumps = require "dm.reduce.run.jump"
 
@@ -11,7 +12,7 @@ local abs, min, max = math.abs, math.min, math.max
 
 --- The least characteristic value of the locked inertia at x, or nothing outside of the domain.
 function M.inertia(shape, x, t)
-  local fine, re = pcall(function() return (shape:locked_inertia(x, t):eigenvalues()) end)
+  local fine, re = blame.try(function() return (shape:locked_inertia(x, t):eigenvalues()) end)
   if not fine then return nil end
   local least = math.huge
   for i = 1, #re do least = min(least, re[i]) end
@@ -57,13 +58,13 @@ local function leaves(shape, info, x, v, t, h)
   for _, part in ipairs { 0.5, 1 } do
     local y, fine, value = {}, nil, nil
     for j = 1, info.d do y[j] = x[j] + part * h * v[j] end
-    fine, value = pcall(shape.lagrangian, shape, y, v, t)
+    fine, value = blame.try(shape.lagrangian, shape, y, v, t)
     if not fine then
       local worst, name = 0, nil
       for j = 1, info.d do
         local z = { table.unpack(core.vector(x):totable()) }
         z[j] = y[j]
-        if not pcall(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then
+        if not blame.try(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then
           worst, name = abs(v[j]), info.own[j]
         end
       end
@@ -122,7 +123,7 @@ function M.of_end(shape, info, path)
   local n = #path
   local x, t = path.q[n], path.t[n]
   local code, why = M.at(path, info, x, t, path.q[1], path.t[1])
-  local known, v = pcall(path.velocity, path, n)
+  local known, v = blame.try(path.velocity, path, n)
   if not code and known then code, why = leaves(shape, info, x, v, t, path.h) end
   if not code and known then code, why = ahead(info, path, v) end
   if not code then code, why = behind(info, path) end

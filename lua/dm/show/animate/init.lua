@@ -57,7 +57,7 @@ end
 local function check_path(path, which)
   local function columns() return #path, path.t, path.columns[1] end
   local kind = type(path)
-  if not (kind == "userdata" or kind == "table") or not pcall(columns) then
+  if not (kind == "userdata" or kind == "table") or not blame.try(columns) then
     fail("%s is not a path (got %s): animate what solver:run returned", which, kind)
   end
   if #path == 0 then fail("%s has no rows: there is nothing to show", which) end
@@ -133,7 +133,7 @@ end
 
 local function is_constrained(path)
   local system = type(path) == "userdata" and path.system
-  local fine, given = pcall(function() return system.given end)
+  local fine, given = blame.try(function() return system.given end)
   return fine and given and given.constraint ~= nil
 end
 

@@ -148,7 +148,7 @@ local function shown(result, options)
   if type(paths) ~= "table" or #paths == 0 then
     return { wrong = "run must return a path, or a list of paths" }
   end
-  local fine, scene = pcall(require "dm.show.animate".scene, paths, options, PIXELS)
+  local fine, scene = blame.try(require "dm.show.animate".scene, paths, options, PIXELS)
   if not fine then return { wrong = tostring(scene) } end
   local note = scene.note
   scene.note, scene.title = nil, nil
@@ -156,7 +156,7 @@ local function shown(result, options)
 end
 
 local function position(run, sliders, k, options)
-  local fine, result = pcall(run, table.unpack(arguments(sliders, k)))
+  local fine, result = blame.try(run, table.unpack(arguments(sliders, k)))
   if fine then return shown(result, options) end
   local message = type(result) == "table" and result.message or result
   return { wrong = tostring(message):match "^[^\n]*" }

@@ -1,5 +1,6 @@
 --- What an animation plots over time beside the picture: energy, momenta, columns, numbers of the
 -- user's.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -20,7 +21,7 @@ local function quantity(path, what)
     end
     return what[1], { { "", values } }
   end
-  local fine, J = pcall(path.momentum, path, what)
+  local fine, J = blame.try(path.momentum, path, what)
   if not fine then
     local why = tostring(J):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
     fail("option 'plots' holds \"energy\", names of columns, groups as dm.SO(2), or { name, "
@@ -48,8 +49,8 @@ local function default_plots(path, dim)
     end
     return out
   end
-  if type(path.energy) == "function" and pcall(path.energy, path) then out[1] = "energy" end
-  local fine = pcall(function() return path:momentum(core.SO(dim))[1] end)
+  if type(path.energy) == "function" and blame.try(path.energy, path) then out[1] = "energy" end
+  local fine = blame.try(function() return path:momentum(core.SO(dim))[1] end)
   if fine then out[#out + 1] = core.SO(dim) end
   return out
 end

@@ -1,4 +1,5 @@
 --- What an animation shows of a path: the points of every row, the rods between them, bodies.
+local blame = require "dm.base.blame"
 local bodies_ = require "dm.show.animate.bodies"
 local fail = require "dm.base.options".failing "animate"
 
@@ -105,7 +106,7 @@ local function read_points(drawing, i, out)
   end
   local dim
   for k, point in ipairs(points) do
-    local fine, n = pcall(function() return #point end)
+    local fine, n = blame.try(function() return #point end)
     if not fine or n < 2 or n > 3 or dim and n ~= dim then
       fail("draw: point %d of row %d must be {x, y} or {x, y, z}%s", k, i,
         dim and (", with %d numbers as the first"):format(dim) or "")
