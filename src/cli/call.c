@@ -74,7 +74,7 @@ static void wake(int signal) {
 
 /* One press of Ctrl-C may come as several signals, of the terminal and of a parent that hands its
  * own on: those of less than SAME_PRESS s are one. Afterwards the default action kills. */
-static const double SAME_PRESS = 0.3;
+static const double SAME_PRESS = 0.05;
 static double pressed = -INFINITY; /* s of the clock: when what runs was told to stop */
 
 static double now(void) {

@@ -50,6 +50,7 @@ local function differences(Ld, start, T)
   local function reached(N)
     if ends[N] == nil then
       local fine, q = blame.try(last, Ld, start, T / N, N)
+      if type(q) == "string" and q:find "field '" then error(q, 0) end -- the start is wrong
       ends[N] = fine and q
     end
     return ends[N]

@@ -70,5 +70,17 @@ local here = debug.getinfo(1, "l").currentline + 1
 local _, message = pcall(function() verb { steps_ = 1 } end)
 tap.ok(message:find(("test_options.lua:%d: dm.f: unknown option"):format(here), 1, true) ~= nil,
   "an error names the line of the caller", message)
+
+----- what is tried: a stop, by Ctrl-C or a deadline, passes -----
+local stopped = setmetatable({ code = "stopped" }, { __tostring = function() return "stop" end })
+tap.raises("interrupted!", blame.try, error, "scene.lua:1: interrupted!", 0)
+tap.raises("stop", blame.try, error, stopped)
+tap.ok(not blame.try(error, "no convergence") and not blame.try(error, { code = "not_finite" })
+  and select(2, blame.try(math.max, 1, 7)) == 7, "all else is tried")
+local solver = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
+  :solver { rule = "verlet", h = 1e-9 }
+local ended, why = require "dm.core".within(0.01, blame.try, solver.run, solver,
+  { q = { 0 }, v = { 1 }, steps = 10 ^ 9, every = 10 ^ 9 })
+tap.ok(not ended and why.code == "stopped", "also that of a deadline", tostring(why))
 tap.raises("dm.f: 3 of 4", options.failing "dm.f", "%d of %d", 3, 4)
 tap.done()

@@ -94,6 +94,7 @@ end
 near(own:order(), 2, 0.02, "order of a formula")
 near(dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(x, y, h) return (y[1] - x[1]) ^ 2 / (2 * h) + h * cos(x[1]) end }:order(), 1, 0.02, "order of a formula of first order")
 near(Ld:order { q = { 1, 0 }, v = { 0, 0.8 } }, 4, 0.05, "order from a start that is given")
+raises("'p' must have 2 entries", function() Ld:order { q = { 1, 0 }, p = { 0, 0.8, 1 } } end)
 raises("use its argument h", function()
   dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(x, y) return (y[1] - x[1]) ^ 2 / 0.2 + 0.1 * cos(x[1]) end }:order()
 end)

@@ -269,12 +269,6 @@ do
   tap.ok(far:run().error_estimate <= 1e-4, "where only fine steps get through, more of them are tried")
 end
 
--- Ctrl-C between two instructions of Lua is no failure of a candidate
-local pass_stop = require "dm.scene.pilot".pass_stop
-tap.raises("interrupted!", pass_stop, "scene.lua:1: interrupted!")
-tap.raises("stop", pass_stop, setmetatable({ code = "stopped" }, { __tostring = function() return "stop" end }))
-tap.ok(pcall(pass_stop, "no convergence") and pcall(pass_stop, { code = "not_finite" }), "all else is")
-
 -- rows of a plain run do not fall in step with the motion: two long steps, 256 periods
 do
   local swing = dm.system { Q = dm.R(1), L = function(q, v) return (v[1]^2 - q[1]^2) / 2 end }
