@@ -55,6 +55,20 @@ static int end_of(pid_t child, unsigned limit) {
     return status;
 }
 
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* are these signals one press of a key? Where this process had to wait between them they are not */
+static int press(pid_t child, unsigned signals) {
+    const double before = now();
+    kill(child, SIGINT);
+    if (signals == 2) nap(below(3)), kill(child, SIGINT);
+    return now() - before < 0.04;
+}
+
 /* one round: with `early` the signal may come before the interpreter stands */
 static int interrupt(int early, unsigned signals, unsigned moment) {
     const char *dmlua = getenv("DMLUA");
@@ -64,15 +78,14 @@ static int interrupt(int early, unsigned signals, unsigned moment) {
     if (child <= 0) return 0; /* and -1 would be everybody */
     if (!early && read(from, &byte, 1) != 1) moment = 0;
     nap(moment);
-    kill(child, SIGINT);
-    if (signals == 2) nap(below(3)), kill(child, SIGINT);
+    const int at_once = press(child, signals);
     const int status = end_of(child, 20000);
     const int silent = read(said, &byte, 1) != 1;
     close(from), close(said);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     const int ended = code == 0 || ((code == 1 || code == 128 + SIGINT) && !silent);
     const int killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGINT;
-    const int fine = ended || (killed && early);
+    const int fine = ended || (killed && (early || !at_once));
     by_itself += ended;
     by_signal += killed;
     if (!fine)
