@@ -67,8 +67,7 @@ local function run_prolonged(solver, lifted, options, what)
   if fine then return path end
   local why = type(path) == "string" and path
   if why and why:find "it splits L" then
-    error(("%s: '%s' does not split the prolonged system, so its tangent map is not known; lie(s) "
-      .. "and gauss(s) have theirs"):format(what, tostring(solver.rule)), 0)
+    error(("%s is a step of the prolonged system, and %s"):format(what, why), 0)
   end
   if why and (why:find "too many to trace" or why:find "stays on it") then
     error(("%s: '%s' steps the tangent group of %s for that, and %s; gauss(s) has a tangent map by "

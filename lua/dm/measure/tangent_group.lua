@@ -7,6 +7,7 @@
 -- (df, f).
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local flats = require "dm.group.flat"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
@@ -79,7 +80,7 @@ local function by_factors(kit)
 end
 
 local function give_map(tangent, own, name, slope_name, slope, second)
-  local kit, d = own.kit, own.dimension
+  local kit, d = own.kit, own.kit.dimension
   local function split(x) return part(x, 0, d), part(x, d, d) end
   tangent[name] = function(x)
     local xi, omega = split(x)
@@ -119,14 +120,31 @@ local function give_pade(tangent, kit, d)
   end
 end
 
+-- turns about axes for angles of any size: w stays where g turns, and (1, x e_a) adds x coad(e_a, p)
+-- to dp
+local function give_turns(tangent, own, kit, d)
+  if not own.turn then return end
+  local zero, one = core.zeros(d), own.flat(kit.identity())
+  function tangent.smooth.turn(a, x)
+    if a <= d then return kits.list_of(joined(own.turn(a, x), zero)) end
+    return kits.list_of(joined(one, linear.unit(d, a - d) * x))
+  end
+  function tangent.smooth.turned(a, x, mu)
+    local dp, p = part(mu, 0, d), part(mu, d, d)
+    if a <= d then return joined(own.turned(a, x, dp), own.turned(a, x, p)) end
+    return joined(dp + kit.coad(linear.unit(d, a - d), p) * x, p)
+  end
+end
+
 local function space_of(system)
   local kit, d = system.place.kit, system.place.dimension
   local Q = core.semidirect(system.Q, core.R(d), function(g, w) return kit.Ad(g, w) end)
-  local tangent = kits.of(Q)
+  local tangent, own = kits.of(Q), flats.of(kit)
   tangent.pade = nil
-  give_map(tangent, system.place, "exp", "dexp", kit.slope or kit.dexp, by_factors(kit))
+  give_turns(tangent, own, kit, d)
+  give_map(tangent, own, "exp", "dexp", kit.slope or kit.dexp, by_factors(kit))
   if kit.cayley and kit.dcay and not kit.no_cayley then
-    give_map(tangent, system.place, "cayley", "dcay", kit.dcay, second_slope(kit, kit.dcay))
+    give_map(tangent, own, "cayley", "dcay", kit.dcay, second_slope(kit, kit.dcay))
     if kit.pade then give_pade(tangent, kit, d) end
   end
   return Q

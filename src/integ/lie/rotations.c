@@ -1,8 +1,9 @@
 /* rotations.c - explicit splittings on groups for H = sum_a mu_a^2/(2 I_a) + V(g, t) with constant
  * moments I_a: the flow of each term mu_a^2/(2 I_a) is g exp(h mu_a/I_a e_a), with mu carried by
  * the coadjoint action, that of V a kick mu -= h X^T V_q. Of a rigid body these are three rotations
- * and a torque (Reich 1994; Dullweber, Leimkuhler & McLachlan 1997). The symmetric step of order 2
- * is composed to orders 4, 6, 8. */
+ * and a torque (Reich 1994; Dullweber, Leimkuhler & McLachlan 1997). Axes that commute may be
+ * coupled, as those of R^m, or each with its own of the tangent group, whose step is the tangent
+ * of a step. The symmetric step of order 2 is composed to orders 4, 6, 8. */
 #include "code/native/jit.h"
 #include "integ/lie/turns.h"
 #include "integ/method/lanes.h"
@@ -74,13 +75,14 @@ static int is_shifted(const dm_model *m) {
 
 /* On R^n it would be verlet. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
-    const unsigned simple = DM_DIAGONAL_MASS | DM_SEPARABLE;
+    const unsigned simple = DM_CONSTANT_MASS | DM_SEPARABLE;
     (void)rule;
     if (!m->group) return "it steps systems on groups, such as dm.SO(3); verlet is for R^n";
     if (m->constraints) return "it knows no constraints and forces; lie(s) does";
-    if ((m->structure & simple) != simple || !m->source.graph || is_shifted(m))
-        return "it splits L = sum I_a xi_a^2/2 - V(g, t) with constant moments I_a along the axes; "
-               "take lie(s) or gauss(s)";
+    if ((m->structure & simple) != simple || !m->source.graph || is_shifted(m) ||
+        !dm_turns_split(m))
+        return "it splits L = sum I_a xi_a^2/2 - V(g, t) with constant moments I_a along the axes "
+               "(coupled where they commute); take lie(s) or gauss(s)";
     return NULL;
 }
 
@@ -253,8 +255,10 @@ const dm_method dm_method_rotations = {
     .name = "rotations",
     .signature = "rotations[(k)]",
     .doc = "Explicit splitting of order k = 2, 4, 6, 8 on groups for L = sum I_a xi_a^2/2 - V(g, "
-           "t) with constant moments along the axes: of a rigid body three rotations and a torque "
-           "(Reich 1994; Dullweber, Leimkuhler & McLachlan 1997), composed after Suzuki (4), Kahan "
+           "t) with constant moments along the axes, coupled only where these commute: of a rigid "
+           "body "
+           "three rotations and a torque (Reich 1994; Dullweber, Leimkuhler & McLachlan 1997), "
+           "composed after Suzuki (4), Kahan "
            "and Li (6, 8). Symplectic, keeps momentum maps.",
     .orders = "2, 4, 6, 8",
     .stages = "1, 5, 9, 17",

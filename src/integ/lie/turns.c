@@ -46,11 +46,9 @@ static void turn_by_chart(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_no
     dm_transplant(x->g, x->trace->chart, x->trace->place, n, x->with, q);
 }
 
-/* (q, mu) after the flow of mu_a^2/(2 I_a) of length h: q exp(xi), mu carried there */
-static void turn(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node h) {
+/* (q, mu) becomes that at q exp(x e_a) */
+static void turn_axis(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node xi) {
     const uint32_t n = x->n, d = x->d;
-    const dm_node rate = dm_mul(x->g, dm_constant(x->g, x->m->inverse_mass[a]), mu[a]);
-    const dm_node xi = dm_mul(x->g, h, rate);
     if (!x->trace->axes) {
         turn_by_chart(x, q, mu, a, xi);
         return;
@@ -64,6 +62,44 @@ static void turn(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node h) {
     memcpy(mu, x->out + n, d * sizeof *mu);
 }
 
+/* entry of the inertia or of its inverse, as the model has them */
+static double entry(const dm_model *m, const double *matrix, uint32_t a, uint32_t b) {
+    if (m->structure & DM_DIAGONAL_MASS) return a == b ? matrix[a] : 0.0;
+    return matrix[(size_t)a * m->n + b];
+}
+
+/* block[d]: the first axis of those that the inertia couples to each axis */
+static void find_blocks(uint32_t *block, const dm_model *m) {
+    const uint32_t d = dm_momenta(m);
+    for (uint32_t a = 0; a < d; a++) block[a] = a;
+    for (uint32_t a = 0; a < d; a++)
+        for (uint32_t b = 0; b < a; b++) {
+            const uint32_t one = block[a], other = block[b], first = one < other ? one : other;
+            if (one == other || entry(m, m->mass_matrix, a, b) == 0.0) continue;
+            for (uint32_t c = 0; c <= a; c++)
+                if (block[c] == one || block[c] == other) block[c] = first;
+        }
+}
+
+/* xi_a/h of the velocities (inertia)^-1 mu */
+static dm_node rate_of(writing *x, const dm_node *mu, const uint32_t *block, uint32_t a) {
+    dm_node rate = 0;
+    for (uint32_t b = 0; b < x->d; b++) {
+        if (block[b] != block[a]) continue;
+        const dm_node w = dm_constant(x->g, entry(x->m, x->m->inverse_mass, a, b));
+        rate = dm_add(x->g, rate, dm_mul(x->g, w, mu[b]));
+    }
+    return rate;
+}
+
+/* (q, mu) after the flow of length h of the kinetic energy of one block, whose axes commute and
+ * whose momenta therefore stay: q exp(xi), mu carried there */
+static void turn(writing *x, dm_node *q, dm_node *mu, const uint32_t *block, uint32_t first,
+                 dm_node h) {
+    for (uint32_t a = first; a < x->d; a++)
+        if (block[a] == first) turn_axis(x, q, mu, a, dm_mul(x->g, h, rate_of(x, mu, block, a)));
+}
+
 /* coordinates nearer to the group by what rounding left, as at the end of a chart at xi = 0 */
 static void tidy(writing *x, dm_node *q) {
     memset(x->with, 0, (x->n + 3 * (size_t)x->d) * sizeof *x->with);
@@ -71,22 +107,66 @@ static void tidy(writing *x, dm_node *q) {
     dm_transplant(x->g, x->trace->end, x->trace->carried, x->n, x->with, q);
 }
 
-/* half turns about all axes but the last, a whole one about that, and back */
+/* half turns of all blocks but the last, a whole one of that, and back */
+static void turn_all(writing *x, dm_node *q, dm_node *mu, const uint32_t *block, dm_node h) {
+    const dm_node half = dm_mul(x->g, dm_constant(x->g, 0.5), h);
+    uint32_t last = 0;
+    for (uint32_t a = 0; a < x->d; a++)
+        if (block[a] == a) last = a;
+    for (uint32_t a = 0; a < last; a++)
+        if (block[a] == a) turn(x, q, mu, block, a, half);
+    turn(x, q, mu, block, last, h);
+    for (uint32_t a = last; a-- > 0;)
+        if (block[a] == a) turn(x, q, mu, block, a, half);
+}
+
 static uint32_t build_turns(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     writing x;
     if (!begin(&x, m, dm_turns_inputs(m))) return 0;
     const uint32_t n = x.n, d = x.d;
     dm_node *q = take(&x, n + 2 * (size_t)d), *mu = q + n;
-    if (!q) return 0;
+    uint32_t *block = take(&x, d);
+    if (!q || !block) return 0;
     dm_inputs(x.g, q, 0, n + 2 * d);
     const dm_node w = dm_input(x.g, n + 2 * d), h = dm_input(x.g, n + 2 * d + 1);
-    const dm_node half = dm_mul(x.g, dm_constant(x.g, 0.5), h);
     for (uint32_t a = 0; a < d; a++) mu[a] = dm_add(x.g, mu[a], dm_mul(x.g, w, q[n + d + a]));
-    for (uint32_t a = 0; a + 1 < d; a++) turn(&x, q, mu, a, half);
-    turn(&x, q, mu, d - 1, h);
-    for (uint32_t a = d - 1; a-- > 0;) turn(&x, q, mu, a, half);
+    find_blocks(block, m);
+    turn_all(&x, q, mu, block, h);
     tidy(&x, q);
     return dm_lanes_build(out, m, x.g, q, n + d, lanes);
+}
+
+/* does a turn about axis a leave the momenta of its block as they are? So do all turns by which
+ * they do not begin to move. */
+static int commutes(writing *x, const uint32_t *block, uint32_t a) {
+    const uint32_t n = x->n, d = x->d;
+    dm_node *q = take(x, n + (size_t)d), *mu = q + n, rate, begins;
+    dm_node *at = take(x, dm_turns_inputs(x->m));
+    dm_graph *still = dm_graph_new(x->m->source.arena, n + d);
+    if (!q || !at || !still) return 0;
+    dm_inputs(x->g, q, 0, n + d);
+    memset(at, 0, dm_turns_inputs(x->m) * sizeof *at);
+    dm_inputs(still, at, 0, n + d);
+    turn_axis(x, q, mu, a, dm_input(x->g, n + d));
+    for (uint32_t b = 0; b < d; b++) {
+        if (block[b] != block[a]) continue;
+        dm_gradient(x->g, mu[b], n + d, 1, &rate);
+        dm_transplant(still, x->g, &rate, 1, at, &begins);
+        if (begins != 0) return 0;
+    }
+    return dm_graph_status(still) == DM_OK;
+}
+
+int dm_turns_split(const dm_model *m) {
+    writing x;
+    if (m->structure & DM_DIAGONAL_MASS) return 1;
+    if (!m->inverse_mass || !begin(&x, m, dm_turns_inputs(m))) return 0;
+    uint32_t *block = take(&x, x.d);
+    if (!block) return 0;
+    find_blocks(block, m);
+    for (uint32_t a = 0; a < x.d; a++)
+        if (!commutes(&x, block, a)) return 0;
+    return dm_graph_status(x.g) == DM_OK;
 }
 
 /* -V_e(q near(e), t) at e = 0, in a graph of its own with e in place of mu */

@@ -201,9 +201,48 @@ for _, Q in ipairs { dm.GL(3), dm.Sp(4), dm.SE(4) } do
   ok(defect < 1e-14, tostring(Q) .. ": lie(1) is symplectic", defect)
 end
 
-tap.raises("rotations(2)' does not split the prolonged system", function()
-  dm.system { Q = G, L = top }:solver { rule = "rotations(2)", h = 0.1 }
-    :symplecticity { q = g0, p = p0, steps = 1 }
+-- rotations(k): turns and kicks of the prolonged system; axes that commute may be coupled, there as
+-- on R^2, and coordinates may be entries of matrices
+local function of_parts(g, w)
+  return w[1] ^ 2 / 2 + w[2] ^ 2 + 0.3 * w[3] ^ 2 + w[4] ^ 2 + 0.7 * w[4] * w[5] + w[5] ^ 2
+    - g[1][3][3] * g[2][1] - g[2][2] ^ 2
+end
+local beside = dm.system { Q = dm.product(G, dm.R(2)), L = of_parts }
+local by_entries = dm.system { Q = G, L = top, columns = "matrix" }
+local unit = dm.SU(2)
+local spinor = dm.system { Q = unit, L = function(q, w)
+  return (w[1] ^ 2 + 2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 - q[1] * q[2]
+end }
+for _, case in ipairs {
+  { "SO(3)", dm.system { Q = G, L = top }, g0, p0 },
+  { "SO(3) x R^2, coupled", beside, { g0, dm.vector { 0.3, 0.2 } }, { 0.2, 0.1, 0.8, 0.3, 0.1 } },
+  { "SU(2)", spinor, unit:exp { 0.4, 0.1, 0 }, p0 },
+  { "SO(3) by entries", by_entries, g0, p0 },
+} do
+  local name, system, q, p = case[1], case[2], case[3], case[4]
+  for _, rule in ipairs { "rotations(2)", "rotations(4)" } do
+    e = gap(system, rule, 0.1, 5, free(system.Q, q, p))
+    ok(e < 1e-10, ("%s: the tangent map on %s"):format(rule, name), e)
+    e = system:solver { rule = rule, h = 0.1 }:symplecticity { q = q, p = p, steps = 5 }
+    ok(e < 1e-14, ("%s: symplectic on %s"):format(rule, name), e)
+  end
+end
+for _, rule in ipairs { "lie(2)", "lie(1, gauss(1), cayley)", "gauss(2)" } do
+  e = gap(by_entries, rule, 0.1, 5, free(G, g0, p0))
+  ok(e < 1e-10, rule .. ": the tangent map by entries of matrices", e)
+end
+local flows = beside:solver { rule = "rotations(4)", h = 0.05 }
+local fine = beside:solver { rule = "gauss(4)", h = 0.05 }
+local place, shove = { g0, dm.vector { 0.3, 0.2 } }, { 0.2, 0.1, 0.8, 0.3, 0.1 }
+local one = flows:run { q = place, p = shove, steps = 40 }
+local other = fine:run { q = place, p = shove, steps = 40 }
+near((one.p[41] - other.p[41]):norm(), 0, 1e-6, "rotations(4) with a coupled R^2 goes to the motion")
+near(dm.system { Q = G, L = top }:solver { rule = "rotations(4)", h = 0.1 }
+  :lyapunov { q = g0, p = p0, t = 10, exponents = 6 }.sum, 0, 1e-12, "and keeps volumes")
+
+tap.raises("coupled where they commute", function()
+  dm.system { Q = G, L = function(R, w) return top(R, w) + 0.1 * w[1] * w[2] end }
+    :solver { rule = "rotations(2)", h = 0.1 }:symplecticity { q = g0, p = p0, steps = 1 }
 end)
 
 tap.done()
