@@ -54,7 +54,7 @@ local function with_quantity(of, a)
   local system = of.system or of
   local own = system.place.reduced.with(a)
   if own == system or not of.system then return own end
-  return own:solver { rule = of.rule, h = of.h,
+  return own:solver { rule = of.rule, h = of.h, backend = of.backend, sums = of.sums,
     newton = { tolerance = of.tolerance, max_iterations = of.max_iterations } }
 end
 

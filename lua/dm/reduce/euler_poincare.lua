@@ -104,6 +104,26 @@ local function function_of(options)
   return l or h, l and "L" or "H"
 end
 
+-- the same system for members of ensembles: the entries of the quantity that is carried along are
+-- its parameters a1, a2 ...; and their names
+local function opened(options, f, name, carry, some)
+  local kit, names, params = kits.of(options.group), {}, {}
+  for i = 1, #some do
+    names[i] = "a" .. i
+    params[names[i]] = 0
+  end
+  local system = core.system { Q = options.group, name = options.name, params = params,
+    [name] = function(g, x, _, given)
+      local a = {}
+      for i, key in ipairs(names) do a[i] = given[key] end
+      return f(x, carry(kit.inverse(g), core.vector(a)))
+    end }
+  system.place.reduced = { start = function(given, out)
+    if given.q == nil and (given.v ~= nil or given.p ~= nil) then out.q = kit.identity() end
+  end }
+  return system, names
+end
+
 local system_of
 
 function system_of(options)
@@ -135,6 +155,12 @@ function system_of(options)
       .. "v) ... end} steps them"):format(WHERE, tostring(options.group)), 0)
   end
   system.place.reduced = reduced
+  function reduced.open()
+    if not carry then
+      error("field 'a': this system carries no quantity along (dm.euler_poincare, advected =)", 0)
+    end
+    return opened(options, f, name, carry, some)
+  end
   -- the same system with another usual quantity; `a` must be one
   function reduced.with(a)
     if not carry then
@@ -165,7 +191,8 @@ of the body momentum (Lie-Poisson; h may be singular); l(xi, a) and h(mu, a) hav
 g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
 as gravity in a heavy top. Or that of a system on a group whose L or H does not
 depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
-start) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
+start; in ensembles one for all or, as a list or a function of the member, one for each, which are
+traced one by one) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
 that measures a run; path.p is the body momentum, also path.mu, which moves on a coadjoint orbit;
 path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps mu1(f_(k-1)) =
 mu0(f_k) (Leok 5.4).]]

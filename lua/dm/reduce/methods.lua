@@ -44,6 +44,10 @@ them.]])
 local ensemble, ensemble_doc = core.method("dm.solver", "ensemble")
 
 local function guarded_ensemble(solver, options)
+  local reduced = package.loaded["dm.reduce.euler_poincare"] and type(options) == "table"
+  if reduced and options.a ~= nil then
+    solver, options = require "dm.reduce.run.carried".of(solver, options)
+  end
   local routh = package.loaded["dm.reduce.routh"]
   if routh and blame.try(function() return solver.system end) and routh.info(solver.system) then
     return require "dm.reduce.run.members".ensemble(ensemble, run, solver, options)

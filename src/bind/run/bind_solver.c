@@ -222,6 +222,10 @@ static int solver_field(lua_State *L) {
         lua_pushinteger(L, s->max_iterations);
     else if (strcmp(key, "lift") == 0)
         push_lift(L);
+    else if (strcmp(key, "backend") == 0)
+        lua_getiuservalue(L, 1, DML_SOLVER_BACKEND);
+    else if (strcmp(key, "sums") == 0)
+        lua_pushstring(L, s->plain ? "plain" : "compensated");
     else
         return 0;
     return 1;
@@ -242,7 +246,8 @@ static const dml_row methods[] =
       "changed upvalues are picked up.\n"
       "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and these "
       "numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "
-      "\"lambda\" stands for system:multipliers at the state. record = { \"lambda\", ... }: such "
+      "\"lambda\" stands for system:multipliers at the state; on groups entries of the element are "
+      "watched, too (\"R33\", of factor k \"R33_k\"). record = { \"lambda\", ... }: such "
       "columns beside q and p. record = { \"impulses\" }: multipliers of the steps, in units of "
       "momentum: what the end of one step and the start of the next give the momentum at the row, "
       "along the rows of constraint and rolling (reaction); so the first and the last row have a "
@@ -314,9 +319,11 @@ static const dml_extension more[] = {
 
 const dml_class dml_class_solver = {
     .name = DML_SOLVER,
-    .doc = "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
-           "fields: system, rule, h, order, tolerance, max_iterations; lift: of a system on a "
-           "group, \"collective\" or \"homogeneous\" where the rule steps it in coordinates",
+    .doc =
+        "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
+        "fields: system, rule, h, order, tolerance, max_iterations, sums, backend (nil: the usual "
+        "one); lift: of a system on a group, \"collective\" or \"homogeneous\" where the rule "
+        "steps it in coordinates",
     .meta = meta,
     .methods = methods,
     .field = solver_field,

@@ -3,6 +3,7 @@
 #include "bind/run/checkpoint.h"
 #include "base/random.h"
 #include "bind/model/model_constraints.h"
+#include "bind/model/space_group.h"
 
 #include <errno.h>
 #include <math.h>
@@ -16,10 +17,12 @@ dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     const uint32_t n = r->solver->n;
     double *place;
     const size_t memory = s->engine ? dm_stepper_memory(s, &place) : 0;
-    const size_t doubles = dm_state_size(n) + memory;
+    const uint32_t carried = dml_place_carried(L, r->system, NULL);
+    const size_t doubles = dm_state_size(n) + memory + carried;
     dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + doubles * sizeof(double), 0);
-    *c = (dml_checkpoint){.n = n, .memory = memory};
+    *c = (dml_checkpoint){.n = n, .carried = carried, .memory = memory};
     memset(c->state + dm_state_size(n), 0, memory * sizeof(double));
+    dml_place_carried(L, r->system, dml_checkpoint_carried(c));
     return c;
 }
 

@@ -18,14 +18,20 @@ typedef struct {
     double t0;
     long steps; /* from t0 on: t = t0 + steps h */
     uint32_t n;
+    uint32_t carried;         /* numbers of what a reduced system carries along, as it began */
     size_t memory;            /* doubles of dm_method.memory */
     double check[DML_CHECKS]; /* is it the same system? */
     int checked;    /* that is known: it is asked for when somebody wants to go on from here */
-    double state[]; /* dm_state_size(n), memory */
+    double state[]; /* dm_state_size(n), memory, carried */
 } dml_checkpoint;
 
 /* Push an empty one for an open stepper: nothing can fail when it is filled. */
 dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r);
+
+/* carried[] of one */
+static inline double *dml_checkpoint_carried(dml_checkpoint *c) {
+    return c->state + dm_state_size(c->n) + c->memory;
+}
 
 /* Fill it with where the run is, `steps` steps after r->t0. */
 void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps);

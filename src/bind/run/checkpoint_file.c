@@ -1,8 +1,8 @@
 /* checkpoint_file.c - a checkpoint as a text of names and numbers, the numbers in hexadecimal, so
  * with all their bits:  dmlua checkpoint 4 / rule gauss(2) / n, h, tolerance, ... / state ... /
- * memory ... / end and a checksum of all lines before. Nothing that is read is believed: numbers
- * are looked at one by one, and what methods take for a count or a pivot in their memory they look
- * at themselves. */
+ * carried ... of a reduced system that carries something along / memory ... / end and a checksum of
+ * all lines before. Nothing that is read is believed: numbers are looked at one by one, and what
+ * methods take for a count or a pivot in their memory they look at themselves. */
 #include "bind/core/new_file.h"
 #include "bind/run/checkpoint.h"
 
@@ -67,6 +67,7 @@ static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, cons
     put(&w, "steps %ld\n", c->steps);
     put_numbers(&w, "check", c->check, DML_CHECKS);
     put_numbers(&w, "state", c->state, size);
+    if (c->carried) put_numbers(&w, "carried", c->state + size + c->memory, c->carried);
     put_numbers(&w, "memory", c->state + size, c->memory);
     put(&w, "end %016llx\n", (unsigned long long)w.sum);
     return w.fine;
@@ -172,6 +173,17 @@ static void read_end(reader *r) {
     if (fgetc(r->f) != EOF) r->line++, fail(r, "its end");
 }
 
+/* push what a reduced system carries along, which few files have; how many numbers */
+static uint32_t push_carried(reader *r) {
+    enum { MOST = 1 << 20 };
+    const int c = fgetc(r->f);
+    ungetc(c, r->f);
+    const uint32_t count = c == 'c' ? (uint32_t)read_count(r, "carried", MOST) : 0;
+    double *x = lua_newuserdatauv(r->L, (count + 1) * sizeof *x, 0);
+    for (uint32_t i = 0; i < count; i++) x[i] = read_finite(r, "");
+    return count;
+}
+
 /* option `key` of the table on top */
 static void set_number(lua_State *L, const char *key, double x) {
     lua_pushnumber(L, x);
@@ -204,18 +216,24 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     if (size != dm_state_size((uint32_t)n)) fail(r, "the size of the state");
     double *state = lua_newuserdatauv(L, size * sizeof *state, 0);
     for (size_t i = 0; i < size; i++) state[i] = read_finite(r, "");
+    const uint32_t carried = push_carried(r);
+    const double *what = lua_touserdata(L, -1);
     const size_t memory = (size_t)read_count(r, "memory", MOST);
-    dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + (size + memory) * sizeof(double), 0);
+    const size_t doubles = size + memory + carried;
+    dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + doubles * sizeof(double), 0);
     *c = (dml_checkpoint){.t0 = t0,
                           .steps = steps,
                           .n = (uint32_t)n,
+                          .carried = carried,
                           .memory = memory,
                           .checked = 1};
     memcpy(c->check, check, sizeof check);
     memcpy(c->state, state, size * sizeof *state);
+    memcpy(dml_checkpoint_carried(c), what, carried * sizeof *what);
     read_numbers(r, c->state + size, memory);
     read_end(r);
-    lua_remove(L, -2);
+    lua_replace(L, -3);
+    lua_pop(L, 1);
     return c;
 }
 

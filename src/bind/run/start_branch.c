@@ -3,6 +3,8 @@
 #include "bind/run/start_constraints.h"
 
 #include "bind/model/space_group.h"
+#include "bind/run/checkpoint.h"
+#include "bind/value/value.h"
 
 #include <math.h>
 #include <string.h>
@@ -63,9 +65,25 @@ void dml_carried(lua_State *L, int system) {
                       "(dm.euler_poincare, advected =)");
 }
 
+/* what was carried along to the checkpoint that the solver at 1 goes on from, unless it is given */
+static void carry_on(lua_State *L) {
+    const int top = lua_gettop(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_START);
+    dml_checkpoint *c = lua_touserdata(L, -1);
+    if (c && c->carried && !has(L, "a")) {
+        dml_pushcopy(L, 2);
+        memcpy(dml_pushvector(L, c->carried), dml_checkpoint_carried(c),
+               c->carried * sizeof(double));
+        lua_setfield(L, -2, "a");
+        lua_replace(L, 2);
+    }
+    lua_settop(L, top);
+}
+
 /* q0 and p0 are q and p; of a system on a group elements are flat coordinates. */
 void dml_stepping_names(lua_State *L) {
     rename_start(L);
+    carry_on(L);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     dml_carried(L, lua_gettop(L));
     dml_place_options(L, -1, 2, "start");

@@ -1,5 +1,6 @@
 /* watch.c - `watch = { "q1", "energy", r = function(q, v, t, p) ... end }`: what a run records
  * beside t. */
+#include "bind/model/space_group.h"
 #include "bind/rule/bind_step.h"
 #include "bind/run/observables.h"
 #include "integ/constrained/constrained.h"
@@ -124,6 +125,25 @@ static int add_part(lua_State *L, dml_observables *o, const dml_stepping *r, con
     return (int)found;
 }
 
+/* an entry of the element or a momentum by the names of lua/dm/measure/observed.lua; 0: there is
+ * none of this name, or the system is on no group */
+static int add_of_element(lua_State *L, dml_observables *o, const dml_stepping *r,
+                          const char *name) {
+    const int top = lua_gettop(L);
+    if (!dml_placed(L, r->system) || r->solver->pair) return 0;
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.measure.observed");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "of");
+    dml_systemfield(L, r->system, "place");
+    lua_pushstring(L, name);
+    lua_call(L, 2, 1);
+    lua_remove(L, top + 1);
+    if (lua_isnil(L, -1)) return lua_settop(L, top), 0;
+    dml_observables_add(L, o, r, name, 1);
+    return 1;
+}
+
 /* a name alone: a column, the energy or the multipliers */
 static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, const char *field,
                        const char *name) {
@@ -132,7 +152,7 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, 
         dml_observables_energy(L, o, r);
     else if (entry >= 0)
         dml_observables_entry(L, o, (uint32_t)entry);
-    else if (add_part(L, o, r, name))
+    else if (add_part(L, o, r, name) || add_of_element(L, o, r, name))
         return;
     else if (strcmp(name, "lambda") == 0 && r->solver->pair)
         luaL_error(L,
@@ -143,9 +163,12 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, 
         add_lambda(L, o, r);
     else
         luaL_error(L,
-                   "field '%s': no column '%s'; %s coordinates (\"%s\"), momenta (\"p1\"), "
+                   "field '%s': no column '%s'; %s coordinates (\"%s\"), momenta (\"p1\"), %s"
                    "\"energy\", \"lambda\" (multipliers), or name = function(q, v, t, p) ... end",
-                   field, name, field, dml_coordinate(L, r->system, 0));
+                   field, name, field, dml_coordinate(L, r->system, 0),
+                   dml_placed(L, r->system) ? "entries of elements (\"R11\", of factor k "
+                                              "\"R11_k\"), "
+                                            : "");
 }
 
 /* r, or r1, r2, ... of several numbers */

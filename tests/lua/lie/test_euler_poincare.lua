@@ -132,7 +132,31 @@ do
   raises("not the one of the checkpoint", function()
     dm.resume(file, reduced):run { a = { 0, 0, 1 }, steps = 25 }
   end)
+  -- the quantity goes with the checkpoint, in a file and in memory
+  local first = solver:run { v = v, a = a, steps = 15 }
+  solver:run { v = v, a = { 1, 0, 0 }, steps = 1 }
+  for name, from in pairs { file = file, path = first } do
+    rest = dm.resume(from, reduced):run { steps = 10 }
+    rest = dm.resume(rest, reduced):run { steps = 15 }
+    near(far(rest.p[#rest], run.p[#run]), 0, 0, "in three pieces, which keep it, from a " .. name)
+  end
   os.remove(file)
+  local function own(i) return { 0.1 * i, math.cos(i), 0.5 } end
+  local function begin(i) return { 0.2, 0.1 * i, 1 } end
+  local each = solver:ensemble { members = 3, v = begin, a = own, steps = 40 }
+  local listed = solver:ensemble { members = 3, v = begin, a = { own(1), own(2), own(3) },
+    steps = 40 }
+  for i = 1, 3 do
+    local alone = solver:run { v = begin(i), a = own(i), steps = 40 }
+    ok(far(each.p[i], alone.p[41]) == 0 and far(listed.p[i], alone.p[41]) == 0,
+      "members with quantities of their own")
+  end
+  raises("one quantity for each of 3 members", function()
+    solver:ensemble { members = 3, v = begin, a = { own(1), own(2) }, steps = 1 }
+  end)
+  raises("'a' of member 1 must have 3 entries", function()
+    solver:ensemble { members = 3, v = begin, a = function() return { 1 } end, steps = 1 }
+  end)
   local members = solver:ensemble { members = 2, v = function() return v end, a = a, steps = 40 }
   near(far(members.p[2], run.p[#run]), 0, 0, "and a member of an ensemble")
   raises("carries no quantity", function()

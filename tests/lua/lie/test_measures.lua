@@ -99,6 +99,17 @@ local map = top:stability { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, t = 20
   rules = { "lie(1)", "lie(3)" }, refine = false }
 ok(tostring(map):find "bounded" and tostring(map):find "1 wrong",
   "a map of stability, whose flow is found by two other rules")
+-- entries of elements are watched by their names
+local start = { q = G:exp { 0.5, 0, 0 }, p = { 0, 0.4, 1.6 }, steps = 20 }
+local whole = top:solver { rule = "lie(1)", h = 0.1 }:run(start)
+start.watch = { "R33", "mu2" }
+local watched = top:solver { rule = "lie(1)", h = 0.1 }:run(start)
+near((watched:column "R33" - whole:column "R33"):norm(), 0, 1e-15, "R33 is watched")
+near((watched:column "mu2" - whole:column "p2"):norm(), 0, 0, "and mu2")
+start.watch = { "R44" }
+raises('entries of elements %("R11"', function()
+  top:solver { rule = "lie(1)", h = 0.1 }:run(start)
+end)
 -- what is only for coordinates says so
 raises("dm.euler_poincare reduces", top.routh, top, { cyclic = { "q1" }, mu = 1 })
 raises("there is no 'q1'; on SO(3)", function()
