@@ -107,7 +107,7 @@ local watched = top:solver { rule = "lie(1)", h = 0.1 }:run(start)
 near((watched:column "R33" - whole:column "R33"):norm(), 0, 1e-15, "R33 is watched")
 near((watched:column "mu2" - whole:column "p2"):norm(), 0, 0, "and mu2")
 start.watch = { "R44" }
-raises('entries of elements %("R11"', function()
+raises("entries of elements", function()
   top:solver { rule = "lie(1)", h = 0.1 }:run(start)
 end)
 -- what is only for coordinates says so
