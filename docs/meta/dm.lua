@@ -3760,7 +3760,7 @@ function dm_simplicial_map_class:pull(a) end
 function dm_simplicial_map_class:push(c) end
 
 ---dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}
----fields: system, rule, h, order, tolerance, max_iterations; lift: of a system on a group, "collective" or "homogeneous" where the rule steps it in coordinates
+---fields: system, rule, h, order, tolerance, max_iterations, sums, backend (nil: the usual one); lift: of a system on a group, "collective" or "homogeneous" where the rule steps it in coordinates
 ---@class dm.solver
 local dm_solver_class = {}
 
@@ -3870,7 +3870,7 @@ function dm_solver_class:reversal(options) end
 ---solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, record=, events=, file=, checkpoint=, energy=} -> dm.path
 ---
 ---Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` (default 1) and the end, or the states at the growing times `at` (by a shorter step on the side, which leaves the run as it is); t0 (default 0) is the time of the start. With constraints the start must lie on them, and its velocity be tangent: project = true moves it to the nearest such state in the metric of the mass. The Lagrangian is traced anew, so changed upvalues are picked up.
----watch = { "q1", "energy", r = function(q, v, t, p) ... end }: rows hold t and these numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "lambda" stands for system:multipliers at the state. record = { "lambda", ... }: such columns beside q and p. record = { "impulses" }: multipliers of the steps, in units of momentum: what the end of one step and the start of the next give the momentum at the row, along the rows of constraint and rolling (reaction); so the first and the last row have a half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "inner": those between as well, of the step that begins at the row. path.lambda[i], path.impulses[i] are vectors. file = "rows.npy": rows go there as they come, the path keeps the last one (of fields on meshes t, q and p, a row of q an array). events = { name = function(q, v, t, p) ... end } or { name = { g = f, direction = "up" | "down", stop = true } }: zeros of these functions, by steps of fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; a zero that is touched but not crossed, or two of one function within a step, are not seen. checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, instead of that of the first. Raises dm.failure with the path so far when a step cannot be solved, the state stops being finite, or on Ctrl-C.
+---watch = { "q1", "energy", r = function(q, v, t, p) ... end }: rows hold t and these numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "lambda" stands for system:multipliers at the state; on groups entries of the element are watched, too ("R33", of factor k "R33_k"). record = { "lambda", ... }: such columns beside q and p. record = { "impulses" }: multipliers of the steps, in units of momentum: what the end of one step and the start of the next give the momentum at the row, along the rows of constraint and rolling (reaction); so the first and the last row have a half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "inner": those between as well, of the step that begins at the row. path.lambda[i], path.impulses[i] are vectors. file = "rows.npy": rows go there as they come, the path keeps the last one (of fields on meshes t, q and p, a row of q an array). events = { name = function(q, v, t, p) ... end } or { name = { g = f, direction = "up" | "down", stop = true } }: zeros of these functions, by steps of fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; a zero that is touched but not crossed, or two of one function within a step, are not seen. checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, instead of that of the first. Raises dm.failure with the path so far when a step cannot be solved, the state stops being finite, or on Ctrl-C.
 ---A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
 ---inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.
 ---A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes;
@@ -5676,7 +5676,8 @@ function dm.embeddable(D, options) end
 ---g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
 ---as gravity in a heavy top. Or that of a system on a group whose L or H does not
 ---depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
----start) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
+---start; in ensembles one for all or, as a list or a function of the member, one for each, which are
+---traced one by one) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
 ---that measures a run; path.p is the body momentum, also path.mu, which moves on a coadjoint orbit;
 ---path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps mu1(f_(k-1)) =
 ---mu0(f_k) (Leok 5.4).
@@ -6258,8 +6259,8 @@ function dm.scaling(options) end
 ---each frame of model time costs at most per_step seconds, as exactly as rules of fixed work can,
 ---under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
 ---raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
----"energy" and functions (g, xi, t, mu); the model is the system as given; one that is reduced
----(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
+---"energy" and functions (g, xi, t, mu); the model is the system as given, as it is of an H without a
+---Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
 ---scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
 ---error (of the tolerance, 1 at most) }.
 ---@param options? table

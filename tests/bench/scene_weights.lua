@@ -2,7 +2,7 @@
 -- ns for an operation, over the median of these; how many are inside of 0.7 to 1.4, and those that are not.
 local dm = require "dm"
 local model_of = require "dm.scene.model"
-local on_group = require "dm.scene.on_group"
+local whole = require "dm.scene.whole"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
 local search = require "dm.scene.search"
@@ -45,7 +45,7 @@ local MODELS = {
 
 local function rates(row)
   local system = dm.system(row[2])
-  local problem = (system.place and on_group or model_of).problem(system, { q = row[3], v = row[4], until_t = row[5],
+  local problem = (whole.is(system) and whole or model_of).problem(system, { q = row[3], v = row[4], until_t = row[5],
     watch = { system.place and "energy" or "q1" }, tolerance = 1e-6 })
   local model, counted, out = model_of.given(problem):ready(), profile.new(), {}
   for _, rule in ipairs(search.rules(nil, model.system)) do

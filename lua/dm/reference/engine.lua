@@ -17,9 +17,11 @@ local FIRST = { "rk8", "rk8pd", "lobatto(6)", "degenerate(3)" }
 local FIRST_SEPARABLE = { "rk8", "kahan-li(8)", "rk8pd", "lobatto(6)" }
 local SECOND = { "gauss(7)", "degenerate(4)", "gauss(6)" }
 -- on groups: the lift and steps in charts, or steps in charts by unlike quadratures; where the
--- chart of exp is too long to trace, that of the Cayley map, or explicit rules by the lift
+-- chart of exp is too long to trace, that of the Cayley map, or explicit rules by the lift; where
+-- there is none either, an H without a Lagrangian has other Gauss points, or rkmk4
 local FIRST_ON_GROUPS = { "gauss(5)", "gauss(6)", "lie(4, lobatto(5))", "lie(3, lobatto(4))" }
-local SECOND_ON_GROUPS = { "lie(5)", "lie(4)", "lie(5, gauss(5), cayley)", "rk8", "rk8pd" }
+local SECOND_ON_GROUPS = { "lie(5)", "lie(4)", "lie(5, gauss(5), cayley)", "rk8", "rk8pd",
+  "gauss(7)", "rkmk4" }
 local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 
 -- of the error of a step; the second method takes another one, so that no step is like the other's

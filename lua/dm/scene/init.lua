@@ -10,7 +10,6 @@ local linear = require "dm.scene.linear"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
 local narrow = require "dm.scene.narrow"
-local on_group = require "dm.scene.on_group"
 local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
@@ -19,6 +18,7 @@ local report = require "dm.scene.report"
 local rows = require "dm.scene.rows"
 local runs = require "dm.scene.run"
 local search = require "dm.scene.search"
+local whole = require "dm.scene.whole"
 
 local M = {}
 
@@ -39,11 +39,7 @@ local KNOWN = { 1, "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t
 local function check_system(options)
   local system = options.system or options[1]
   local fine, given = blame.try(function() return system.given end)
-  if fine and given and given.H and not given.L then
-    fail("option 'system': scenes read the kinetic energy off a Lagrangian, and this H has none "
-      .. "(d2H/dp2 is singular, or H is not quadratic in p)")
-  end
-  if not (fine and given and given.L) then
+  if not (fine and given and (given.L or given.H)) then
     fail("option 'system' must be a dm.system (got %s)", tostring(system))
   end
   return system
@@ -223,7 +219,7 @@ local function decide(scene)
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
   if scene.options.frame then return keep_deadline(scene, given) end
-  local elsewhere = not scene.system.place
+  local elsewhere = not whole.is(scene.system)
   local splits = elsewhere and { central.model(scene.problem, scene.options) } or {}
   if scene.options.symmetry then
     splits[#splits + 1] = require "dm.scene.symmetry".model(scene.problem, scene.options)
@@ -308,15 +304,15 @@ CPU time to be spent on looking (default 20); scene.cut says what they left out.
 each frame of model time costs at most per_step seconds, as exactly as rules of fixed work can,
 under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
 raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
-"energy" and functions (g, xi, t, mu); the model is the system as given; one that is reduced
-(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
+"energy" and functions (g, xi, t, mu); the model is the system as given, as it is of an H without a
+Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
 scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
 error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(starts.of_system(options))
   local system = check_options(options)
-  if system.place then on_group.check(system, options) end
+  if whole.is(system) then whole.check(system, options) end
   options = starts.lists(options, system)
   local given = {}
   for key, value in pairs(options) do given[key] = value end
@@ -327,7 +323,7 @@ M.scene = blame.caller(function(options)
   local scene = setmetatable({ system = system, options = given, profile = costs,
     allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, Scene)
   scene.tolerant = wanted ~= nil
-  scene.problem = (system.place and on_group or model).problem(system, given)
+  scene.problem = (whole.is(system) and whole or model).problem(system, given)
   if wanted == nil and options.watch == "picture" then
     local pixel = picture_tolerance(scene.problem, model.given(scene.problem):ready())
     for _, name in ipairs(scene.problem.columns) do scene.problem.tolerance[name] = pixel end

@@ -205,6 +205,6 @@ raises("no Lagrangian", function() saddle:lagrangian({ 1 }, { 1 }) end)
 raises("no Lagrangian", function() saddle:mass({ 1 }, { 1 }) end)
 raises("needs an L", function() dm.discrete_lagrangian(saddle, { rule = "gauss(2)", h = 0.1 })({ 1 }, { 1 }) end)
 raises("need a Lagrangian", function() saddle:acceleration({ 1 }, { 1 }) end)
-raises("scenes read", function() dm.scene { saddle } end)
+raises("the start is missing", function() dm.scene { saddle } end)
 
 tap.done()

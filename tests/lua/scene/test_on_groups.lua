@@ -88,4 +88,36 @@ raises("nothing is watched", try { watch = {} })
 raises("option 'symmetry'", try { symmetry = {} })
 raises("name entries of the element", try { watch = "picture" })
 raises("the one of 'R33'", try { tolerance = { x = 1 } })
+-- an H without a Lagrangian, in coordinates and on groups
+local function vortices(q, p)
+  return -0.5 * dm.log((q[1] - q[2]) ^ 2 + (p[1] - p[2]) ^ 2)
+end
+local pair = dm.system { Q = dm.R(2), H = vortices }
+local begin = { system = pair, q = { 0.5, -0.5 }, p = { 0, 0 }, tolerance = 1e-6, until_t = 3 }
+begin.watch = { "q1", "p2", "energy", apart = function(q, v, t, p)
+  return (q[1] - q[2]) ^ 2 + (p[1] - p[2]) ^ 2
+end }
+scene = dm.scene(begin)
+run = scene:run { at = { 1.3, 3 } }
+for i, time in ipairs { 1.3, 3 } do
+  near(run:column "q1"[i], 0.5 * math.cos(2 * time), 1e-6, "two vortices turn about their middle")
+  near(run:column "apart"[i], 1, 1e-6, "and stay apart")
+end
+ok(scene:why():find "H without a Lagrangian", "why they have no other model")
+begin.watch, begin.tolerance = "picture", nil
+run = dm.scene(begin):run { at = { 3 } }
+near(run:column "q2"[1], -0.5 * math.cos(6), 2e-3, "a picture of them")
+begin.watch, begin.tolerance = { "z" }, 1e-6
+raises("no column 'z'", dm.scene, begin)
+begin.watch, begin.symmetry = { "q1" }, { action = function(_, q) return q end }
+raises("this system has only H", dm.scene, begin)
+-- H = 3 mu1 turns about axis 1 of the body: R33 = cos 3t; with mu1^4/4 the rate is mu1^3
+for _, case in ipairs { { function(_, p) return 3 * p[1] end, 3 },
+  { function(_, p) return p[1] ^ 4 / 4 end, 0.8 ^ 3 } } do
+  run = dm.scene { dm.system { Q = G, H = case[1] }, q = one, p = { 0.8, 0.2, 0.1 },
+    watch = { "R33", "p1" }, tolerance = 1e-7, until_t = 2 }:run { at = { 2 } }
+  near(run:column "R33"[1], math.cos(2 * case[2]), 1e-7, "turns about an axis of the body")
+  near(run:column "p1"[1], 0.8, 1e-7, "whose momentum stays")
+end
+
 tap.done()
