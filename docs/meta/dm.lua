@@ -5674,11 +5674,11 @@ function dm.embeddable(D, options) end
 ---The reduced system of a Lagrangian l(xi) of the body velocity on a group, or of a Hamiltonian h(mu)
 ---of the body momentum (Lie-Poisson; h may be singular); l(xi, a) and h(mu, a) have a quantity a =
 ---g^-1 a0 that is carried along by the linear action `advected` (a dm.action or a function of (g, a)),
----as gravity in a heavy top. Or that of a system on a group whose L or H does not
----depend on g; raises at the first point where it does. Runs take p or v (and a, the quantity at the
----start; in ensembles one for all or, as a list or a function of the member, one for each, which are
----traced one by one) and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all
----that measures a run; path.p is the body momentum, also path.mu, which moves on a coadjoint orbit;
+---as gravity in a heavy top. Or that of a system on a group whose L or H does not depend on g; raises
+---at the first point where it does. Runs take p or v (and a, the quantity at the start; in ensembles
+---one for all or, as a list or a function of the member, one for each, which are traced one by one)
+---and begin at the identity, as do ensembles, sections, charts, scenes, stability maps and all that
+---measures a run; path.p is the body momentum, also path.mu, which moves on a coadjoint orbit;
 ---path:reconstruct{q = g0} is the path on the group that begins at g0. lie(s) steps mu1(f_(k-1)) =
 ---mu0(f_k) (Leok 5.4).
 ---@param options? table
@@ -6260,9 +6260,9 @@ function dm.scaling(options) end
 ---under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
 ---raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
 ---"energy" and functions (g, xi, t, mu); the model is the system as given, as it is of an H without a
----Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
----scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
----error (of the tolerance, 1 at most) }.
+---Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(),
+---scene:why(), scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension),
+---work, ns, error (of the tolerance, 1 at most) }.
 ---@param options? table
 ---@return dm.scene
 function dm.scene(options) end

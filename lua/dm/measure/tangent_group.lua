@@ -120,8 +120,8 @@ local function give_pade(tangent, kit, d)
   end
 end
 
--- turns about axes for angles of any size: w stays where g turns, and (1, x e_a) adds x coad(e_a, p)
--- to dp
+-- turns about axes for angles of any size: w stays where g turns, and (1, x e_a) adds x coad(e_a,
+-- p) to dp
 local function give_turns(tangent, own, kit, d)
   if not own.turn then return end
   local zero, one = core.zeros(d), own.flat(kit.identity())

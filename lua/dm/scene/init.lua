@@ -305,9 +305,9 @@ each frame of model time costs at most per_step seconds, as exactly as rules of 
 under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
 raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
 "energy" and functions (g, xi, t, mu); the model is the system as given, as it is of an H without a
-Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
-scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
-error (of the tolerance, 1 at most) }.]]
+Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(),
+scene:why(), scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension),
+work, ns, error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(starts.of_system(options))

@@ -90,23 +90,6 @@ void dml_place_options(lua_State *L, int arg, int options, const char *how) {
     convert(L, arg, lua_absindex(L, options), how);
 }
 
-/* It is that of the last start (lua/dm/reduce/euler_poincare.lua). */
-uint32_t dml_place_carried(lua_State *L, int arg, double *out) {
-    const int top = lua_gettop(L);
-    uint32_t count = 0;
-    if (!dml_placed(L, arg)) return 0;
-    dml_systemfield(L, arg, "place");
-    if (lua_getfield(L, -1, "reduced") == LUA_TTABLE && lua_getfield(L, -1, "a") != LUA_TNIL) {
-        count = (uint32_t)luaL_len(L, -1);
-        for (uint32_t i = 0; out && i < count; i++, lua_pop(L, 1)) {
-            lua_geti(L, top + 3, (lua_Integer)i + 1);
-            out[i] = lua_tonumber(L, -1);
-        }
-    }
-    lua_settop(L, top);
-    return count;
-}
-
 /* Events and watches are written for elements, and see coordinates. */
 void dml_place_function(lua_State *L, int arg, const char *how) {
     convert(L, arg, lua_gettop(L), how);

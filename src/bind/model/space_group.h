@@ -25,10 +25,6 @@ int dml_placed(lua_State *L, int arg);
  * `arg` on a group; others stay as they are. */
 void dml_place_options(lua_State *L, int arg, int options, const char *how);
 
-/* Numbers of the quantity that the system at `arg` carries along in its runs (dm.euler_poincare), 0
- * of others; the numbers themselves where out is not NULL. */
-uint32_t dml_place_carried(lua_State *L, int arg, double *out);
-
 /* Replace the function on top by how(function) ("observable"), as above. */
 void dml_place_function(lua_State *L, int arg, const char *how);
 

@@ -11,18 +11,36 @@
 
 /* ---- in memory ---- */
 
+/* what a reduced system carries along since its last start (lua/dm/reduce/euler_poincare.lua): how
+ * many numbers; they themselves where out is not NULL */
+static uint32_t read_carried(lua_State *L, int arg, double *out) {
+    const int top = lua_gettop(L);
+    uint32_t count = 0;
+    if (!dml_placed(L, arg)) return 0;
+    dml_systemfield(L, arg, "place");
+    if (lua_getfield(L, -1, "reduced") == LUA_TTABLE && lua_getfield(L, -1, "a") != LUA_TNIL) {
+        count = (uint32_t)luaL_len(L, -1);
+        for (uint32_t i = 0; out && i < count; i++, lua_pop(L, 1)) {
+            lua_geti(L, top + 3, (lua_Integer)i + 1);
+            out[i] = lua_tonumber(L, -1);
+        }
+    }
+    lua_settop(L, top);
+    return count;
+}
+
 /* How large the memory of a method is shows only where its stepper is open. */
 dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     dm_stepper *s = (dm_stepper *)&r->stepper;
     const uint32_t n = r->solver->n;
     double *place;
     const size_t memory = s->engine ? dm_stepper_memory(s, &place) : 0;
-    const uint32_t carried = dml_place_carried(L, r->system, NULL);
+    const uint32_t carried = read_carried(L, r->system, NULL);
     const size_t doubles = dm_state_size(n) + memory + carried;
     dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + doubles * sizeof(double), 0);
     *c = (dml_checkpoint){.n = n, .carried = carried, .memory = memory};
     memset(c->state + dm_state_size(n), 0, memory * sizeof(double));
-    dml_place_carried(L, r->system, dml_checkpoint_carried(c));
+    read_carried(L, r->system, dml_checkpoint_carried(c));
     return c;
 }
 

@@ -22,8 +22,8 @@ static inline uint32_t dm_turns_kick_inputs(const dm_model *m) {
     return m->n + dm_momenta(m) + 2;
 }
 
-/* Is the kinetic energy of L a sum over blocks of axes that commute, each with a flow of turns about
- * its axes? L is separable with a constant inertia and nothing linear in xi. */
+/* Is the kinetic energy of L a sum over blocks of axes that commute, each with a flow of turns
+ * about its axes? L is separable with a constant inertia and nothing linear in xi. */
 int dm_turns_split(const dm_model *m);
 
 /* Of the model's last stepper, or new ones, for so many lanes (1, or what there are registers for);
