@@ -4,6 +4,7 @@
 
 #include "algebra/body_sum.h"
 #include "algebra/derive.h"
+#include "code/loops/equal_parts.h"
 #include "mech/constraints.h"
 
 #include <string.h>
@@ -259,32 +260,36 @@ static dm_status make_pull(dm_joining *j, dm_group *out, dm_compile *compile) {
 /* a trace with the inputs q0[n], xi[d], mu[d] as a kernel, in a graph of its own, since compilers
  * may add nodes and the trace serves other models */
 static dm_status make_end(const dm_joining *j, dm_graph *from, const dm_node *nodes, dm_kernel *out,
-                          dm_compile *compile) {
+                          const uint32_t *body, uint32_t bodies, dm_compile *compile) {
     const uint32_t inputs = j->n + 2 * j->d, outputs = j->n + j->d + j->trace->arcs;
     dm_graph *g = dm_graph_new(j->arena, inputs);
     dm_node *with = dm_joining_take(j, inputs), *roots = dm_joining_take(j, outputs);
     if (!g || !with || !roots) return DM_NO_MEMORY;
     dm_inputs(g, with, 0, inputs);
     dm_transplant(g, from, nodes, outputs, with, roots);
-    const dm_status status = dm_graph_status(g);
-    return status == DM_OK ? compile(out, g, roots, outputs, j->arena) : status;
+    dm_status status = dm_graph_status(g);
+    *out = (dm_kernel){0};
+    if (status == DM_OK && body)
+        status = dm_equal_parts_build(out, g, roots, outputs, body, bodies, compile, j->arena);
+    return status == DM_OK && !out->eval ? compile(out, g, roots, outputs, j->arena) : status;
 }
 
-dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, dm_compile *compile) {
-    return make_end(j, j->trace->end, j->trace->carried, out, compile);
+dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, const uint32_t *body,
+                            uint32_t bodies, dm_compile *compile) {
+    return make_end(j, j->trace->end, j->trace->carried, out, body, bodies, compile);
 }
 
 dm_status dm_joining_change(const dm_joining *j, dm_kernel *out, dm_compile *compile) {
     *out = (dm_kernel){0};
     if (!j->trace->change) return DM_OK;
-    return make_end(j, j->trace->change, j->trace->changed, out, compile);
+    return make_end(j, j->trace->change, j->trace->changed, out, NULL, 0, compile);
 }
 
 /* What was made for another tau stays in the arena of the model. */
 static dm_status make_ends(dm_joining *j, dm_group *out, dm_tau tau, dm_compile *compile) {
     out->ready = out->curved = out->straight = 0;
     dm_status status = make_pull(j, out, compile);
-    if (status == DM_OK) status = dm_joining_finish(j, &out->finish, compile);
+    if (status == DM_OK) status = dm_joining_finish(j, &out->finish, NULL, 0, compile);
     if (status == DM_OK) status = dm_joining_change(j, &out->change, compile);
     out->arcs = j->trace->arcs;
     out->tau = tau;

@@ -37,8 +37,8 @@ typedef struct {
     dm_kernel plain, kernel;
     uint32_t values, count;
     const uint32_t *row, *column; /* [count] from 0 */
-    const uint32_t *order;        /* [values + count] output i of `kernel` is number order[i] */
-    const uint32_t *plain_order;  /* [values] of `plain` */
+    const uint32_t *order; /* [values + count] output i of `kernel` is number order[i]; NULL: i */
+    const uint32_t *plain_order; /* [values] of `plain` */
 } dm_group_entries;
 
 /* What a step with constraints, or of many bodies, is made of (group_joints.c); m multipliers

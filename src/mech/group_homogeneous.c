@@ -198,7 +198,7 @@ static dm_status want_moves(dm_group *out, const pulling *l, dm_compile *compile
                           .arena = l->arena,
                           .n = l->n,
                           .d = l->d};
-    return dm_joining_finish(&j, &out->joints.finish, compile);
+    return dm_joining_finish(&j, &out->joints.finish, NULL, 0, compile);
 }
 
 /* what dm_model_build does not know */

@@ -48,8 +48,28 @@ int dm_joining_covector(const dm_joining *j, const dm_node *f, dm_node *of_e, dm
 /* dtau_R(xi)^T mu, out[d] in a graph with the inputs xi[d], mu[d]. */
 dm_status dm_joining_pull(const dm_joining *j, dm_graph *g, dm_node *out);
 
-/* The kernel of dm_chart_trace.end; of .change, which may be none. */
-dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, dm_compile *compile);
+/* The kernel of dm_chart_trace.end, of equal bodies where body[n + 2d] is there
+ * (code/loops/equal_parts.h); of .change, which may be none. */
+dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, const uint32_t *body,
+                            uint32_t bodies, dm_compile *compile);
 dm_status dm_joining_change(const dm_joining *j, dm_kernel *out, dm_compile *compile);
+
+/* ---- group_bodies.c ---- */
+
+/* Which body each coordinate belongs to, so that kernels of equal bodies are made once. */
+typedef struct {
+    const dm_joining *j;
+    uint32_t count;
+    uint32_t *of_flat, *of_coordinate; /* [n], [d] */
+} dm_group_bodies;
+
+/* From what dm_joining_pull gave. */
+dm_status dm_group_bodies_find(dm_group_bodies *out, const dm_joining *j, dm_graph *pull,
+                               const dm_node *pulled);
+
+/* body[] of dm_equal_parts_build for the inputs: flat coordinates [n, or 0], so many times
+ * coordinates [d], others of no body, coordinates [last]. NULL: no memory. */
+uint32_t *dm_group_bodies_of(const dm_group_bodies *b, uint32_t n, uint32_t times, uint32_t others,
+                             uint32_t last);
 
 #endif

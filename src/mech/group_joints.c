@@ -1,6 +1,7 @@
 /* group_joints.c - kernels of steps with constraints, and of many bodies: with the entries of their
  * matrices that are not zero, since those of joints are few. */
 #include "algebra/derive.h"
+#include "code/loops/equal_parts.h"
 #include "graph/analyse.h"
 #include "mech/constraints.h"
 #include "mech/group_inside.h"
@@ -11,14 +12,27 @@
 typedef struct {
     dm_joining j;
     uint32_t k, l, m; /* constraints, rolling constraints, both */
+    dm_graph *pull;   /* inputs xi[d], mu[d]: */
+    dm_node *pulled;  /* [d] dtau_R(xi)^T mu */
+    dm_group_bodies bodies;
     dm_compile *compile;
 } making;
 
 /* the inputs of a graph that derivatives are taken in; nobody asks for those in the first ones and
- * in the one at gap */
+ * in the one at gap; body[inputs] as of dm_equal_parts_build */
 typedef struct {
     uint32_t first, count, gap, unasked;
+    const uint32_t *body;
 } columns;
+
+/* What tells the bodies is a kernel too. */
+static dm_status open_bodies(making *b) {
+    b->pull = dm_graph_new(b->j.arena, 2 * b->j.d);
+    b->pulled = dm_joining_take(&b->j, b->j.d);
+    if (!b->pull || !b->pulled) return DM_NO_MEMORY;
+    const dm_status status = dm_joining_pull(&b->j, b->pull, b->pulled);
+    return status == DM_OK ? dm_group_bodies_find(&b->bodies, &b->j, b->pull, b->pulled) : status;
+}
 
 /* rows, columns of slope[values * in.count] that are not zero */
 static int list_entries(dm_group_entries *out, const making *b, const dm_node *slope, columns in) {
@@ -60,6 +74,24 @@ static uint32_t sort(uint32_t *order, const dm_group_entries *f, const uint32_t 
     return done;
 }
 
+/* roots[count] in their order where bodies are equal, else in that of `order` (out->order NULL,
+ * and it) */
+static dm_status compile_with(dm_kernel *out, const uint32_t **order, const making *b, dm_graph *g,
+                              dm_node *roots, uint32_t count, const uint32_t *body) {
+    dm_arena *arena = b->j.arena;
+    dm_status status =
+        body ? dm_equal_parts_build(out, g, roots, count, body, b->bodies.count, b->compile, arena)
+             : DM_NO_MEMORY;
+    if (status != DM_OK) return status;
+    const uint32_t *sorted = *order;
+    if (out->eval) *order = NULL;
+    if (out->eval) return DM_OK;
+    dm_node *given = dm_joining_take(&b->j, count);
+    if (!given) return DM_NO_MEMORY;
+    for (uint32_t i = 0; i < count; i++) given[i] = roots[sorted[i]];
+    return b->compile(out, g, given, count, arena);
+}
+
 /* values[count] and those entries of their derivatives that are not zero */
 static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const dm_node *values,
                       uint32_t count, columns in) {
@@ -77,15 +109,14 @@ static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const
     find_keys(key, out, b->j.d, in);
     sort(order, out, key, count, b->j.d);
     sort(order + count, out, key, count + out->count, b->j.d);
+    memcpy(roots, values, count * sizeof *roots);
+    for (uint32_t i = 0; i < out->count; i++)
+        roots[count + i] = slope[out->row[i] * in.count + out->column[i]];
     dm_status status = dm_graph_status(g);
-    for (uint32_t i = 0; i < count; i++) roots[i] = values[order[i]];
-    if (status == DM_OK) status = b->compile(&out->plain, g, roots, count, b->j.arena);
-    for (uint32_t i = 0; i < count + out->count; i++) {
-        const uint32_t k = out->order[i], entry = k - count;
-        roots[i] = k < count ? values[k] : slope[out->row[entry] * in.count + out->column[entry]];
-    }
     if (status == DM_OK)
-        status = b->compile(&out->kernel, g, roots, count + out->count, b->j.arena);
+        status = compile_with(&out->plain, &out->plain_order, b, g, roots, count, in.body);
+    if (status == DM_OK)
+        status = compile_with(&out->kernel, &out->order, b, g, roots, count + out->count, in.body);
     return status;
 }
 
@@ -101,7 +132,8 @@ void dm_group_entries_eval(const dm_group_entries *f, const double *in, double *
     const uint32_t *order = with_entries ? f->order : f->plain_order;
     double *raw = out + f->values + f->count + (with_entries ? 0 : f->values + f->count);
     dm_kernel_eval(with_entries ? &f->kernel : &f->plain, in, raw);
-    for (uint32_t i = 0; i < count; i++) out[order[i]] = raw[i];
+    if (!order) memcpy(out, raw, count * sizeof *out);
+    for (uint32_t i = 0; order && i < count; i++) out[order[i]] = raw[i];
 }
 
 /* nodes[count] of the joined graph at e = 0, in a graph without e, by their entries */
@@ -116,11 +148,14 @@ static dm_status make_at_g0(dm_group_entries *out, const making *b, const dm_nod
     dm_inputs(g, with, 0, inputs);
     memset(with + inputs, 0, j->d * sizeof *with);
     dm_transplant(g, j->g, nodes, count, with, values);
+    uint32_t *body = dm_group_bodies_of(&b->bodies, j->n, 2, 1 + j->extras, 0);
+    if (body && unasked) body[j->n] = DM_NO_BODY; /* a of a straight curve */
     return make(out, b, g, values, count,
                 (columns){.first = j->n,
                           .count = 2 * j->d + 1 + b->m,
                           .gap = 2 * j->d,
-                          .unasked = unasked});
+                          .unasked = unasked,
+                          .body = body});
 }
 
 /* sum_c lambda_c rows_c[d] with the multipliers from number `first` on */
@@ -218,19 +253,26 @@ static dm_status make_hidden(dm_group_joints *out, making *b) {
     add_velocity(b, g, values + d, rows);
     subtract_impulse(b, g, values, rows);
     return make(&out->hidden, b, g, values, d + b->m,
-                (columns){.first = n, .count = d + 1 + b->m, .gap = d});
+                (columns){.first = n,
+                          .count = d + 1 + b->m,
+                          .gap = d,
+                          .body = dm_group_bodies_of(&b->bodies, n, 1, 1 + b->m, d)});
 }
 
 /* by its entries */
 static dm_status make_pull(dm_group_joints *out, making *b) {
     const uint32_t d = b->j.d;
-    dm_graph *g = dm_graph_new(b->j.arena, 2 * d);
-    dm_node *roots = dm_joining_take(&b->j, d);
-    if (!g || !roots) return DM_NO_MEMORY;
-    const dm_status status = dm_joining_pull(&b->j, g, roots);
-    return status == DM_OK
-               ? make(&out->pull, b, g, roots, d, (columns){.count = 2 * d, .gap = 2 * d})
-               : status;
+    return make(&out->pull, b, b->pull, b->pulled, d,
+                (columns){.count = 2 * d,
+                          .gap = 2 * d,
+                          .body = dm_group_bodies_of(&b->bodies, 0, 2, 0, 0)});
+}
+
+/* equal bodies have equal ends */
+static dm_status make_finish(dm_group_joints *out, making *b) {
+    const uint32_t *body = dm_group_bodies_of(&b->bodies, b->j.n, 2, 0, 0);
+    return body ? dm_joining_finish(&b->j, &out->finish, body, b->bodies.count, b->compile)
+                : DM_NO_MEMORY;
 }
 
 /* multipliers, velocities where reactions turn with them, controls */
@@ -240,13 +282,12 @@ static uint32_t extras_of(const making *b, const dm_group *group, const dm_model
 
 /* Constraints that are not there have no kernels. */
 static dm_status make_others(dm_group_joints *out, making *b) {
-    dm_status status = DM_OK;
     out->ready = out->curved = out->straight = 0;
-    if (b->m) status = make_reaction(out, b);
+    dm_status status = make_pull(out, b);
+    if (status == DM_OK && b->m) status = make_reaction(out, b);
     if (status == DM_OK && b->l) status = make_rolling(out, b);
     if (status == DM_OK && b->m) status = make_hidden(out, b);
-    if (status == DM_OK) status = make_pull(out, b);
-    if (status == DM_OK) status = dm_joining_finish(&b->j, &out->finish, b->compile);
+    if (status == DM_OK) status = make_finish(out, b);
     out->arcs = b->j.trace->arcs;
     out->ready = status == DM_OK;
     return status;
@@ -275,6 +316,7 @@ dm_status dm_group_want_joints(dm_group *group, const dm_model *m, dm_tau tau, i
     if (others && (straight ? out->straight : out->curved)) return DM_OK;
     b.m = b.k + b.l;
     dm_status status = dm_joining_open(&b.j, group, m, tau, extras_of(&b, group, m));
+    if (status == DM_OK) status = open_bodies(&b);
     if (status == DM_OK && !others) status = make_others(out, &b);
     if (status != DM_OK) return status;
     out->tau = tau;
