@@ -82,8 +82,8 @@ static void eval(const void *pool, const double *in, double *out) {
 
 /* ---- which bodies are equal ---- */
 
-/* The roots sorted by bodies: those of body b from first[b] on, each with its number among all. What
- * lasts until kernels are made is in the arena, the rest beside it. */
+/* The roots sorted by bodies: those of body b from first[b] on, each with its number among all.
+ * Constants are in the arena, the rest is not needed any more when kernels are made. */
 typedef struct {
     dm_graph *g;
     const dm_node *all; /* [m] the roots as they were given */

@@ -187,9 +187,9 @@ static dm_status rise(dm_lift *l, const double *state) {
 dm_status dm_lift_enter(dm_lift *l, const double *state) {
     const size_t n = l->n;
     const double *kept = l->memory + DM_LIFT_STATE;
+    give_base(l);
     if (l->memory[DM_LIFT_MARK] != 0.0 && memcmp(kept, state, 4 * n * sizeof *state) == 0) {
         memcpy(l->lifted, kept + 4 * n, 4 * n * sizeof *state);
-        give_base(l);
         return DM_OK;
     }
     const dm_status status = rise(l, state);

@@ -7,14 +7,14 @@
 
 #include <string.h>
 
-/* Lanes of the base, and states and memories of the run beside them, as many. Members with steps
- * of their own go one by one. */
+/* Lanes of the base, and states and memories of the run beside them, as many. */
 static int open_members(dm_lift *l, dm_stepper *s, dm_lanes *x) {
     double *place;
     const size_t kept = dm_stepper_memory(s, &place);
     if (!dm_lanes_open_told(x, s->model, (uint32_t)dm_state_size(l->n), kept)) return 0;
     if (x->lanes != l->wide.lanes || !l->wide.failed) return 0;
     if (x->groups > l->wide.groups) x->groups = l->wide.groups;
+    x->paced = l->wide.paced;
     return 1;
 }
 
@@ -25,7 +25,8 @@ int dm_lift_widen(dm_stepper *s, dm_lanes *x) {
     const dm_engine *e = l->base.engine;
     dm_kernel kept;
     if (!e->widen || !e->widen(&l->base, &l->wide)) return 0;
-    const uint32_t which = (uint32_t)l->base_memory * 16 + l->wide.lanes;
+    const uint32_t paced = (uint32_t)l->wide.paced; /* 0 or 1 */
+    const uint32_t which = ((uint32_t)l->base_memory * 2 + paced) * 16 + l->wide.lanes;
     if (dm_cache_find(&kept, s->model, &maker, which)) {
         memcpy(x, kept.pool, sizeof *x);
         x->groups = x->groups > l->wide.groups ? l->wide.groups : x->groups;

@@ -80,15 +80,18 @@ for _, members in ipairs { 1, most, 8 * most + 3 } do
 end
 
 -- steps of their own
-local function step(i) return i < 5 and 0.01 or 0.015 end
+local function step(i) return 0.01 + 0.0005 * (i - 1) end
 for _, rule in ipairs { "lie(2)", "gauss(2)", "lobatto(3)", "verlet" } do
-  local paced = models[1][2]:solver({ rule = rule, h = 0.01 }):ensemble { members = 9, t = 0.3, h = step, q = near_top, p = spin }
+  local paced = models[1][2]:solver({ rule = rule, h = 0.01 }):ensemble { members = 11, t = 0.3,
+    h = step, q = near_top, p = spin }
   local same = true
-  for i = 1, 9 do
-    local path = models[1][2]:solver({ rule = rule, h = step(i) }):run { q = near_top(i), p = spin(i), steps = math.ceil(0.3 / step(i) - 1e-9) }
+  for i = 1, 11 do
+    local path = models[1][2]:solver({ rule = rule, h = step(i) }):run { q = near_top(i),
+      p = spin(i), steps = math.ceil(0.3 / step(i) - 1e-9) }
     same = same and same_element(path.q[#path], paced.q[i]) and path.p[#path] == paced.p[i]
   end
   ok(same, rule .. ": members with steps of their own are such runs")
+  ok(paced.lanes == most or rule == "gauss(2)", "in lanes", paced.lanes)
 end
 
 -- the same ends whatever the processor offers
