@@ -2,7 +2,12 @@
 
 #include "base/largest.h"
 
+#include <limits.h>
 #include <math.h>
+#include <string.h>
+#ifdef __x86_64__
+#include <emmintrin.h>
+#endif
 
 enum { NODES = 8 };
 
@@ -51,16 +56,12 @@ static void find_stencil(dm_stencil *s, const dm_run_table *flow, double t) {
         find_some_weights(s->weight, place - (double)s->first, s->count);
 }
 
-enum { SOME = 8 }; /* columns whose values are found side by side */
-
-/* value[count] of columns that follow each other, count <= SOME */
-static void find_values(double *value, const dm_run_table *flow, const dm_stencil *at,
-                        uint32_t column, uint32_t count) {
+/* the value of one column */
+static double find_value(const dm_run_table *flow, const dm_stencil *at, uint32_t column) {
     const double *y = flow->data + (size_t)at->first * flow->width + column;
-    double sum[SOME] = {0.0};
-    for (uint32_t k = 0; k < at->count; k++, y += flow->width)
-        for (uint32_t i = 0; i < count; i++) sum[i] += at->weight[k] * y[i];
-    for (uint32_t i = 0; i < count; i++) value[i] = sum[i];
+    double sum = 0.0;
+    for (uint32_t k = 0; k < at->count; k++, y += flow->width) sum += at->weight[k] * *y;
+    return sum;
 }
 
 /* what the parabola through three numbers has at its top or bottom, where that lies between the
@@ -97,8 +98,7 @@ double dm_departure_find(double *largest, const dm_departure *d, const dm_run_ta
         if (!(row[0] <= d->until)) break;
         find_stencil(&at, flow, row[0]);
         for (uint32_t k = 0; k < count; k++) {
-            double value;
-            find_values(&value, flow, &at, d->flow[k], 1);
+            const double value = find_value(flow, &at, d->flow[k]);
             note(largest + k, last + k, before + k, row[d->own[k]] - value, d->between && i > 1);
         }
         if (is_beyond(d->bound, largest, count)) return row[0];
@@ -115,6 +115,64 @@ void dm_follow_begin(dm_follow *f) {
 
 static const double EVEN = 1e-6; /* of their distance: so evenly do looks lie */
 
+/* ---- two columns at once, with the bits of one after the other ---- */
+
+typedef double pair __attribute__((vector_size(16)));
+typedef long long pair_of_yes __attribute__((vector_size(16)));
+
+enum { SOME = 8 }; /* columns whose values are found side by side */
+
+__attribute__((always_inline)) static inline pair load(const double *x) {
+    pair out;
+    memcpy(&out, x, sizeof out);
+    return out;
+}
+
+/* by name: of the operators compilers make a branch for each number */
+__attribute__((always_inline)) static inline pair pick(pair_of_yes yes, pair a, pair b) {
+#ifdef __x86_64__
+    const __m128d which = (__m128d)yes;
+    return (pair)_mm_or_pd(_mm_and_pd(which, (__m128d)a), _mm_andnot_pd(which, (__m128d)b));
+#else
+    return (pair)((yes & (pair_of_yes)a) | (~yes & (pair_of_yes)b));
+#endif
+}
+
+/* dm_largest */
+__attribute__((always_inline)) static inline pair largest_of(pair so_far, pair x) {
+    const pair size = (pair)((pair_of_yes)x & LLONG_MAX);
+    const pair larger = pick(size <= so_far, so_far, size);
+    return pick(so_far == so_far, larger, so_far);
+}
+
+/* turn; of what is no number any more nothing is asked */
+__attribute__((always_inline)) static inline pair turn_of(pair before, pair here, pair after) {
+    const pair bend = before - 2.0 * here + after, rise = 0.5 * (after - before);
+    const pair top = pick(bend == 0.0, here, here - 0.5 * rise * rise / bend);
+    return pick((here - before) * (after - here) < 0.0, top, here);
+}
+
+/* note for `count` columns, even, that follow each other in the flow */
+__attribute__((always_inline)) static inline void note_pairs(double *largest, uint32_t apart,
+                                                             const double *numbers, const double *y,
+                                                             size_t width, const dm_stencil *at,
+                                                             int between, const uint32_t count) {
+    pair sum[SOME / 2] = {{0.0}};
+    for (uint32_t k = 0; k < at->count; k++, y += width)
+        for (uint32_t i = 0; i < count / 2; i++) sum[i] += at->weight[k] * load(y + 2 * (size_t)i);
+    for (uint32_t i = 0; i < count / 2; i++, largest += 2, numbers += 2) {
+        double *last = largest + apart, *before = last + apart;
+        const pair here = load(numbers) - sum[i], then = load(last);
+        pair most = largest_of(load(largest), here);
+        if (between) most = largest_of(most, turn_of(load(before), then, here));
+        memcpy(largest, &most, sizeof most);
+        memcpy(before, &then, sizeof then);
+        memcpy(last, &here, sizeof here);
+    }
+}
+
+/* ---- a look ---- */
+
 /* columns from k on that follow each other in the flow, too */
 static uint32_t count_neighbours(const dm_follow *f, uint32_t k) {
     uint32_t count = 1;
@@ -123,20 +181,36 @@ static uint32_t count_neighbours(const dm_follow *f, uint32_t k) {
     return count;
 }
 
+/* column k, and as many of its neighbours as go side by side; how many */
+static uint32_t compare_some(const dm_follow *f, uint32_t k, const double *numbers,
+                             const dm_stencil *at, int between) {
+    const uint32_t count = count_neighbours(f, k), apart = f->count;
+    const size_t width = f->flow.width;
+    const double *y = f->flow.data + (size_t)at->first * width + f->column[k];
+    double *largest = f->largest + k;
+    numbers += k;
+    if (count == 8) {
+        note_pairs(largest, apart, numbers, y, width, at, between, 8);
+    } else if (count >= 4) {
+        note_pairs(largest, apart, numbers, y, width, at, between, 4);
+        return 4;
+    } else if (count >= 2) {
+        note_pairs(largest, apart, numbers, y, width, at, between, 2);
+        return 2;
+    } else {
+        const double value = find_value(&f->flow, at, f->column[k]);
+        note(largest, largest + apart, largest + 2 * (size_t)apart, *numbers - value, between);
+    }
+    return count;
+}
+
 /* numbers that are compared, and those that are not */
 static void compare(dm_follow *f, const double *numbers, const dm_stencil *at, int between) {
-    double *largest = f->largest, *last = largest + f->count, *before = last + f->count;
-    double value[SOME];
-    for (uint32_t k = 0, count; k < f->count; k += count) {
-        count = f->column[k] == DM_NO_COLUMN ? 1 : count_neighbours(f, k);
-        if (f->column[k] == DM_NO_COLUMN) {
-            largest[k] = dm_largest(largest[k], numbers[k]);
-        } else if (at) {
-            find_values(value, &f->flow, at, f->column[k], count);
-            for (uint32_t i = k; i < k + count; i++)
-                note(largest + i, last + i, before + i, numbers[i] - value[i - k], between);
-        }
-    }
+    for (uint32_t k = 0, count = 1; k < f->count; k += count, count = 1)
+        if (f->column[k] == DM_NO_COLUMN)
+            f->largest[k] = dm_largest(f->largest[k], numbers[k]);
+        else if (at)
+            count = compare_some(f, k, numbers, at, between);
 }
 
 void dm_follow_look(dm_follow *f, const double *numbers, double t, long steps, dm_stencil *at) {

@@ -134,8 +134,9 @@ end
 
 --- Right or not: by the observables, and by the velocity that constraints leave over.
 function M.tell_right(job, cells, e)
+  local status = e.status
   for i, cell in ipairs(cells) do
-    local flow, fine = cell.flow, e.status[i] == "ok"
+    local flow, fine = cell.flow, status[i] == "ok"
     cell.horizon, cell.unresolved = flow.e and flow.horizon, not flow.e and flow.why or nil
     cell.ratio = 0
     local off = fine and e:followed(i)

@@ -109,7 +109,8 @@ local function share_range(range)
 end
 
 -- ranges of the observables, and how far two flows may be apart to be one
-local function measure(map, flow, e, i)
+local function measure(job, flow, e, i)
+  local map = job.map
   local accuracy, scale = map.beside.accuracy, 0
   flow.range, flow.tolerance, flow.bound, flow.near = {}, {}, {}, {}
   for k, column in ipairs(map.beside.observed.columns) do
@@ -117,7 +118,7 @@ local function measure(map, flow, e, i)
     flow.range[k], first = e:range(i, column)
     scale = max(scale, math.abs(first) + flow.range[k])
   end
-  if takes_all(map, map.system_of(flow)) then share_range(flow.range) end
+  if takes_all(map, job.system) then share_range(flow.range) end
   local slack = ROUND_OFF * scale + LEAST_OFF
   local fine = max(map.beside.finer * accuracy, min(0.1 * accuracy, 1e-10))
   for k, range in ipairs(flow.range) do
@@ -141,7 +142,7 @@ local function refine(job, flows, one, level)
   local map, e, near, far = job.map, run(job, flows, one, level), {}, {}
   for i, flow in ipairs(flows) do
     local fine = e.status[i] == "ok"
-    if fine then measure(map, flow, e, i) end
+    if fine then measure(job, flow, e, i) end
     flow.parted = flow.horizon
     flow.horizon = fine and agreed(map, e, i, flow, flow.near) or -huge
     flow.e, flow.i, flow.steps = fine and e or nil, i, ceil(one[2] * level)
@@ -192,10 +193,13 @@ function M.prepare(map, system)
     return nil
   end
   local t0 = map.options.t0 or 0
+  local keys = setmetatable({}, { __mode = "k" }) -- of values, which cells of a row share
   local function flow_key(cell)
-    local text = {}
-    for i, name in ipairs(map.names) do text[i] = ("%a"):format(cell.values[name]) end
-    return table.concat(text, "/")
+    local values, text = cell.values, {}
+    if keys[values] then return keys[values] end
+    for i, name in ipairs(map.names) do text[i] = ("%a"):format(values[name]) end
+    keys[values] = table.concat(text, "/")
+    return keys[values]
   end
   return { accuracy = accuracy, finer = system.line and ON_LINES or FINER, t0 = t0,
     observed = observables.read(map.options, system), horizon = t0 + map.options.t, flows = {},

@@ -45,6 +45,9 @@ typedef struct {
     double *params;       /* [groups x lanes][params of the model], by member */
     double *kept, *alone; /* room for all states once more, for one */
     int paced;            /* members of an autonomous model may have steps of their own */
+    /* numbers that the engine has made of h and of the parameters for all bursts to come; 0: it
+     * has none, or h or parameters are others than in the burst before */
+    size_t told;
     /* engines with a `memory`: [groups][memory_size][lanes] what members leave to their next
      * step, and what has become of members, [groups x lanes]: DM_OK, or why a step failed after
      * so many of a burst. NULL: neither */

@@ -184,7 +184,8 @@ typedef struct {
     const dm_splitting_loop *l;
     const dm_model *m;
     const dm_splitting_wide *w;
-    double *c; /* coefficients of one member */
+    double *c;    /* coefficients of one member */
+    size_t *told; /* how many of them are spread over the lanes already */
 } band;
 
 /* of steps from `done` on, or of a kick alone by a share of h */
@@ -212,10 +213,21 @@ static coefficients put_all(const band *b, const dm_splitting_burst *burst, long
     return put;
 }
 
+/* Those of the burst before, where they serve: the force does not see the time, and no kick alone
+ * lies between the bursts. */
+static coefficients put_or_keep(const band *b, const dm_splitting_burst *burst, long done,
+                                double share) {
+    const int stays = (b->m->structure & DM_AUTONOMOUS) && !(b->l->shape & DM_LOOP_MERGED);
+    if (stays && *b->told) return (coefficients){.steps = burst->count - done, .count = *b->told};
+    const coefficients put = put_all(b, burst, done, share);
+    if (stays) *b->told = put.count;
+    return put;
+}
+
 /* one call of machine code; the steps it made */
 static long call_lanes(const band *b, const dm_splitting_burst *burst, long done, double share) {
     const dm_lanes *x = &b->w->lanes;
-    const coefficients put = put_all(b, burst, done, share);
+    const coefficients put = put_or_keep(b, burst, done, share);
     const int64_t each = (int64_t)(x->lanes * sizeof *b->c) * (burst->many ? x->together : 1);
     dm_loop_call call = {.state = b->w->wide,
                          .coefficients = b->w->spread,
@@ -249,7 +261,7 @@ static void end_staggered(const dm_splitting_wide *w, const dm_model *m, double 
 void dm_splitting_loop_run_lanes(const dm_splitting_loop *l, const dm_model *m, dm_lanes *x,
                                  const dm_splitting_burst *burst, double *work) {
     dm_splitting_wide w = l->many;
-    const band b = {l, m, &w, work};
+    const band b = {l, m, &w, work, &x->told};
     const int merged = (l->shape & DM_LOOP_MERGED) != 0;
     const transfer main = {.count = merged ? 2 * m->n : 4 * m->n};
     const double first = burst->table->b[0];

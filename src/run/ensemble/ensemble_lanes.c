@@ -1,23 +1,14 @@
 /* ensemble_lanes.c - a block of members side by side; who fails is stepped again alone and leaves.
  * Speed: ensembles, J2 satellite by gauss(3): 4.0x, against a run of its own. */
 #include "base/largest.h"
-#include "run/ensemble/ensemble_block.h"
+#include "run/ensemble/ensemble_hand.h"
 
+#include <math.h>
 #include <string.h>
 #include <time.h>
 
 static const double LOOK = 5e-4;        /* s between looks at the stop flag */
 enum { FIRST = 16, LONGEST = 1 << 16 }; /* steps between them */
-
-typedef struct {
-    const dm_ensemble *e;
-    dm_block *b;
-    long first, count;                         /* members of the block */
-    long done;                                 /* steps */
-    long alive;                                /* members that still run */
-    char ended[DM_LANES_GROUPS * 8];           /* members that have done all of their steps */
-    dm_inertia_seen seen[DM_LANES_GROUPS * 8]; /* of members, where the inertia may change */
-} block;
 
 /* s of a clock that never goes back. */
 static double now(void) {
@@ -26,59 +17,20 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static uint32_t dim(const block *x) {
-    return x->b->stepper->model->n;
-}
-
-static double *state_of(const block *x, long i) {
-    return x->e->state + (size_t)(x->first + i) * dm_state_size(dim(x));
-}
-
-static dm_member *member_of(const block *x, long i) {
-    return x->e->member + x->first + i;
-}
-
-/* member i still runs */
-static int runs(const block *x, long i) {
-    return member_of(x, i)->status == DM_OK && !x->ended[i];
-}
-
-/* Lanes have steps of their own, by member. */
-static int has_paces(const block *x) {
-    return x->e->pace && dm_block_is_paced(x->b);
-}
-
-/* its steps, and how many of them from row to row */
-static long steps_of(const block *x, long i) {
-    return has_paces(x) ? x->e->pace[x->first + i].steps : x->e->steps;
-}
-
-static long every_of(const block *x, long i) {
-    return has_paces(x) ? x->e->pace[x->first + i].every : x->e->rows->every;
-}
-
-/* those of member i of the block */
-static const double *params_of(const block *x, long i) {
+/* those of member i */
+static const double *params_of(const dm_hand *x, long i) {
     return x->e->params + (size_t)(x->first + i) * x->b->stepper->model->params;
 }
 
 /* parameters of member i of the block to the place of lane `to` */
-static void put_params(const block *x, long i, uint32_t to) {
+static void put_params(const dm_hand *x, long i, uint32_t to) {
     const uint32_t many = x->b->stepper->model->params;
     if (many)
         memcpy(x->b->lanes.params + (size_t)to * many, params_of(x, i), many * sizeof(double));
 }
 
-/* what is computed for member i alone has its parameters */
-static void choose_member(const block *x, long i) {
-    if (!x->b->stepper->model->params) return;
-    x->b->stepper->params = params_of(x, i);
-    if (x->b->watch) x->b->watch->params = x->b->stepper->params;
-    if (x->b->aside) x->b->aside->params = x->b->stepper->params;
-}
-
 /* what member i of the block leaves to its next step, which `start` has made */
-static void put_memory(const block *x, uint32_t i) {
+static void put_memory(const dm_hand *x, uint32_t i) {
     const dm_lanes *lanes = &x->b->lanes;
     double *place;
     if (!lanes->memory) return;
@@ -87,135 +39,63 @@ static void put_memory(const block *x, uint32_t i) {
         dm_lanes_memory(lanes, i)[k * lanes->lanes] = place[k];
 }
 
-/* a lane without a member of its own runs along with another's numbers, or is left alone */
-static void pad(block *x) {
-    const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dim(x);
+void dm_hand_pad(dm_hand *x) {
+    const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dm_hand_dim(x);
     long whole = 0;
-    while (whole < x->count && !runs(x, whole)) whole++;
+    while (whole < x->count && !dm_hand_runs(x, whole)) whole++;
     if (whole == x->count) return;
     dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->lanes.alone);
     for (uint32_t i = 0; i < all; i++)
-        if (i >= x->count || !runs(x, i)) {
+        if (i >= x->count || !dm_hand_runs(x, i)) {
             dm_lanes_put(&x->b->lanes, n, i, x->b->lanes.alone);
             put_params(x, whole, i);
+            x->b->lanes.told = 0;
             if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_STOPPED;
         }
 }
 
-/* Of member i after so many steps, or as its state has it. */
-static double time_of(const block *x, long i, const double *state, long steps) {
-    if (x->b->stepper->rule->method->traits & DM_OWN_TIME) return state[4 * (size_t)dim(x)];
-    return x->e->t0 + (double)steps * x->b->h[i];
-}
-
-/* the row of a state of member i; one that cannot be watched fails */
-static void keep_row(block *x, long i, const double *state, long steps) {
-    const dm_ensemble_rows *rows = x->e->rows;
-    dm_member *m = member_of(x, i);
-    const double t = time_of(x, i, state, steps);
-    choose_member(x, i);
-    const dm_status status = dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
-    if (status == DM_OK || m->status != DM_OK) return;
-    *m = (dm_member){.status = status, .steps = steps};
-    memcpy(state_of(x, i), state, dm_state_size(dim(x)) * sizeof *state);
-    x->alive--;
-}
-
-/* beside its flow: member i, whose state this is after so many steps */
-static void look_beside(const block *x, long i, const double *state, long steps) {
-    if (!x->e->follow) return;
-    dm_follow *f = x->e->follow + x->first + i;
-    choose_member(x, i);
-    dm_follow_state(f, x->b->aside, state, time_of(x, i, state, steps), steps, &x->b->at);
-}
-
-/* a row of every member that still runs, a look at those that are due */
-static void keep_rows(block *x) {
-    const long before = x->alive;
-    const dm_follow *f = x->e->follow ? x->e->follow + x->first : NULL;
-    if (!x->e->rows && !f) return;
-    for (long i = 0; i < x->count; i++) {
-        const int row = x->e->rows && x->done % every_of(x, i) == 0;
-        const int due = f && f[i].due <= x->done;
-        if (!(row || due) || !runs(x, i)) continue;
-        dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
-        if (due) look_beside(x, i, x->b->lanes.alone, x->done);
-        if (row) keep_row(x, i, x->b->lanes.alone, x->done);
-    }
-    if (x->alive < before) pad(x);
-}
-
-/* the last state, or the last good one, if it is not a row yet */
-static void keep_last_row(block *x, long i) {
-    const dm_ensemble_rows *rows = x->e->rows;
-    const long steps = member_of(x, i)->steps;
-    if (rows && (steps % every_of(x, i) != 0 || !rows->count[x->first + i]))
-        keep_row(x, i, state_of(x, i), steps);
-}
-
-/* at most `most` steps to the next row or the end of a member */
-static long to_event(const block *x, long most) {
-    const int rows = x->e->rows != NULL;
-    const dm_follow *f = x->e->follow ? x->e->follow + x->first : NULL;
-    for (long i = 0; i < x->count && (f || x->b->inertia); i++) {
-        if (!runs(x, i)) continue;
-        if (f) most = dm_lesser(most, f[i].due - x->done);
-        if (x->b->inertia) most = dm_lesser(most, x->seen[i].due - x->done);
-    }
-    if (!has_paces(x)) {
-        most = dm_lesser(most, x->e->steps - x->done);
-        return rows ? dm_lesser(most, every_of(x, 0) - x->done % every_of(x, 0)) : most;
-    }
-    for (long i = 0; i < x->count; i++) {
-        if (!runs(x, i)) continue;
-        most = dm_lesser(most, steps_of(x, i) - x->done);
-        if (rows) most = dm_lesser(most, every_of(x, i) - x->done % every_of(x, i));
-    }
-    return most;
-}
-
 /* steps of the members, and any for lanes without one */
-static void set_steps(block *x) {
-    const dm_pace *own = has_paces(x) ? x->e->pace + x->first : NULL;
+static void set_steps(dm_hand *x) {
+    const dm_pace *own = dm_hand_has_paces(x) ? x->e->pace + x->first : NULL;
     for (long i = 0; i < DM_LANES_GROUPS * 8; i++)
         x->b->h[i] = own ? own[i < x->count ? i : 0].h : x->e->h;
 }
 
 /* It looks at member i from here on. */
-static dm_inertia *inertia_of(const block *x, long i) {
+static dm_inertia *inertia_of(const dm_hand *x, long i) {
     if (x->b->inertia) dm_inertia_choose(x->b->inertia, (size_t)i, &x->seen[i]);
     return x->b->inertia;
 }
 
 /* Members that cannot start have failed already; the others lie in their lanes from here on. */
-static void begin(block *x) {
+static void begin(dm_hand *x) {
     dm_stepper *s = x->b->stepper;
     for (long i = 0; i < x->count; i++) {
-        dm_member *m = member_of(x, i);
-        choose_member(x, i);
+        dm_member *m = dm_hand_member(x, i);
+        dm_hand_choose(x, i);
         if (x->e->follow) dm_follow_begin(x->e->follow + x->first + i);
-        *m = (dm_member){.status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i])};
+        *m = (dm_member){.status = dm_stepper_start(s, dm_hand_state(x, i), x->e->t0, x->b->h[i])};
         if (m->status != DM_OK) continue;
         if (x->b->inertia) {
-            dm_inertia_begin(inertia_of(x, i), state_of(x, i), x->e->t0, x->b->h[i]);
+            dm_inertia_begin(inertia_of(x, i), dm_hand_state(x, i), x->e->t0, x->b->h[i]);
             x->seen[i] = x->b->inertia->seen;
         }
-        dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
+        dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
         put_params(x, i, (uint32_t)i);
         put_memory(x, (uint32_t)i);
         if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_OK;
         x->alive++;
     }
-    pad(x);
+    dm_hand_pad(x);
 }
 
 /* Member i from its start, which its place still holds, as a run of its own. */
-static void run_alone(block *x, long i) {
+static void run_alone(dm_hand *x, long i) {
     dm_ensemble e = *x->e;
     dm_ensemble_rows rows;
-    if (e.rows) rows = *e.rows, rows.every = every_of(x, i), e.rows = &rows;
+    if (e.rows) rows = *e.rows, rows.every = dm_hand_every(x, i), e.rows = &rows;
     e.h = x->b->h[i];
-    e.steps = steps_of(x, i);
+    e.steps = dm_hand_steps(x, i);
     dm_run_member(&e,
                   &(dm_member_run){.stepper = x->b->stepper,
                                    .watch = x->b->watch,
@@ -226,139 +106,163 @@ static void run_alone(block *x, long i) {
 }
 
 /* Has member i gone over a change of inertia? Then it runs again alone, up to that step. */
-static int has_crossed(block *x, long i) {
+static int has_crossed(dm_hand *x, long i) {
     dm_inertia *inertia = inertia_of(x, i);
     const double *now = x->b->lanes.alone;
     if (!inertia || x->done == 0) return 0;
     const int steep = dm_inertia_is_steep(inertia) && x->done == inertia->seen.looked + 1;
-    dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
-    const double t = time_of(x, i, now, x->done);
+    dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, x->b->lanes.alone);
+    const double t = dm_hand_time(x, i, now, x->done);
     const int crossed = dm_inertia_look(inertia, now, t, x->done);
     x->seen[i] = inertia->seen;
-    choose_member(x, i);
+    dm_hand_choose(x, i);
     if (!crossed && !(steep && dm_block_vanishes(x->b, (uint32_t)i, t))) return 0;
     run_alone(x, i);
     return 1;
 }
 
-/* member i is not finite after `count` steps: from the kept state alone, to the step that fails */
-static void repeat_alone(block *x, long i, double t, long count) {
+/* member i is not finite after `count` steps: from the kept state alone, to the step that fails; if
+ * it was looked at meanwhile from its start */
+static void repeat_alone(dm_hand *x, long i, double t, long count) {
     dm_lanes kept = x->b->lanes; /* but for the states */
     dm_stepper *s = x->b->stepper;
-    dm_member *m = member_of(x, i);
-    double *state = state_of(x, i);
+    dm_member *m = dm_hand_member(x, i);
+    double *state = dm_hand_state(x, i);
     long done = 0;
-    if (x->b->inertia) {
+    if (x->b->inertia || dm_hand_has_seen(x, i, x->kept)) {
         run_alone(x, i);
         x->alive--;
         return;
     }
-    choose_member(x, i);
+    dm_hand_choose(x, i);
     kept.state = x->b->lanes.kept;
-    dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
+    dm_lanes_get(&kept, dm_hand_dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, x->b->h[i], count, &done);
-    m->steps = x->done + done;
+    m->steps = x->kept + done;
     if (m->status == DM_OK) {
-        dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state);
+        dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, state);
         return;
     }
     x->alive--;
-    keep_last_row(x, i);
+    dm_hand_keep_last_row(x, i);
 }
 
 /* member i failed, as the method says, in the step after those that it has done of a burst */
-static void leave(block *x, long i) {
+static void leave(dm_hand *x, long i) {
     const dm_lanes *lanes = &x->b->lanes;
     if (has_crossed(x, i)) {
         x->alive--;
         return;
     }
-    *member_of(x, i) = (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
-    dm_lanes_get(lanes, dim(x), (uint32_t)i, state_of(x, i));
+    *dm_hand_member(x, i) =
+        (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
+    dm_lanes_get(lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     x->alive--;
-    choose_member(x, i);
-    keep_last_row(x, i);
+    dm_hand_choose(x, i);
+    dm_hand_keep_last_row(x, i);
 }
 
 /* a burst of a method that tells who failed */
-static void advance_told(block *x, double t, long count) {
+static void advance_told(dm_hand *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
     if (x->b->inertia && count == 1) dm_block_keep(x->b);
     s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     for (long i = 0; i < x->count; i++)
-        if (runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
+        if (dm_hand_runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
 }
 
-/* a burst of one whose members that failed have a state that is not finite */
-static void advance_seen(block *x, double t, long count) {
+/* Members that have failed since states were kept have one that is not finite: t and `count` steps
+ * since then. */
+static void settle(dm_hand *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
+    const long before = x->alive;
+    if (x->kept < 0) return;
+    if (!dm_lanes_are_finite(lanes, dm_hand_dim(x)))
+        for (long i = 0; i < x->count; i++)
+            if (dm_hand_runs(x, i) && !dm_lanes_is_finite(lanes, dm_hand_dim(x), (uint32_t)i))
+                repeat_alone(x, i, t, count);
+    x->kept = -1;
+    if (x->alive < before) dm_hand_pad(x);
+}
+
+/* a burst of a method that does not tell; `last`: failures are looked for at its end */
+static void advance_seen(dm_hand *x, double t, long count, int last) {
     dm_stepper *s = x->b->stepper;
-    dm_block_keep(x->b);
-    s->engine->advance_lanes(s, lanes, t, x->b->h, count);
-    if (dm_lanes_are_finite(lanes, dim(x))) return;
-    for (long i = 0; i < x->count; i++)
-        if (runs(x, i) && !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
-            repeat_alone(x, i, t, count);
+    if (x->kept < 0) {
+        dm_block_keep(x->b);
+        x->kept = x->done;
+    }
+    s->engine->advance_lanes(s, &x->b->lanes, t, x->b->h, count);
+    if (last) settle(x, t, x->done + count - x->kept);
 }
 
 /* t is that of the members without a pace; those that have one see no time. */
-static void advance(block *x, long count) {
+static void advance(dm_hand *x, long count, int last) {
     const double t = x->e->t0 + (double)x->done * x->b->h[0];
     const long before = x->alive;
     if (x->b->lanes.failed)
         advance_told(x, t, count);
     else
-        advance_seen(x, t, count);
+        advance_seen(x, t, count, last);
     x->done += count;
-    if (x->alive < before) pad(x);
+    if (x->alive < before) dm_hand_pad(x);
 }
 
 /* member i goes no further */
-static void end(block *x, long i, dm_status status) {
+static void end(dm_hand *x, long i, dm_status status) {
     if (status == DM_OK && has_crossed(x, i)) return;
-    dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
-    *member_of(x, i) = (dm_member){.status = status, .steps = x->done};
-    if (status == DM_OK) look_beside(x, i, state_of(x, i), x->done);
-    keep_last_row(x, i);
+    dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
+    *dm_hand_member(x, i) = (dm_member){.status = status, .steps = x->done};
+    if (status == DM_OK) dm_hand_look_beside(x, i, dm_hand_state(x, i), x->done);
+    dm_hand_keep_last_row(x, i);
 }
 
 /* members that have gone over a change of inertia leave */
-static void end_crossed(block *x) {
+static void end_crossed(dm_hand *x) {
     const long before = x->alive;
     for (long i = 0; i < x->count && x->b->inertia; i++)
-        if (runs(x, i) && x->done >= x->seen[i].due && has_crossed(x, i)) x->alive--;
-    if (x->alive < before) pad(x);
+        if (dm_hand_runs(x, i) && x->done >= x->seen[i].due && has_crossed(x, i)) x->alive--;
+    if (x->alive < before) dm_hand_pad(x);
 }
 
 /* members that have done all of their steps leave */
-static void end_some(block *x) {
+static void end_some(dm_hand *x) {
     const long before = x->alive;
+    if (x->done < x->next_end) return;
     for (long i = 0; i < x->count; i++) {
-        if (!runs(x, i) || x->done < steps_of(x, i)) continue;
+        if (!dm_hand_runs(x, i) || x->done < dm_hand_steps(x, i)) continue;
         end(x, i, DM_OK);
         x->ended[i] = 1;
         x->alive--;
     }
-    if (x->alive < before) pad(x);
+    if (x->alive < before) dm_hand_pad(x);
 }
 
-/* steps up to the end or the stop flag; where L depends on t one by one, as a run alone does */
-static dm_status run(block *x) {
-    const dm_stepper *s = x->b->stepper;
-    const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
+/* Steps to what comes next, `burst` at most; where L depends on t one by one, as a run alone does.
+ * Between rows a failure waits: what a look sees of it does not count. */
+static void advance_some(dm_hand *x, long burst) {
+    const int autonomous = (x->b->stepper->model->structure & DM_AUTONOMOUS) != 0;
+    const long goal = dm_lesser(burst, x->next - x->done);
+    const int waits = autonomous && !x->b->inertia && goal < burst && x->next < x->next_row;
+    for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
+        advance(x, autonomous ? goal : 1, !waits);
+}
+
+/* to the end or the stop flag */
+static dm_status run(dm_hand *x) {
     double looked = now();
     long burst = x->b->burst, since = 0, told = 0; /* steps, and of all members, since a look */
     end_some(x);
     while (x->alive) {
-        const long goal = to_event(x, burst - since), before = x->done;
-        if (x->e->stop && *x->e->stop) return DM_STOPPED;
-        for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
-            advance(x, autonomous ? goal : 1);
+        const long before = x->done;
+        if (x->e->stop && *x->e->stop) return settle(x, NAN, x->done - x->kept), DM_STOPPED;
+        dm_hand_find_next(x);
+        advance_some(x, burst - since);
         since += x->done - before;
         told += (x->done - before) * x->alive;
         end_crossed(x);
-        keep_rows(x);
+        dm_hand_keep_rows(x);
         end_some(x);
         if (since < burst && x->alive) continue;
         x->b->count(x->b->ud, told);
@@ -374,16 +278,17 @@ static dm_status run(block *x) {
 
 /* As many groups as the members in hand need, rounded up to what is stepped together. */
 void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
-    block x = {.e = e, .b = b, .first = first, .count = count};
+    dm_hand x = {.e = e, .b = b, .first = first, .count = count, .kept = -1};
     const uint32_t together = b->lanes.together ? b->lanes.together : 1;
     const long pass = (long)b->lanes.lanes * together;
     b->lanes.groups = (uint32_t)((count - 1) / pass + 1) * together;
     set_steps(&x);
     begin(&x);
-    keep_rows(&x);
+    b->lanes.told = 0;
+    dm_hand_keep_rows(&x);
     const dm_status status = run(&x);
     for (long i = 0; i < count; i++)
-        if (runs(&x, i)) end(&x, i, status);
+        if (dm_hand_runs(&x, i)) end(&x, i, status);
 }
 
 int dm_block_is_paced(const dm_block *b) {
