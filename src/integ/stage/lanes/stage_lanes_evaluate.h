@@ -65,16 +65,14 @@ INLINE void settle_lanes(lanes_sweeps *it, I where) {
     it->settled |= where;
 }
 
-/* base[stage][n][W] = low + c v */
+/* base[stage][n][W] = low + c v, with the roundings that line in sweep_row.h has */
 INLINE void draw_line(const lanes_sweeps *it, double *base, const double *low, const double *v) {
     const dm_parts *c = &it->w->g->sweeps->line;
     for (uint32_t m = 0; m < it->r; m++)
         for (uint32_t k = 0; k < it->n; k++) {
             const V x = v ? load(v + k * W) : (V){0};
-            const V sum = madd(scaled(&it->w->group, c->rest + m), x, load(low + k * W),
-                               DM_LANES_FUSED && it->r > 1);
-            store(base + (m * it->n + k) * W,
-                  madd(scaled(&it->w->group, c->top + m), x, sum, DM_LANES_FUSED && it->r > 1));
+            const V rest = scaled(&it->w->group, c->rest + m) * x + load(low + k * W);
+            store(base + (m * it->n + k) * W, scaled(&it->w->group, c->top + m) * x + rest);
         }
 }
 
