@@ -14,6 +14,7 @@
 #include "algebra/body_sum.h"
 #include "algebra/compact.h"
 #include "algebra/derive.h"
+#include "algebra/even.h"
 #include "algebra/extremum.h"
 #include "algebra/implicit.h"
 #include "code/tape/tape.h"
@@ -385,23 +386,39 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     return status;
 }
 
+/* a kernel of a pair; roundings that have a mean would make momentum maps drift */
+static dm_status make_even(builder *b, dm_kernel *out, dm_node *roots, size_t count) {
+    dm_graph *g = dm_compact_graph(b->g, roots, (uint32_t)count, roots);
+    if (g) g = dm_even_graph(g, roots, (uint32_t)count, roots);
+    if (!g) return dm_graph_status(b->g) != DM_OK ? dm_graph_status(b->g) : DM_NO_MEMORY;
+    return make_verbatim(b, g, out, roots, count, DM_WANT_PAIR);
+}
+
+/* D1, D2, D1D2, and D1 + D2 by itself. With implicit functions each evaluation starts from the
+ * last, and there is no sum. */
+static dm_status make_pair(builder *b, dm_node *roots, size_t count) {
+    const uint32_t n = b->m.n;
+    dm_node *sum = roots + count;
+    if (dm_has_roots(b->g, roots, (uint32_t)count))
+        return make(b, &b->m.pair, roots, count, DM_WANT_PAIR);
+    for (uint32_t i = 0; i < n; i++) sum[i] = dm_add(b->g, roots[i], roots[n + i]);
+    const dm_status status = make_even(b, &b->m.pair, roots, count);
+    return status == DM_OK ? make_even(b, &b->m.pair_sum, sum, n) : status;
+}
+
 /* D1 and D2 are the gradient, D1D2 the upper right block of the Hessian */
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, dm_compile *compile,
                               dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = Ld, .arena = arena, .compile = compile};
     const size_t nn = (size_t)n * n;
-    dm_node *roots = take_nodes(&b, 2 * n + nn), *hessian = take_nodes(&b, 4 * nn);
+    dm_node *roots = take_nodes(&b, 3 * n + nn), *hessian = take_nodes(&b, 4 * nn);
     if (!roots || !hessian) return DM_NO_MEMORY;
     b.m.operations = dm_operations(g, &Ld, 1);
     dm_status status = make(&b, &b.m.value, &Ld, 1, DM_WANT_VALUE);
     if (status != DM_OK) return status;
     dm_hessian(g, Ld, 0, 2 * n, roots, hessian);
     copy_block(roots + 2 * n, hessian, 0, n, n);
-    status = make(&b, &b.m.pair, roots, 2 * n + nn, DM_WANT_PAIR);
-    if (status == DM_OK && !b.m.pair.memory) {
-        for (uint32_t i = 0; i < n; i++) roots[i] = dm_add(g, roots[i], roots[n + i]);
-        status = make(&b, &b.m.pair_sum, roots, n, DM_WANT_PAIR);
-    }
+    status = make_pair(&b, roots, 2 * n + nn);
     if (status == DM_OK) *m = b.m;
     return status;
 }
