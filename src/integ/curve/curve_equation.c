@@ -68,7 +68,8 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
         r[k] = e->segment.slope[k] - e->mass[k] * z[n + k];
         if (tied) r[k] += e->tie.reaction[k];
         r[n + k] = e->segment.slope[n + k] / e->h;
-        if (e->curve.centred) r[2 * n + k] = z[2 * n + k] + e->segment.minus[k] / e->h;
+        /* as rounded in the segment: (q - q0) / h + minus / h has a mean by a decimal h */
+        if (e->curve.centred) r[2 * n + k] = (e->h * z[2 * n + k] + e->segment.minus[k]) / e->h;
     }
     if (tied) dm_curve_tie_residual(e, r);
     if (J) {

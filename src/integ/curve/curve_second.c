@@ -16,9 +16,9 @@ static void place_tangent(dm_segment *g, size_t i) {
     double *T = g->tangent + i * N * N;
     memset(T, 0, N * N * sizeof *T);
     for (size_t j = 0; j < i; j++) {
-        add(T, g->to_q[row + j], g->tangent + j * N * N + n * N, n * N);
-        add(T + n * N, g->to_v[row + j], g->push + j * n * N, n * N);
-        if (g->lift) add(T, g->lift[row + j], g->push + j * n * N, n * N);
+        add(T, dm_weight_double(g->to_q[row + j]), g->tangent + j * N * N + n * N, n * N);
+        add(T + n * N, dm_weight_double(g->to_v[row + j]), g->push + j * n * N, n * N);
+        if (g->lift) add(T, dm_weight_double(g->lift[row + j]), g->push + j * n * N, n * N);
     }
     for (size_t k = 0; k < N; k++) T[k * N + k] += 1.0;
 }
@@ -82,11 +82,11 @@ static void add_second(dm_segment *g, const double *W, const double *T, size_t f
 /* what point i adds to the tangents of the ends */
 static void add_ends(dm_segment *g, size_t i, const double *dv, const double *da) {
     const size_t size = 2 * (size_t)g->n * g->n;
-    add(g->plus_tangent, g->plus_q[i], dv, size);
-    add(g->minus_tangent, g->minus_q[i], dv, size);
+    add(g->plus_tangent, dm_weight_double(g->plus_q[i]), dv, size);
+    add(g->minus_tangent, dm_weight_double(g->minus_q[i]), dv, size);
     if (!g->lift) return;
-    add(g->plus_tangent, g->plus_lift[i], da, size);
-    add(g->minus_tangent, g->minus_lift[i], da, size);
+    add(g->plus_tangent, dm_weight_double(g->plus_lift[i]), da, size);
+    add(g->minus_tangent, dm_weight_double(g->minus_lift[i]), da, size);
 }
 
 /* Forward again, with the tangents of the points: by then all pulls are known, and every point adds

@@ -16,6 +16,11 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
+/* Of two doubles what is added to positions and velocities; the rest one. */
+static size_t coefficients(size_t s) {
+    return 2 * (3 * s * s + 4 * s) + 3 * s;
+}
+
 /* In the order of dm_segment_open: what every point has, then what the segment has once. */
 size_t dm_segment_work(const dm_curve *c, const dm_model *m) {
     const size_t s = (size_t)c->s, n = m->n, N = 2 * n, M = dm_field_rows(m);
@@ -23,42 +28,39 @@ size_t dm_segment_work(const dm_curve *c, const dm_model *m) {
     const size_t inputs = dm_field_inputs(m), controls = inputs - N - 2 - 2 * M;
     return s * (inputs + M + 2 * M * M + doubles(M * sizeof(uint32_t)) + N + N * N + n * N) + N +
            dm_field_curve(m) + (N * N + 2 * M) + controls + 4 * n + N + N * N + 2 * n * N +
-           3 * s * s + 7 * s + 4 * n * N + M * N + inputs;
+           coefficients(s) + 4 * n * N + M * N + inputs;
 }
 
 /* They are filled when the first step tells its h. */
 static void place_coefficients(dm_segment *g, double *memory) {
     const size_t s = g->points;
-    g->to_q = take(&memory, s * s);
-    g->to_v = take(&memory, s * s);
-    g->lift = take(&memory, s * s);
+    dm_weight **const pairs[] = {&g->plus_q, &g->minus_q, &g->plus_lift, &g->minus_lift};
+    dm_weight **const squares[] = {&g->to_q, &g->to_v, &g->lift};
+    for (size_t i = 0; i < 3; i++) *squares[i] = (dm_weight *)(void *)take(&memory, 2 * s * s);
+    for (size_t i = 0; i < 4; i++) *pairs[i] = (dm_weight *)(void *)take(&memory, 2 * s);
     if (!g->curve->lifted) g->lift = NULL;
-    g->plus_q = take(&memory, s);
-    g->minus_q = take(&memory, s);
     g->weight = take(&memory, s);
-    g->plus_lift = take(&memory, s);
-    g->minus_lift = take(&memory, s);
     g->plus_v = take(&memory, s);
     g->next_v = take(&memory, s);
 }
 
-/* a product of h and a coefficient is rounded once, for both sweeps: momentum maps would drift
- * otherwise */
+/* A product of h and a coefficient is rounded once, for both sweeps, and kept in two parts, since
+ * one product by a decimal number has roundings with a mean: momentum maps would drift. */
 static void scale(dm_segment *g, double h) {
     const dm_curve *c = g->curve;
     const size_t s = g->points;
     if (g->h == h) return;
     for (size_t i = 0; i < s; i++) {
         for (size_t j = 0; j < i; j++) {
-            g->to_q[i * s + j] = h * c->a[i][j];
-            g->to_v[i * s + j] = h * c->push[i][j];
-            if (g->lift) g->lift[i * s + j] = h * h * c->lift[i][j];
+            g->to_q[i * s + j] = dm_weight_of(h * c->a[i][j]);
+            g->to_v[i * s + j] = dm_weight_of(h * c->push[i][j]);
+            if (g->lift) g->lift[i * s + j] = dm_weight_of(h * h * c->lift[i][j]);
         }
-        g->plus_q[i] = h * c->plus[i];
-        g->minus_q[i] = h * c->minus[i];
+        g->plus_q[i] = dm_weight_of(h * c->plus[i]);
+        g->minus_q[i] = dm_weight_of(h * c->minus[i]);
         g->weight[i] = h * c->weight[i];
-        g->plus_lift[i] = h * h * c->plus_lift[i];
-        g->minus_lift[i] = h * h * c->minus_lift[i];
+        g->plus_lift[i] = dm_weight_of(h * h * c->plus_lift[i]);
+        g->minus_lift[i] = dm_weight_of(h * h * c->minus_lift[i]);
         g->plus_v[i] = h * c->arrival[i];
         g->next_v[i] = h * (c->arrival[i] - c->departure[i]);
     }
@@ -74,7 +76,7 @@ dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, d
     g->inputs = dm_field_inputs(m);
     const dm_status status = dm_field_build(&g->field, m);
     if (status != DM_OK) return status;
-    place_coefficients(g, take(&memory, 3 * s * s + 7 * s));
+    place_coefficients(g, take(&memory, coefficients(s)));
     g->x = take(&memory, s * g->inputs);
     g->force = take(&memory, s * (M + M * M));
     g->factors = take(&memory, s * M * M);
@@ -164,10 +166,10 @@ static void place_point(dm_segment *g, const dm_segment_place *at, size_t i) {
         const double *v = g->x + n + k, *a = v + n + 1;
         double dq = at->shift ? at->shift[k] : 0.0, dv = 0.0;
         for (size_t j = 0; j < i; j++) {
-            dq += g->to_q[row + j] * v[j * width];
-            dv += g->to_v[row + j] * a[j * width];
+            dq += dm_weighted(g->to_q[row + j], v[j * width]);
+            dv += dm_weighted(g->to_v[row + j], a[j * width]);
         }
-        for (size_t j = 0; g->lift && j < i; j++) dq += g->lift[row + j] * a[j * width];
+        for (size_t j = 0; g->lift && j < i; j++) dq += dm_weighted(g->lift[row + j], a[j * width]);
         x[k] = at->q[k] + dq;
         x[n + k] = at->v[k] + dv;
     }
@@ -184,11 +186,11 @@ static void find_ends(dm_segment *g, const dm_segment_place *at) {
         double plus = 0.0, minus = 0.0, arrival = 0.0, next = 0.0;
         for (size_t i = 0; i < g->points; i++, v += g->inputs) {
             const double a = v[n + 1];
-            plus += g->plus_q[i] * v[0];
-            minus += g->minus_q[i] * v[0];
+            plus += dm_weighted(g->plus_q[i], v[0]);
+            minus += dm_weighted(g->minus_q[i], v[0]);
             if (g->lift) {
-                plus += g->plus_lift[i] * a;
-                minus += g->minus_lift[i] * a;
+                plus += dm_weighted(g->plus_lift[i], a);
+                minus += dm_weighted(g->minus_lift[i], a);
             }
             arrival += g->plus_v[i] * a;
             next += g->next_v[i] * a;
@@ -250,13 +252,15 @@ static void pull_back(dm_segment *g, double *k, size_t i, const double *p1, cons
     const size_t n = g->n, N = 2 * n, s = g->points;
     for (size_t l = 0; l < n; l++) {
         const double *y = g->gradient + l, back = p0 ? p0[l] : 0.0;
-        double kq = g->minus_q[i] * back - g->plus_q[i] * p1[l], kv = 0.0;
+        double kq = dm_weighted(g->minus_q[i], back) - dm_weighted(g->plus_q[i], p1[l]), kv = 0.0;
         for (size_t j = i + 1; j < s; j++) {
-            kq += g->to_q[j * s + i] * y[j * N];
-            kv += g->to_v[j * s + i] * y[j * N + n];
+            kq += dm_weighted(g->to_q[j * s + i], y[j * N]);
+            kv += dm_weighted(g->to_v[j * s + i], y[j * N + n]);
         }
-        if (g->lift) kv += g->minus_lift[i] * back - g->plus_lift[i] * p1[l];
-        for (size_t j = i + 1; g->lift && j < s; j++) kv += g->lift[j * s + i] * y[j * N];
+        if (g->lift)
+            kv += dm_weighted(g->minus_lift[i], back) - dm_weighted(g->plus_lift[i], p1[l]);
+        for (size_t j = i + 1; g->lift && j < s; j++)
+            kv += dm_weighted(g->lift[j * s + i], y[j * N]);
         k[l] = kq;
         k[n + l] = kv;
     }

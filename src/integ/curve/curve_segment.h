@@ -12,6 +12,7 @@
 #include "integ/curve/curve.h"
 #include "integ/curve/curve_field.h"
 #include "integ/curve/curve_written.h"
+#include "numbers/weight.h"
 
 typedef struct {
     const dm_curve *curve;
@@ -20,9 +21,10 @@ typedef struct {
     uint32_t n;
     size_t points, inputs;
     double h;                          /* of the coefficients: the same numbers forward and back */
-    double *to_q, *to_v, *lift;        /* [s*s] h a, h push, h^2 lift; lift NULL: none */
-    double *plus_q, *minus_q, *weight; /* [s] of the ends and of Ld, times h */
-    double *plus_lift, *minus_lift;    /* [s] times h^2 */
+    dm_weight *to_q, *to_v, *lift;     /* [s*s] h a, h push, h^2 lift; lift NULL: none */
+    dm_weight *plus_q, *minus_q;       /* [s] of the ends, times h */
+    dm_weight *plus_lift, *minus_lift; /* [s] times h^2 */
+    double *weight;                    /* [s] of Ld, times h */
     double *plus_v, *next_v;           /* [s] of arrival and next, times h */
     double *x;                         /* [s][inputs] of the field's kernels: q, v, t, a, u, l */
     double *force;                     /* [s][force.outputs] */
