@@ -116,6 +116,41 @@ local function follow(boxes, known, given)
   return false
 end
 
+---- rings of an even number of nodes ----
+
+-- takes (-1)^i alt off x, alt its mean with alternating signs, which is returned
+local function without_alternation(x)
+  local alt, sign = 0, 1
+  for i = 1, #x do alt, sign = alt + sign * x[i] / #x, -sign end
+  sign = 1
+  for i = 1, #x do x[i], sign = x[i] - sign * alt, -sign end
+  return alt
+end
+
+-- the row without z_t that tells c from known components alone, averaging it; nil: none does
+local function row_of(boxes, c, known)
+  for r = 1, boxes.d do
+    local by_K, by_S = unknowns_of(boxes, r, known)
+    if is_zero(boxes.M[r]) and #by_K == 0 and #by_S == 1 and by_S[1] == c then return r end
+  end
+end
+
+--- The level nearest to `from` of a component whose means a row without z_t tells from the `known`
+-- ones. There (-1)^i has no means, so from keeps its part of that; and means that alternate are
+-- those of no level: they are left out. nil: no row tells c.
+function M.nearest(boxes, c, known, from)
+  local r = row_of(boxes, c, known)
+  if not r then return nil end
+  local rest, change = core.zeros(boxes.cells), core.zeros(boxes.cells)
+  for i = 1, boxes.cells do
+    rest[i] = solve_mean(boxes, r, c, known, i) - (from[i] + from[right(boxes, i)]) / 2
+  end
+  without_alternation(rest)
+  for i = 2, boxes.cells do change[i] = 2 * rest[i - 1] - change[i - 1] end
+  without_alternation(change)
+  return from + change
+end
+
 --- Adds to known components (vectors by number) all that follow from them; where that fails for one
 -- of `given`, it is that one.
 function M.all(boxes, known, given)

@@ -234,11 +234,23 @@ local function moved_along_kernel(state, given)
   return known
 end
 
+-- On a ring of an even number of nodes: loose components as near to what is given as their rows
+-- allow; a list of those.
+local function settle_given(state, known, given, loose)
+  local told, sure = {}, lists.copy(known)
+  for _, c in ipairs(loose) do sure[c] = nil end
+  for _, c in ipairs(state.cells % 2 == 0 and loose or {}) do
+    local found = given[c] and follow.nearest(state, c, sure, given[c])
+    if found then known[c], told[#told + 1] = move(state, given[c], found, c), c end
+  end
+  return told
+end
+
 -- all components, and those that nothing tells, row by row
 local function by_rows(state, given)
   local known = compose(state, given)
   local loose = loose_of(state, known, given)
-  local open = {}
+  local open = settle_given(state, known, given, loose)
   for _, c in ipairs(loose) do if not given[c] then open[#open + 1] = c end end
   bind(state, known, given, open, loose)
   return known, loose

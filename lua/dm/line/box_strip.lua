@@ -1,6 +1,7 @@
 --- The strip of boxes (core.strip): their equations, and where components begin that only two steps
 -- tell.
 local core = require "dm.core"
+local follow = require "dm.line.box_follow"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
@@ -70,8 +71,21 @@ local function check_loose(solver, name, given, found, mean, next_mean)
   end
 end
 
+-- Loose components that are not given onto the rows without z_t that tell their means.
+local function onto_rows(solver, level)
+  local state = setmetatable({ slope = level.slope }, { __index = solver.boxes })
+  local known, loose, d = {}, {}, state.d
+  for _, c in ipairs(level.loose) do loose[c] = true end
+  for c = 1, d do known[c] = not loose[c] and entry(state, level.z, c) or nil end
+  for c in pairs(loose) do
+    local found = not level.given[c] and follow.nearest(state, c, known, entry(state, level.z, c))
+    for i = 1, found and state.cells or 0 do level.z[(i - 1) * d + c] = found[i] end
+  end
+end
+
 --- Loose components begin where their means over the first two steps point to; means are all of
--- them that the equations contain, so that no other component depends on it.
+-- them that the equations contain, so that no other component depends on it. Where a row without
+-- z_t has their means at the start (rings of an even number of nodes) they are put there.
 function M.settle(solver, level, strip, t0)
   if #level.loose == 0 then return end
   local boxes = solver.boxes
@@ -85,6 +99,7 @@ function M.settle(solver, level, strip, t0)
     if given then check_loose(solver, boxes.names[c], given, found, mean, next_mean) end
     for i = 1, given and 0 or boxes.cells do level.z[(i - 1) * boxes.d + c] = found[i] end
   end
+  if boxes.cells % 2 == 0 then onto_rows(solver, level) end
 end
 
 return M
