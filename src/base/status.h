@@ -26,4 +26,7 @@ typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;
 const char *dm_status_code(dm_status status);
 const char *dm_status_text(dm_status status);
 
+/* The status that has this key; 0: none has. */
+int dm_status_find(dm_status *out, const char *code);
+
 #endif

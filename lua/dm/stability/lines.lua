@@ -9,35 +9,7 @@ local sample = require "dm.line.sample"
 
 local M = {}
 
-local abs, max, min, huge = math.abs, math.max, math.min, math.huge
-
----- what the rows of a member say: the numbers of src/run/summary.h ----
-
--- the largest |y - y_0| from row `from` to row `to`, the least, and max y - min y
-local function spread(y, from, to)
-  local far, near, low, high = 0, huge, huge, -huge
-  for r = from, to do
-    local away = abs(y[r] - y[1])
-    if away ~= away then return huge, 0, -huge, huge end
-    far, near, low, high = max(far, away), min(near, away), min(low, y[r]), max(high, y[r])
-  end
-  return far, near, low, high
-end
-
-local function summary_of(t, y)
-  local rows, out = #y, { first = y[1], last = y[#y], slope = 0, error = 0, mean = y[1] }
-  local quarter = max(1, rows // 4)
-  out.early, out.late = spread(y, 1, quarter), spread(y, rows - quarter + 1, rows)
-  local _, _, low, high = spread(y, 1, rows)
-  out.least, out.largest = low, high
-  local _, nearest, bottom, top = spread(y, max(2, rows // 2 + 1), rows)
-  out.nearest, out.span = nearest, rows > 1 and top - bottom or huge
-  if rows > 2 and high < huge and low > -huge then
-    local fit = core.drift(core.vector(t), core.vector(y))
-    out.slope, out.error, out.mean = fit.per_time, fit.error, fit.mean
-  end
-  return out
-end
+local abs, max, huge = math.abs, math.max, math.huge
 
 ---- ensembles ----
 
@@ -88,7 +60,7 @@ Ensemble.__index = Ensemble
 function Ensemble:summary(name)
   local out = {}
   for i, one in ipairs(self.list) do
-    for key, x in pairs(summary_of(one.t, one.columns[name])) do
+    for key, x in pairs(core.summary(one.t, one.columns[name])) do
       out[key] = out[key] or {}
       out[key][i] = x
     end

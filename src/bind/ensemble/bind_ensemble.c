@@ -249,6 +249,12 @@ static const dml_row methods[] =
       "The largest power of two s such that every s-th row of member i tells those between, of "
       "these watched columns, to `share` of their ranges."},
      {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"summary", dml_core_summary,
+      "core.summary(t, y) -> {first, last, least, largest, mean, slope, error, early, late, "
+      "nearest, span, megno}\n"
+      "What ensemble:summary tells of a member, of numbers y at the times t."},
+     {NULL, NULL, NULL}};
 static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,
       "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, "
@@ -309,6 +315,7 @@ const dml_class dml_class_ensemble = {
            "kernel served all); #ensemble members",
     .meta = meta,
     .methods = methods,
+    .functions = functions,
     .field = ensemble_field,
     .more = more,
     .open = open_ensemble,

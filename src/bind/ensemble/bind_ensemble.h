@@ -120,7 +120,8 @@ const dm_pace *dml_read_steps(lua_State *L, const dml_solver *solver, long membe
 long dml_read_every(lua_State *L, long steps);
 
 /* ensemble:summary(name), :departure(i, flow, j, names), :range(i, name),
- * :stride(i, names, share) */
+ * :stride(i, names, share); core.summary(t, y) of rows that no ensemble made */
+int dml_core_summary(lua_State *L);
 int dml_ensemble_summary(lua_State *L);
 int dml_ensemble_departure(lua_State *L);
 int dml_ensemble_range(lua_State *L);

@@ -44,6 +44,10 @@ static void summarize(dm_summary *out, const dml_ensemble *e, long i, uint32_t c
     dm_summary_make(out, data, rows->width, y, rows->count[i]);
 }
 
+static double number_of(const dm_summary *s, int k) {
+    return *(const double *)(const void *)((const char *)s + fields[k].offset);
+}
+
 int dml_ensemble_summary(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
     const uint32_t column = dml_ensemble_column(L, 1, luaL_checkstring(L, 2));
@@ -61,11 +65,39 @@ int dml_ensemble_summary(lua_State *L) {
         dm_summary s;
         summarize(&s, e, i, column, y);
         for (int k = 0; k < FIELDS; k++) {
-            lua_pushnumber(L, *(const double *)(const void *)((const char *)&s + fields[k].offset));
+            lua_pushnumber(L, number_of(&s, k));
             lua_rawseti(L, first + k, i + 1);
         }
     }
     lua_settop(L, first - 1);
+    return 1;
+}
+
+/* numbers of the list at `arg`, which may be NaN */
+static void read_any(lua_State *L, int arg, double *out, long count) {
+    for (long i = 0; i < count; i++) {
+        lua_geti(L, arg, i + 1);
+        out[i] = luaL_checknumber(L, -1);
+        lua_pop(L, 1);
+    }
+}
+
+/* core.summary(t, y) */
+int dml_core_summary(lua_State *L) {
+    const long rows = dml_length(L, 2);
+    luaL_argcheck(L, rows > 0 && dml_length(L, 1) == rows, 1,
+                  "as many times as numbers, at least 1");
+    double *t = lua_newuserdatauv(L, 2 * (size_t)rows * sizeof *t, 0), *y = t + rows;
+    read_any(L, 1, t, rows);
+    read_any(L, 2, y, rows);
+    dm_summary s;
+    dm_summary_make(&s, t, 1, y, rows);
+    lua_createtable(L, 0, FIELDS);
+    dml_setresult(L);
+    for (int k = 0; k < FIELDS; k++) {
+        lua_pushnumber(L, number_of(&s, k));
+        lua_setfield(L, -2, fields[k].name);
+    }
     return 1;
 }
 

@@ -296,16 +296,18 @@ static int strip_limit(lua_State *L) {
     return 1;
 }
 
-/* of an outcome, the table at 1: a number, or nothing beside its code */
+/* how an outcome, the table at 1, ended: its status, a number, or else its code */
 static dm_status status_of(lua_State *L) {
     dm_status status = DM_OK;
-    lua_getfield(L, 1, "status");
-    const int given = lua_isinteger(L, -1);
-    if (given) status = (dm_status)lua_tointeger(L, -1);
-    lua_getfield(L, 1, "code");
-    const char *code = luaL_optstring(L, -1, dm_status_code(DM_OK));
-    while (!given && status < DM_BLOW_UP && strcmp(dm_status_code(status), code) != 0) status++;
-    lua_pop(L, 2);
+    if (lua_getfield(L, 1, "status") != LUA_TNIL) {
+        const lua_Integer number = luaL_checkinteger(L, -1);
+        luaL_argcheck(L, number >= 0 && number <= DM_BLOW_UP, 1, "it has no such status");
+        status = (dm_status)number;
+    } else if (lua_getfield(L, 1, "code") != LUA_TSTRING ||
+               !dm_status_find(&status, lua_tostring(L, -1))) {
+        luaL_error(L, "no run ends with the code '%s'", luaL_tolstring(L, -1, NULL));
+    }
+    lua_settop(L, 4);
     return status;
 }
 

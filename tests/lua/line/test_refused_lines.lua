@@ -106,4 +106,12 @@ ok(#klein_gordon(-100):solver { h = 0.19 }:run { z = { u = one, p = math.sin }, 
 raises("nothing moves in time", function() klein_gordon(1, { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }) end)
 local still = dm.field { x = { 0, 1, 20 }, fixed = "ends", L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end }:solver { h = 0.01, free = "x" }:run { u = function(x) return x / 3 end, steps = 20 }
 ok(#still.frozen == 19 and tostring(still):find "19 of them frozen", "where all of u is affine all nodes stay, whatever its round-off", tostring(still))
+-- how a run ended is one of the list, by its number or its key
+local core = require "dm.core"
+local _, failure = pcall(core.strip_fail, { code = "singular", done = 2, time = 0.25 }, "cell")
+ok(failure.code == "singular" and failure.step == 3, "a failure by its key")
+raises("no run ends with the code 'blew up'", core.strip_fail, { code = "blew up" }, "cell")
+raises("no run ends with the code 'nil'", core.strip_fail, {}, "cell")
+raises("no such status", core.strip_fail, { status = 99 }, "cell")
+
 tap.done()

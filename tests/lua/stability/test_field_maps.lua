@@ -123,4 +123,13 @@ ok(map:at(1, 1).off and map:at(2, 1).off, "two values")
 map = dm.stability { system = open, rule = "cell(gauss(2))", h = 0.02, t = 1, u = dm.zeros(21), ut = 1, refine = false }
 ok(map.notes[1]:find "a function of x has values on finer ones", "no flow of a list", map.notes[1])
 raises("on lines observe u", function() dm.stability { system = open, rule = "cell(gauss(2))", h = 0.1, t = 1, u = 0, observe = "p1" } end)
+-- what rows say is said by one function, of members of ensembles and of runs on lines; numbers that are none too
+local core = require "dm.core"
+local s = core.summary({ 0, 1, 2, 3, 4, 5, 6, 7 }, { 2, 3, 1, 4, 4, 6, 5, 9 })
+ok(s.first == 2 and s.last == 9 and s.least == 1 and s.largest == 9 and s.mean == 4.25, "first, last, least, largest, mean")
+ok(s.early == 1 and s.late == 7 and s.nearest == 2 and s.span == 5, "quarters and halves", tostring(s.early) .. " " .. s.late .. " " .. s.nearest .. " " .. s.span)
+s = core.summary({ 0, 1, 2, 3 }, { 1, 1, 1, 0 / 0 })
+ok(s.late ~= s.late and s.first == 1, "NaN shows in the last quarter")
+raises("as many times as numbers", core.summary, { 0 }, {})
+
 tap.done()

@@ -241,6 +241,12 @@ M["core.strip_fail"] = [=[
 > failure.code, failure.step
 no_convergence	3]=]
 
+M["core.summary"] = [=[
+> core = require "dm.core"
+> s = core.summary({ 0, 1, 2, 3, 4 }, { 1, 3, 5, 7, 9 })
+> s.first, s.largest, s.slope, s.late
+1.0	9.0	2.0	8.0]=]
+
 M["core.tiling"] = [=[
 > core = require "dm.core"
 > core.tiling({ 2 }, { 3 }, { 0, 1 })
