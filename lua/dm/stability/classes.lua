@@ -87,6 +87,7 @@ function M.look(map, cell, sums, i, name)
   cell.kinetic = finite(K and max(abs(K.least[i]), K.largest[i]) or 0)
   cell.error = finite(max(s.largest[i] - s.first[i], s.first[i] - s.least[i]))
   cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
+  cell.sized = name == "_size" or nil -- there is no energy to tell by
   if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
   if sums.constraint and not (sqrt(sums.constraint.largest[i]) < BROKEN) then
     return "constraint lost"

@@ -13,8 +13,9 @@ local max, min, ceil, huge = math.max, math.min, math.ceil, math.huge
 -- one makes the flow, the second confirms it. Splittings step many members at once for next to
 -- nothing where L separates; where they do not apply they are the last to be tried.
 local SEPARABLE = { { "kahan-li(8)", 1 }, { "gauss(6)", 0.61 }, { "rk8", 1.37 } }
+-- Fields with values on a sphere have compositions of rattle alone.
 local CONSTRAINED = { { "kahan-li(8, rattle)", 1 }, { "gauss(6)", 0.61 }, { "lobatto(6)", 1.13 },
-  { "gauss(8)", 0.73 } }
+  { "gauss(8)", 0.73 }, { "kahan-li(6, rattle)", 1.37 }, { "yoshida(6, rattle)", 1.61 } }
 local GENERAL = { { "gauss(6)", 1 }, { "rk8", 1.37 }, { "lobatto(6)", 1.13 },
   { "kahan-li(8)", 1.61 }, { "gauss(8)", 0.73 }, { "degenerate(4)", 1.21 },
   { "degenerate(3)", 1.43 } }
@@ -48,7 +49,8 @@ local function find_pair(job, cell, T)
   for _, rule in ipairs(job.map.rules) do measured[rule] = true end
   local s = job.system:structure()
   local splits = s.separable and s.constant_mass and s.rolling == 0 and not s.forced
-  local rules = not splits and GENERAL or s.constraints > 0 and CONSTRAINED or SEPARABLE
+  local bound = s.constraints > 0 or job.system.field and job.system.field.sphere
+  local rules = not splits and GENERAL or bound and CONSTRAINED or SEPARABLE
   for _, one in ipairs(rules) do
     if not measured[one[1]] and #out < 2 then
       local fine, refused = can_step(job, one[1], cell, T)

@@ -13,13 +13,18 @@ dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, ru
 fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds
 (what it took)]])
 
--- what the class of a cell says here: of the energy, or of what is watched in its place
+-- what the class of a cell says here: of the energy, of what is watched in its place, or of the
+-- size of the state where forces or time change the energy
 local function text_of(map, cell)
   local class = cells.CLASSES[cell.class]
   if class.name == "no start" and cell.reason then return cell.reason end
   if class.name == "blow-up" and cell.code == "not_finite" and cell.error
     and cell.error < (cell.kinetic or 0) then
     return "the motion left all bounds at once, or the domain of L"
+  end
+  if cell.sized then
+    return (class.text:gsub("the energy error", "the size of the state")
+      :gsub("the energy", "the size of the state"))
   end
   if not map.options.watch then return class.text end
   local text = class.text:gsub("the energy error", "the change of what is watched")
@@ -36,16 +41,16 @@ local function not_run(map, i)
 end
 
 -- the end of a border, and what is beyond it; `none`, `first`: what to say where nothing is, or the
--- first cell
-local function border_text(map, i, b, none, first, why)
+-- first cell; class: what is beyond, if not the class of that cell
+local function border_text(map, i, b, none, first, why, class)
   local name = map.column.name
   local gap = not b.high and not_run(map, i)
   if gap then return nil, gap end
   if not b.high then
     return math.huge, ("%s up to %s = %.4g"):format(none, name, map.column[#map.column])
   end
-  local text = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x,
-    why)
+  local text = ("%s from %s = %.6g on: %s"):format(class or cells.CLASSES[b.high.class].name, name,
+    b.high.x, why)
   if not b.low then return map.column == map.h and 0 or -math.huge, first .. ", " .. text end
   return b.low.x, text
 end
@@ -73,7 +78,7 @@ local function sentence_of_right(map, i)
       name_of(map, high.observable), high.off, high.range)
   end
   return border_text(map, i, b, "all are right", "not right from the first cell on",
-    why or high and text_of(map, high))
+    why or high and text_of(map, high), why and not cells.CLASSES[high.class].lost and "wrong")
 end
 
 local function find_row(map, which)
@@ -160,7 +165,8 @@ local function why(map, cell)
     end
   end
   if class.name == "bounded" or class.name == "wrong" or class.name == "off" then
-    add(map.options.watch and "; it changes by %.2g" or "; energy error %.2g", cell.error)
+    add(cell.sized and "; |q|^2 + |p|^2 changes by %.2g" or map.options.watch
+      and "; it changes by %.2g" or "; energy error %.2g", cell.error)
   end
   return text
 end

@@ -199,7 +199,7 @@ static int system_structure(lua_State *L) {
     set_flag(L, "autonomous", (bits & DM_AUTONOMOUS) != 0);
     set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
     set_flag(L, "saddle", saddle);
-    set_flag(L, "forced", m->constraints.forced);
+    set_flag(L, "forced", m->constraints.forced || m->model.worked);
     set_flag(L, "hamiltonian", m->hamiltonian);
     lua_pushinteger(L, m->constraints.holonomic);
     lua_setfield(L, -2, "constraints");

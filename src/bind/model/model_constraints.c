@@ -414,7 +414,7 @@ static void add_count(lua_State *L, luaL_Buffer *b, uint32_t count, const char *
 void dml_describeconstraints(lua_State *L, luaL_Buffer *b, const dml_model *m) {
     add_count(L, b, m->constraints.holonomic, "constraint");
     add_count(L, b, m->constraints.rolling, "rolling constraint");
-    if (m->constraints.forced) luaL_addstring(b, ", a force");
+    if (m->constraints.forced || m->model.worked) luaL_addstring(b, ", a force");
     add_count(L, b, m->constraints.controls, "control");
 }
 

@@ -123,6 +123,29 @@ ok(map:at(1, 1).off and map:at(2, 1).off, "two values")
 map = dm.stability { system = open, rule = "cell(gauss(2))", h = 0.02, t = 1, u = dm.zeros(21), ut = 1, refine = false }
 ok(map.notes[1]:find "a function of x has values on finer ones", "no flow of a list", map.notes[1])
 raises("on lines observe u", function() dm.stability { system = open, rule = "cell(gauss(2))", h = 0.1, t = 1, u = 0, observe = "p1" } end)
+-- resolved flows of fields with values on a sphere, with friction, with absorbing ends
+local function waves(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end
+local hoop, around = {}, {}
+for i = 1, 12 do hoop[i], around[i] = { i, i % 12 + 1 }, { math.cos(pi * i / 6), math.sin(pi * i / 6) } end
+local maps = dm.mesh { simplices = hoop, points = around }:field { values = 3, on = dm.S(2), L = waves }
+local map = dm.stability { maps, rule = "rattle", h = { 0.1, 0.5 }, t = 3, q = function(x, y) return { x, y, 0 } end, v = function(x, y) return { -0.7 * y, 0.7 * x, 0 } end }
+local limit, text = map:limit(1, "right")
+near(limit, math.sqrt(0.01 * math.sqrt(3) / (0.7 ^ 3 / 6 * 3)), 0.03, "a wave map is ahead by (asin(h v)/h - v) t")
+ok(text:find "^wrong from h = ", "beyond it the map is wrong", text)
+ok(map:at(1, 2).class == "wrong" and map:at(1, 1).class == "bounded", "and looked at")
+local plate = dm.mesh { triangle = 3 }
+local function middle(x, y) return math.exp(-8 * ((x - 0.5) ^ 2 + (y - 0.3) ^ 2)) end
+local function still() return 0 end
+for what, options in pairs { friction = { fixed = "boundary", force = function(_, v) return -0.3 * v end }, absorbing = { absorbing = "boundary" } } do
+  options.L = waves
+  local field = plate:field(options)
+  local lossy = dm.stability { field, rule = "verlet", h = { 0.01, 0.16 }, t = 2, q = middle, v = still }
+  ok(lossy:at(1, 1).class == "bounded" and lossy:at(1, 2).class == "wrong", what .. ": what takes energy away is not lost", lossy:at(1, 1).why)
+  ok(lossy:at(1, 1).why:find("size of the state", 1, true), "and told by the size of the state", lossy:at(1, 1).why)
+  limit = lossy:limit(1, "right")
+  ok(limit and limit > 0.01 and limit < 0.16, "with a resolved flow", limit)
+end
+
 -- what rows say is said by one function, of members of ensembles and of runs on lines; numbers that are none too
 local core = require "dm.core"
 local s = core.summary({ 0, 1, 2, 3, 4, 5, 6, 7 }, { 2, 3, 1, 4, 4, 6, 5, 9 })
