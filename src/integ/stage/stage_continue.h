@@ -12,7 +12,8 @@ typedef dm_status dm_stage_try(dm_stepper *s, const double *state, double t, dou
 
 /* The stages of a step h: from free flight; where there is no convergence, those of h/16, h/8, ...
  * h, each from the one before, so that what is found belongs to the motion of small steps. Where
- * twice the step fails a fourth of the way there is tried from then on. */
+ * twice the step fails ratios are less, down to 1.001: what fails then is a fold, beyond which no
+ * root belongs to that motion. */
 dm_status dm_stage_continue(dm_stepper *s, dm_stage_try *solve, const double *state, double t,
                             double h);
 

@@ -30,8 +30,9 @@ end
 local function sine(a) return 1 - dm.cos(a) end
 local function quartic(a) return a ^ 4 / 4 end
 
--- those with a quartic V have no convergence with the mean of the stages in the place of each
-for _, case in ipairs { { "gauss(2)", sine, 25, 0.5 }, { "gauss(4)", sine, 100, 0.4 }, { "lobatto(4)", sine, 100, 0.3 },
+-- those with a quartic V have no convergence with the mean of the stages in the place of each; gauss(3) comes near to a fold: the way there
+-- is gone in small ratios
+for _, case in ipairs { { "gauss(3)", quartic, 100, 0.2 }, { "gauss(2)", quartic, 400, 0.2 }, { "gauss(2)", sine, 25, 0.5 }, { "gauss(4)", sine, 100, 0.4 }, { "lobatto(4)", sine, 100, 0.3 },
   { "midpoint", quartic, 100, 0.3 }, { "gauss(2)", quartic, 25, 0.3 }, { "gauss(4)", quartic, 25, 0.3 } } do
   local rule, V, k, h = table.unpack(case)
   local field, dense = pair(V, k)
