@@ -11,14 +11,14 @@ local function refuse(what, name, why)
 end
 
 --- The metatable `class` (begun by core.class) refuses the methods of of.fellow ("dm.path") that it
--- has not. of: { fellow, what (it is called so), reasons = { method = why } }.
+-- has not. of: { fellow, what (it is called so), why (else), reasons = { method = why } }.
 function M.refuse(class, of)
   local index, reasons = class.__index, of.reasons or {}
   class.__index = function(object, key)
     local value = index(object, key)
     if value ~= nil or type(key) ~= "string" then return value end
     local methods = debug.getregistry()[of.fellow].methods
-    if methods[key] then return refuse(of.what, key, reasons[key] or GENERAL) end
+    if methods[key] then return refuse(of.what, key, reasons[key] or of.why or GENERAL) end
   end
 end
 

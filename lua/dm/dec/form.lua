@@ -198,6 +198,8 @@ end
 
 class.method("dm.form", "wedge", function(a, b, options)
   options = option.check(options or {}, { "rule" }, "form:wedge")
+  local x, y = lifted(a, b)
+  if x then return x:wedge(y, options) end
   if not is_form(b) then fail("form:wedge", "a form is needed (got %s)", option.got(b)) end
   if not rawequal(a.mesh, b.mesh) then fail("form:wedge", "the forms are of two meshes") end
   local K, degree = a.mesh, a.degree + b.degree
@@ -227,6 +229,8 @@ k-cell, whose sum() is the integral: rule "l2" a(s) b(*s), "geometric" with 1 / 
 with 1 / n (Def 3.35). Dual products need an orientation.]])
 
 class.method("dm.form", "dot", function(a, b)
+  local x, y = lifted(a, b)
+  if x then return x:dot(y) end
   match(a, b, "form:dot")
   local K, k = a.mesh, listed(a)
   local sign = a.side == "dual" and k * a.degree % 2 == 1 and -1 or 1

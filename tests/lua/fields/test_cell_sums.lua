@@ -79,4 +79,24 @@ raises("a degree from 0 to 2", function() K:sum(3, function() return 1 end, u) e
 raises("a form is needed", function() K:sum(1, function() return 1 end) end)
 raises("a function (a, ..., cell)", function() K:sum(1, 3, u) end)
 
+-- forms of numbers stand on either side of a product; what is no sum over cells is refused and not left out
+do
+  local K = dm.mesh { triangle = 3 }
+  local B = K:form(1, function(x, y) return { 1 + y, x } end)
+  local core = require "dm.core"
+  local q = core.zeros(K:count(1))
+  for i = 1, #q do q[i] = math.sin(3 * i) end
+  local function force(term) return core.field_force(K:field { form = 1, L = function(A, V) return V:dot(V) / 2 - term(A) end }, q, 0) end
+  local function square(w) return w:dot(w) / 2 end
+  local left, right = force(function(A) return square(B:wedge(A)) end), force(function(A) return square(A:wedge(B)) end)
+  tap.ok((left - right):norm() < 1e-15 and left:norm() > 0.01, "B ^ A is - A ^ B")
+  tap.ok((force(function(A) return B:dot(A) end) + B.values:map(function(x, i) return x * K:star_weights(1)[i] end)):norm() < 1e-15, "B . A")
+  local function refused(words, term) tap.raises(words, force, term) end
+  refused("in L the product is the natural one", function(A) return A:wedge(B, { rule = "metric" }):dot(K:form(2, function() return 1 end)) end)
+  refused("unknown option", function(A) return A:wedge(B, { ruel = "natural" }):dot(K:form(2, function() return 1 end)) end)
+  refused("K:sum(k, function(a, cell)", function(A) return A[1] ^ 2 end)
+  refused("K:count(k)", function(A) return #A end)
+  refused("A:dot(A) is its square", function(A) return A:norm() end)
+  refused("a form in L has no 'contract'", function(A) return A:contract(1) end)
+end
 tap.done()

@@ -4,13 +4,29 @@
 local cell_of = require "dm.dec.fields.cell"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 
 local M = {}
 
-local Cochain = {}
-Cochain.__index = Cochain
-Cochain.__name = "dm.cochain"
+local Cochain = { __name = "dm.cochain" }
+
+-- its methods; an entry of it is asked for in vain
+function Cochain.__index(_, key)
+  if math.type(key) == "integer" then
+    option.fail("form[i]", "a form in L is known cell by cell: K:sum(k, function(a, cell) ... end, "
+      .. "A) has its values on the faces of each")
+  end
+  return rawget(Cochain, key)
+end
+
+function Cochain.__len()
+  option.fail("#form", "a form in L is known cell by cell; K:count(k) says how many there are")
+end
+
+lacking.refuse(Cochain, { fellow = "dm.form", what = "form in L",
+  why = "what needs more than one cell at a time is not had in symbols; K:sum(k, f, A) is a sum of "
+    .. "any function of the values on a cell", reasons = { norm = "A:dot(A) is its square" } })
 
 local fail, size, faces_of = option.fail, cell_of.size, cell_of.faces_of
 
@@ -216,7 +232,12 @@ local function parts(set, m)
 end
 
 --- The natural product: the mean over all orders of vertices (Leok, Def 3.47).
-function Cochain.wedge(a, b)
+function Cochain.wedge(a, b, options)
+  options = option.check(options or {}, { "rule" }, "form:wedge")
+  if options.rule ~= nil and options.rule ~= "natural" then
+    fail("form:wedge", "in L the product is the natural one (got rule = %s)",
+      option.got(options.rule))
+  end
   b = lifted(b, a, "form:wedge")
   local k, l = a.degree, b.degree
   if a.side ~= "primal" or b.side ~= "primal" then

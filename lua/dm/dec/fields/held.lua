@@ -114,10 +114,11 @@ local function check_equations(f, S, force, list, marks)
   for place = 1, #list do
     local mine = math.abs(diagonal[place])
     if among[place] - mine > ROUND_OFF * mine then
-      option.fail(WHERE, "the cells {%s} and {%s} have no kinetic energy and meet in L: they "
-        .. "cannot be eliminated one by one; dual = \"barycentric\" of the mesh gives every cell a "
-        .. "star",
-        cell(place), cell(partner(own, core.constant(#list, 1), place)))
+      local other = cell(partner(own, core.constant(#list, 1), place))
+      option.fail(WHERE, "%s {%s}%s have no kinetic energy and meet in L: they cannot be "
+        .. "eliminated one by one; dual = \"barycentric\" of the mesh gives every cell a star",
+        other == cell(place) and "two values of the cell" or "the cells", cell(place),
+        other == cell(place) and "" or (" and {%s}"):format(other))
     end
     if mine == 0 and (all[place] > 0 or force[list[place]] ~= 0) then
       option.fail(WHERE, "the cell {%s} has no kinetic energy and L is linear in its value: no "
