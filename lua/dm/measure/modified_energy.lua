@@ -8,8 +8,10 @@
 -- rule itself by a passive coordinate y = 0 with the momentum P_y: with z' y' + (1 + y) L in place
 -- of L, P_y grows by Ld in every step; for L = v M v/2 - V(q), where explicit rules want no product
 -- with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
+-- Constraints do not see y, and what they do to p is no work along the motion.
 -- On a group p dq is <mu, g^-1 dg>: that of its flat coordinates with any p above mu.
 local blame = require "dm.base.blame"
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
 local lifts = require "dm.measure.lifts"
@@ -85,12 +87,13 @@ end
 
 local function extended(system, separable)
   local given, n = system.given, system.Q.dimension
+  local held = bound(given.constraint, given.params)
   local L = function(q, v) return given.L(q, v, 0, given.params) end
   local y, z = n + 1, n + 2
   if not separable then
     return core.system { Q = core.R(n + 2), L = function(x, u)
       return u[y] * u[z] + (1 + x[y]) * L(head(x, n), head(u, n))
-    end }
+    end, constraint = held and function(x) return held(head(x, n), 0) end }
   end
   local rest = {}
   for i = 1, n do rest[i] = 0 end
@@ -116,11 +119,13 @@ end
 -- on a group, on G x R^2
 local function extended_on_group(system)
   local given, n = system.given, system.place.dimension
+  local held = bound(given.constraint, given.params)
   return core.system { Q = core.product(system.Q, core.R(2)),
     L = function(g, u)
       local L = given.L(g[1], head(u, n), 0, given.params)
       return u[n + 1] * u[n + 2] + (1 + g[2][1]) * L
     end,
+    constraint = held and function(g) return held(g[1], 0) end,
     trivialization = system.place.right and "right" or "left" }
 end
 
@@ -191,8 +196,8 @@ local function check(solver, options)
     error(what .. ": not for rule '" .. tostring(solver.rule)
       .. "': L is linear in v, and its H is the energy itself", 0)
   end
-  if not s or not s.autonomous or given.constraint or given.rolling or given.force then
-    error(what .. " needs a Lagrangian without time, constraints and forces", 0)
+  if not s or not s.autonomous or given.rolling or given.force then
+    error(what .. " needs a Lagrangian without time, rolling and forces", 0)
   end
   if tostring(solver.rule):find "^log%-hamiltonian" then
     error(what .. ": '" .. tostring(solver.rule)
@@ -215,8 +220,8 @@ polynomials through 2 points + 1 (default 13) neighbouring points and the discre
 every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve the motion. energy,
 H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the
 modified energy from its mean; drift: its slope per unit of time with its standard error: round-off
-for a symplectic rule. Needs a Lagrangian without time, constraints and forces; on groups all rules
-but rotations(k).]]
+for a symplectic rule. Needs a Lagrangian without time, rolling and forces; constraints may be there,
+of rules that take a mass matrix of any kind (not rattle); on groups all rules but rotations(k).]]
 
 -- the start of the system with y and z, where both and their momenta are 0
 local function start_of(system, options)
@@ -266,7 +271,7 @@ M.modified_energy = blame.caller(function(solver, options)
   if system.place and solver.lift == "homogeneous" then
     return M.modified_energy(by_coordinates(solver, options))
   end
-  local simple = not system.place and is_simple(system)
+  local simple = not system.place and not system.given.constraint and is_simple(system)
   local path = run_extended(solver, system, simple, options)
   local values = series(path, system, k, solver.h, simple)
   local plain = solver:run { q = options.q, v = options.v, p = options.p, steps = options.steps }

@@ -140,6 +140,15 @@ local pair = dm.system { Q = dm.product(G, dm.R(2)), L = function(q, v)
 end }
 local both = { q = { G:identity(), { 0.1, 0.2 } }, v = { 0.5, 0.4, 0.3, 0.2, 0.1 }, steps = 30 }
 ok(modified(pair, "lie(2)", both).amplitude < 1e-12, "on a product")
+local held = dm.system { Q = dm.product(G, dm.R(3)), L = function(q, v)
+  return kinetic(v) + (v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2) / 2 - q[2][3]
+end, constraint = function(q) return q[2] - q[1] * dm.vector { 0, 0, 1 } end }
+for _, rule in ipairs { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "lobatto(3)" } do
+  local R = G:exp { 0.4, 0, 0 }
+  local m = modified(held, rule, { q = { R, R * dm.vector { 0, 0, 1 } }, steps = 40,
+    v = { 0, 0, 2.5, 0, 0, 0 } })
+  ok(m.amplitude < 1e-12, rule .. " keeps one under constraints", m.amplitude)
+end
 raises("does not step the system with its action", function()
   dm.system { Q = G, L = function(R, w) return w:dot(w) / 2 - R[3][3] end }
     :solver { rule = "rotations(2)", h = 0.1 }:modified_energy(tilted)

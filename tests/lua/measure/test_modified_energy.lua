@@ -39,6 +39,19 @@ end
 near(math.log(distance(0.02, "verlet") / distance(0.01, "verlet"), 2), 2, 0.2, "it is off H by h^2 for Verlet")
 m = kepler:solver({ rule = "rk4", h = 0.02 }):modified_energy(start)
 ok(abs(m.drift) > 20 * m.error and abs(m.drift) > 1e-12, "rk4 has none: what stands for it drifts", m.drift)
+
+-- constraints: a rod, in time too; parameters
+local rod = dm.system { Q = dm.R(2), params = { 2 }, L = function(q, v, t, c) return v:dot(v) / 2 - c[1] * q[2] end,
+  constraint = function(q, t, c) return q:dot(q) - c[1] / 2 end }
+for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)" } do
+  m = rod:solver({ rule = rule, h = 0.05 }):modified_energy { q = { math.sin(1), -cos(1) }, v = { 0, 0 }, steps = 400 }
+  ok(swing(m.H) > 1e-8 and m.amplitude < 5e-12, rule .. ": a rod", m.amplitude)
+end
+raises("without time", function()
+  dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q, t) return q:dot(q) - 1 - 0.1 * t end })
+    :solver({ rule = "midpoint", h = 0.1 }):modified_energy { q = { 1, 0 }, v = { 0.05, 0 }, steps = 50 }
+end)
+raises("mass", function() rod:solver({ rule = "rattle", h = 0.1 }):modified_energy { q = { 1, 0 }, v = { 0, 0 }, steps = 50 } end)
 raises("without time", function()
   dm.system({ Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 - q[1] * cos(t) end }):solver({ rule = "verlet", h = 0.1 }):modified_energy { q = { 1 }, v = { 0 }, steps = 50 }
 end)
