@@ -3835,8 +3835,8 @@ function dm_solver_class:measured_order(options) end
 ---every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve the motion. energy,
 ---H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the
 ---modified energy from its mean; drift: its slope per unit of time with its standard error: round-off
----for a symplectic rule. Needs a Lagrangian without time, constraints and forces; on groups all rules
----but rotations(k).
+---for a symplectic rule. Needs a Lagrangian without time, rolling and forces; under constraints all
+---rules that take a mass of any kind (not rattle); on groups all but rotations(k).
 ---@param options? table
 ---@return table
 function dm_solver_class:modified_energy(options) end

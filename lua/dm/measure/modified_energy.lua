@@ -220,8 +220,8 @@ polynomials through 2 points + 1 (default 13) neighbouring points and the discre
 every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve the motion. energy,
 H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the
 modified energy from its mean; drift: its slope per unit of time with its standard error: round-off
-for a symplectic rule. Needs a Lagrangian without time, rolling and forces; constraints may be there,
-of rules that take a mass matrix of any kind (not rattle); on groups all rules but rotations(k).]]
+for a symplectic rule. Needs a Lagrangian without time, rolling and forces; under constraints all
+rules that take a mass of any kind (not rattle); on groups all but rotations(k).]]
 
 -- the start of the system with y and z, where both and their momenta are 0
 local function start_of(system, options)
