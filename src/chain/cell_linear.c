@@ -172,87 +172,108 @@ dm_status dm_cell_linear_read(dm_cell_linear **out, const dm_sum *s, const uint8
 
 /* ---- running ---- */
 
-enum { ANY = 0xff }; /* signs that are not known beforehand */
-
-/* entries of the terms at cell i; where `dense` all have an index and the step 1 */
-__attribute__((always_inline)) static inline double entry(const dm_linear_term *t, const double *x,
-                                                          uint32_t i, const int dense) {
-    if (dense) return x[t->first + t->index[i]];
-    return x[t->first + (size_t)t->step * (t->index ? t->index[i] : i)];
-}
-
 /* what is the same for all cells of a run */
 typedef struct {
     double *out;
     const double *x, *w; /* w: of the first cell, or NULL */
     uint32_t first, count;
-    double scale;
+    double scale, factor; /* factor: 1 where it is in scale */
 } span;
 
-/* terms, minus (bit k: term k is subtracted), dense and width are constants where this is called */
-__attribute__((always_inline)) static inline void run_terms(const dm_cell_linear *l, const span *s,
-                                                            const uint32_t terms,
-                                                            const uint32_t minus, const int dense,
-                                                            const uint32_t width) {
-    const double *restrict x = s->x, *restrict w = s->w, scale = s->scale;
-    double *restrict out = s->out;
-    dm_linear_term t[DM_LINEAR_TERMS];
-    for (uint32_t k = 0; k < terms; k++) t[k] = l->term[k];
-    for (uint32_t i = 0, end = s->count, first = s->first; i < end; i++, out += width) {
-        double sum = entry(t, x, first + i, dense);
-#pragma GCC unroll 4
-        for (uint32_t k = 1; k < terms; k++) {
-            const double a = entry(t + k, x, first + i, dense);
-            if (minus == ANY)
-                sum += t[k].sign * a;
-            else
-                sum = minus >> k & 1 ? sum - a : sum + a;
-        }
-        const double y = w ? (sum * w[i]) * scale : sum * scale;
-        out[0] = y;
-        if (width == 2) out[1] = -y;
+static size_t entry(const dm_linear_term *t, uint32_t i) {
+    return t->first + (size_t)t->step * (t->index ? t->index[i] : i);
+}
+
+/* any terms, cell by cell */
+static void run_any(const dm_cell_linear *l, const span *s, int adds) {
+    for (uint32_t i = s->first; i < s->first + s->count; i++) {
+        double sum = s->x[entry(l->term, i)];
+        for (uint32_t k = 1; k < l->terms; k++)
+            sum += l->term[k].sign * s->x[entry(l->term + k, i)];
+        const double y =
+            (s->w ? (sum * s->w[i - s->first]) * s->scale : sum * s->scale) * s->factor;
+        if (!adds) s->out[i - s->first] = y;
+        for (uint32_t k = 0; adds && k < l->terms; k++)
+            s->out[entry(l->term + k, i)] += l->term[k].sign * y;
     }
 }
 
-/* the signs as run_terms has them */
-static uint32_t signs(const dm_cell_linear *l, int *dense) {
-    uint32_t minus = 0;
-    *dense = 1;
-    for (uint32_t k = 0; k < l->terms; k++) {
-        minus |= (uint32_t)(l->term[k].sign < 0.0) << k;
-        *dense &= l->term[k].index && l->term[k].step == 1;
+/* Terms with a weight that are first + step * index[cell], first and step the same for all.
+ * Constants where this is called: terms, minus (bit k: term k is subtracted), step and adds. */
+__attribute__((always_inline)) static inline void run_terms(const dm_cell_linear *l, const span *s,
+                                                            const uint32_t terms,
+                                                            const uint32_t minus, const size_t step,
+                                                            const int adds) {
+    const double *restrict x = s->x + l->term->first, *restrict w = s->w, scale = s->scale;
+    double *restrict out = s->out + (adds ? l->term->first : 0);
+    const uint32_t *index[DM_LINEAR_TERMS];
+    size_t at[DM_LINEAR_TERMS];
+    for (uint32_t k = 0; k < terms; k++) index[k] = l->term[k].index + s->first;
+    for (size_t i = 0, end = s->count; i < end; i++) {
+        double sum = x[at[0] = step * index[0][i]];
+#pragma GCC unroll 4
+        for (uint32_t k = 1; k < terms; k++) {
+            const double a = x[at[k] = step * index[k][i]];
+            sum = minus >> k & 1 ? sum - a : sum + a;
+        }
+        const double y = (sum * w[i]) * scale;
+        if (!adds) out[i] = y;
+#pragma GCC unroll 4
+        for (uint32_t k = 0; adds && k < terms; k++) out[at[k]] += minus >> k & 1 ? -y : y;
     }
-    return minus;
+}
+
+/* are they what run_terms can do? *minus as it has it */
+static int is_regular(const dm_cell_linear *l, const span *s, uint32_t *minus) {
+    int regular = s->w && s->factor == 1.0;
+    *minus = 0;
+    for (uint32_t k = 0; k < l->terms; k++) {
+        const dm_linear_term *t = l->term + k;
+        *minus |= (uint32_t)(t->sign < 0.0) << k;
+        regular &= t->index && t->first == l->term->first && t->step == l->term->step;
+    }
+    return regular;
 }
 
 /* differences along edges, and circulations of triangles, are what fields have most often */
-static void run_pairs(const dm_cell_linear *l, const span *s) {
-    int dense;
-    const uint32_t minus = signs(l, &dense);
+__attribute__((always_inline)) static inline void run(const dm_cell_linear *l, const span *s,
+                                                      const int adds) {
+    uint32_t minus;
+    const int regular = is_regular(l, s, &minus), dense = regular && l->term->step == 1;
     if (dense && l->terms == 2 && minus == 2)
-        run_terms(l, s, 2, 2, 1, 2);
+        run_terms(l, s, 2, 2, 1, adds);
+    else if (regular && l->terms == 2 && minus == 2)
+        run_terms(l, s, 2, 2, l->term->step, adds);
     else if (dense && l->terms == 3 && minus == 2)
-        run_terms(l, s, 3, 2, 1, 2);
+        run_terms(l, s, 3, 2, 1, adds);
     else if (dense && l->terms == 3 && minus == 4)
-        run_terms(l, s, 3, 4, 1, 2);
+        run_terms(l, s, 3, 4, 1, adds);
     else if (dense && l->terms == 3 && minus == 6)
-        run_terms(l, s, 3, 6, 1, 2);
+        run_terms(l, s, 3, 6, 1, adds);
     else
-        run_terms(l, s, l->terms, ANY, 0, 2);
+        run_any(l, s, adds);
 }
 
-void dm_cell_linear_run(const dm_cell_linear *l, double *out, uint32_t width, const double *x,
-                        uint32_t first, uint32_t count, double factor) {
+static span span_of(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
+                    uint32_t count, double factor) {
     const int exact = is_power_of_two(l->scale) || is_power_of_two(factor);
-    const span s = {.out = out,
-                    .x = x,
-                    .w = l->weight ? l->weight + first : NULL,
-                    .first = first,
-                    .count = count,
-                    .scale = exact ? l->scale * factor : l->scale};
-    if (width == 2)
-        run_pairs(l, &s);
-    else
-        run_terms(l, &s, l->terms, ANY, 0, 1);
-    for (size_t i = 0; !exact && i < (size_t)count * width; i++) out[i] *= factor;
+    return (span){.out = out,
+                  .x = x,
+                  .w = l->weight ? l->weight + first : NULL,
+                  .first = first,
+                  .count = count,
+                  .scale = exact ? l->scale * factor : l->scale,
+                  .factor = exact ? 1.0 : factor};
+}
+
+void dm_cell_linear_run(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
+                        uint32_t count, double factor) {
+    const span s = span_of(l, out, x, first, count, factor);
+    run(l, &s, 0);
+}
+
+void dm_cell_linear_add(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
+                        uint32_t count, double factor) {
+    const span s = span_of(l, out, x, first, count, factor);
+    run(l, &s, 1);
 }

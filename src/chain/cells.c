@@ -1,4 +1,4 @@
-/* cells.c - the loops of a sum over cells, and which slopes an entry of the gradient adds up. */
+/* cells.c - the loops of a sum over cells, and what entries of the gradient get of their slopes. */
 #include "chain/cells.h"
 
 #include "algebra/compact.h"
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { BLOCK = DM_CELL_BLOCK, WIDEST = 8 };
+enum { BLOCK = DM_CELL_BLOCK, WIDEST = 8, RUN = 16 };
 
 /* ---- kernels ---- */
 
@@ -113,7 +113,7 @@ __attribute__((always_inline)) static inline void run_block(const dm_cell_loop *
 void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const double *x,
                       uint32_t first, uint32_t count, double *work) {
     for (uint32_t k = 0; l->linear && k < l->outputs; k++)
-        dm_cell_linear_run(l->linear + k, out + k * stride, 1, x, first, count, 1.0);
+        dm_cell_linear_run(l->linear + k, out + k * stride, x, first, count, 1.0);
     if (l->linear) return;
     const uintptr_t line = WIDEST * sizeof *work;
     work += (line - (uintptr_t)work % line) % line / sizeof *work;
@@ -135,136 +135,116 @@ void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const d
 
 /* ---- the gradient ---- */
 
-/* a column of entries of x that is differentiated for, and where its slopes are */
-typedef struct {
-    const dm_sum *of;
-    const dm_column *column;
-    uint32_t output, cells;
-    int minus;
-    size_t slot; /* of cell 0, and from cell to cell */
-    uint8_t width;
-    const uint8_t *held;
-    uint32_t coordinates;
-} share;
-
-/* the output that is this root or, *minus, its opposite; a new one where there is none */
+/* the output that is this root or, *sign = -1, its opposite; a new one where there is none */
 static uint32_t find_output(dm_graph *term, dm_node *roots, uint32_t *outputs, dm_node root,
-                            int *minus) {
+                            double *sign) {
     const dm_node opposite = dm_neg(term, root);
     for (uint32_t k = 0; k < *outputs; k++) {
-        *minus = roots[k] == opposite;
-        if (roots[k] == root || *minus) return k;
+        *sign = roots[k] == opposite ? -1.0 : 1.0;
+        if (roots[k] == root || roots[k] == opposite) return k;
     }
-    *minus = 0;
+    *sign = 1.0;
     roots[*outputs] = root;
     return (*outputs)++;
 }
 
-/* where the slopes of the next loop stand */
-static void place_slopes(dm_cells *c, share *shares, uint32_t count, uint32_t outputs) {
-    const size_t cells = count ? shares->cells : 0;
-    uint8_t width = 1;
-    for (uint32_t k = 0; k < count; k++)
-        if (shares[k].minus) width = 2;
-    for (uint32_t k = 0; k < count; k++) {
-        shares[k].width = width;
-        shares[k].slot = c->slots + width * (shares[k].output * cells) + (size_t)shares[k].minus;
-    }
-    c->slot[c->loops] = c->slots;
-    c->width[c->loops] = width;
-    c->slots += width * outputs * cells;
-}
-
-/* loop and shares of one sum; share: room for its columns */
-static dm_status open_sum(dm_cells *c, const dm_sum *s, share *shares, uint32_t *count,
-                          dm_compile *compile, dm_arena *arena) {
-    dm_node slope[DM_SUM_COLUMNS], roots[DM_SUM_COLUMNS];
-    const uint32_t first = *count;
-    uint32_t outputs = 0;
+/* where slopes by the columns of s go; *outputs of the loop */
+static dm_status find_shares(dm_cell_slopes *d, const dm_sum *s, uint32_t m, dm_node *roots,
+                             uint32_t *outputs, dm_arena *arena) {
+    dm_node slope[DM_SUM_COLUMNS];
+    d->share = dm_arena_take(arena, s->columns * sizeof *d->share);
+    if (!d->share) return DM_NO_MEMORY;
     dm_gradient(s->term, s->value, 0, s->columns, slope);
     for (uint32_t k = 0; k < s->columns; k++) {
-        const dm_column *column = s->column + k;
-        if (!slope[k] || column->data || column->first >= c->m) continue;
-        share *to = shares + (*count)++;
-        to->output = find_output(s->term, roots, &outputs, slope[k], &to->minus);
-        to->of = s;
-        to->column = column;
-        to->cells = s->bodies;
-        to->held = s->held;
-        to->coordinates = s->coordinates;
+        const dm_column *c = s->column + k;
+        if (!slope[k] || c->data || c->first >= m) continue;
+        dm_cell_share *to = d->share + d->shares++;
+        *to = (dm_cell_share){.index = c->index, .first = c->first, .step = c->step};
+        to->output = find_output(s->term, roots, outputs, slope[k], &to->sign);
+        if (d->shares == 1) d->step = c->step;
+        if (!c->index || c->step != d->step) d->step = 0;
     }
-    if (dm_graph_status(s->term) != DM_OK) return dm_graph_status(s->term);
-    place_slopes(c, shares + first, *count - first, outputs);
-    if (!outputs) c->loop[c->loops++] = (dm_cell_loop){.sum = s};
-    if (!outputs) return DM_OK;
-    dm_cell_loop *l = c->loop + c->loops++;
-    const dm_status status = dm_cell_loop_make(l, s, roots, outputs, compile, arena);
-    const size_t work = dm_cell_loop_work(l) + (size_t)outputs * BLOCK;
-    if (work > c->work) c->work = work;
-    c->shared &= l->linear || (l->one.backend && strcmp(l->one.backend, "jit") == 0);
-    return status;
+    return dm_graph_status(s->term);
 }
 
-/* the entry that cell i has in a share; UINT32_MAX: it is held */
-static uint32_t entry_of(const share *s, uint32_t i) {
-    const dm_column *c = s->column;
-    const size_t body = c->index ? c->index[i] : i, entry = c->first + c->step * body;
-    if (s->held && s->held[entry % s->coordinates] == DM_HELD) return UINT32_MAX;
-    return (uint32_t)entry;
+/* the entry that cell i has in a share */
+static inline size_t entry_of(const dm_cell_share *s, uint32_t i) {
+    return s->first + (size_t)s->step * (s->index ? s->index[i] : i);
 }
 
-/* the shares of the sum of share k end here */
-static uint32_t end_of_sum(const share *shares, uint32_t count, uint32_t k) {
-    uint32_t end = k + 1;
-    while (end < count && shares[end].of == shares[k].of) end++;
-    return end;
+/* the share of the entries that a term reads, or NULL */
+static const dm_cell_share *share_of(const dm_cell_slopes *d, const dm_linear_term *t) {
+    const dm_cell_share *found = NULL;
+    for (const dm_cell_share *s = d->share; s < d->share + d->shares; s++)
+        if (s->index == t->index && s->first == t->first && s->step == t->step) {
+            if (found) return NULL;
+            found = s;
+        }
+    return found;
 }
 
-/* one pass over all shares, sum by sum, cell by cell: counts (list NULL), or lists */
-static void pass(dm_cells *c, const share *shares, uint32_t count, uint32_t *list) {
-    for (uint32_t k = 0, end; k < count; k = end) {
-        end = end_of_sum(shares, count, k);
-        for (uint32_t i = 0; i < shares[k].cells; i++)
-            for (uint32_t j = k; j < end; j++) {
-                const uint32_t entry = entry_of(shares + j, i);
-                if (entry == UINT32_MAX) continue;
-                if (list)
-                    list[c->start[entry + 1]++] =
-                        (uint32_t)(shares[j].slot + (size_t)shares[j].width * i);
-                else
-                    c->start[entry + 2]++;
-            }
-    }
+/* Outputs that have no entries in common, such as values of a vector side by side, may be added one
+ * after the other: the order of the sums of an entry stays that of the cells. */
+static int are_apart(const dm_cell_slopes *d) {
+    for (uint32_t a = 0; a < d->shares; a++)
+        for (uint32_t b = 0; b < a; b++) {
+            const dm_cell_share *s = d->share + a, *t = d->share + b;
+            if (s->output == t->output) continue;
+            if (s->step != t->step || s->first % s->step == t->first % s->step) return 0;
+        }
+    return 1;
 }
 
-/* in nearly all blocks edges of a surface have two terms each, vertices six */
-static dm_status find_alike(dm_cells *c, dm_arena *arena) {
-    c->alike = dm_arena_take(arena, c->m / BLOCK + 1);
-    if (!c->alike) return DM_NO_MEMORY;
-    for (uint32_t i = 0; i <= c->m / BLOCK; i++) c->alike[i] = 0;
-    for (uint32_t first = 0; first < c->m; first += BLOCK) {
-        const uint32_t *start = c->start + first, terms = start[1] - start[0];
-        const uint32_t count = c->m - first < BLOCK ? c->m - first : BLOCK;
-        uint32_t i = 1;
-        while (i < count && start[i + 1] - start[i] == terms) i++;
-        if (i == count && terms < UINT8_MAX) c->alike[first / BLOCK] = (uint8_t)terms;
-    }
+/* do all slopes go where they come from, as those of |da|^2 do? */
+static void find_direct(dm_cell_slopes *d) {
+    const dm_cell_loop *l = &d->loop;
+    uint32_t terms = 0;
+    if (!l->linear || !are_apart(d)) return;
+    for (uint32_t k = 0; k < l->outputs; k++)
+        for (uint32_t j = 0; j < l->linear[k].terms; j++, terms++) {
+            const dm_linear_term *t = l->linear[k].term + j;
+            const dm_cell_share *s = share_of(d, t);
+            if (!s || s->output != k) return;
+            if (!terms) d->turned = s->sign * t->sign;
+            if (s->sign * t->sign != d->turned) return;
+        }
+    d->direct = terms == d->shares;
+}
+
+/* least and largest entries, block by block */
+static dm_status find_reach(dm_cell_slopes *d, uint32_t cells, dm_arena *arena) {
+    const uint32_t blocks = (cells + BLOCK - 1) / BLOCK;
+    d->reach = dm_arena_take(arena, ((size_t)blocks + 1) * sizeof *d->reach);
+    if (!d->reach) return DM_NO_MEMORY;
+    for (uint32_t b = 0; b < blocks; b++) d->reach[b][0] = UINT32_MAX, d->reach[b][1] = 0;
+    for (uint32_t k = 0; k < d->shares; k++)
+        for (uint32_t i = 0; i < cells; i++) {
+            const uint32_t entry = (uint32_t)entry_of(d->share + k, i);
+            uint32_t *reach = d->reach[i / BLOCK];
+            if (entry < reach[0]) reach[0] = entry;
+            if (entry > reach[1]) reach[1] = entry;
+        }
     return DM_OK;
 }
 
-/* lists by counting: while they are filled start[i + 1] is the next place of entry i */
-static dm_status make_lists(dm_cells *c, const share *shares, uint32_t count, dm_arena *arena) {
-    size_t all = 0;
-    for (uint32_t k = 0; k < count; k++) all += shares[k].cells;
-    if (all > UINT32_MAX || c->slots > UINT32_MAX) return DM_TOO_LARGE;
-    c->start = dm_arena_take(arena, ((size_t)c->m + 2) * sizeof *c->start);
-    c->list = dm_arena_take(arena, (all + 1) * sizeof *c->list);
-    if (!c->start || !c->list) return DM_NO_MEMORY;
-    memset(c->start, 0, ((size_t)c->m + 2) * sizeof *c->start);
-    pass(c, shares, count, NULL);
-    for (uint32_t i = 1; i <= c->m; i++) c->start[i + 1] += c->start[i];
-    pass(c, shares, count, c->list);
-    return find_alike(c, arena);
+/* loop and shares of one sum */
+static dm_status open_sum(dm_cells *c, const dm_sum *s, dm_compile *compile, dm_arena *arena) {
+    dm_node roots[DM_SUM_COLUMNS];
+    uint32_t outputs = 0;
+    dm_cell_slopes *d = c->sum + c->sums++;
+    *d = (dm_cell_slopes){.loop = {.sum = s}};
+    dm_status status = find_shares(d, s, c->m, roots, &outputs, arena);
+    if (status != DM_OK || !outputs) return status;
+    status = dm_cell_loop_make(&d->loop, s, roots, outputs, compile, arena);
+    if (status == DM_OK) status = find_reach(d, s->bodies, arena);
+    if (status == DM_OK) find_direct(d);
+    const size_t work = dm_cell_loop_work(&d->loop) + (size_t)outputs * BLOCK;
+    if (work > c->work) c->work = work;
+    c->shared &= d->loop.linear || (d->loop.one.backend && strcmp(d->loop.one.backend, "jit") == 0);
+    for (uint32_t i = 0; s->held && i < s->coordinates; i++)
+        if (s->held[i] == DM_HELD) c->held = s->held;
+    c->coordinates = s->coordinates;
+    return status;
 }
 
 const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_t *count,
@@ -283,57 +263,125 @@ const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_
 
 dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, uint32_t m,
                         dm_compile *compile, dm_arena *arena) {
-    uint32_t columns = 0, shares = 0;
+    dm_status status = DM_OK;
     *c = (dm_cells){.m = m, .shared = 1};
-    for (uint32_t k = 0; k < count; k++) columns += sums[k]->columns;
-    share *share_of = dm_arena_take(arena, (columns + 1) * sizeof *share_of);
-    c->loop = dm_arena_take(arena, (count + 1) * sizeof *c->loop);
-    c->slot = dm_arena_take(arena, (count + 1) * sizeof *c->slot);
-    c->width = dm_arena_take(arena, (count + 1) * sizeof *c->width);
-    if (!share_of || !c->loop || !c->slot || !c->width) return DM_NO_MEMORY;
-    for (uint32_t k = 0; k < count; k++) {
-        const dm_status status = open_sum(c, sums[k], share_of, &shares, compile, arena);
-        if (status != DM_OK) return status;
-    }
-    return make_lists(c, share_of, shares, arena);
+    c->sum = dm_arena_take(arena, (count + 1) * sizeof *c->sum);
+    if (!c->sum) return DM_NO_MEMORY;
+    for (uint32_t k = 0; k < count && status == DM_OK; k++)
+        status = open_sum(c, sums[k], compile, arena);
+    return status;
 }
 
-/* slopes by kernels, from a block of them to their places, times the factor */
-static void run_kernels(const dm_cells *c, uint32_t loop, double *slope, double factor,
-                        const double *x, uint32_t from, uint32_t to, double *work) {
-    const dm_cell_loop *l = c->loop + loop;
-    const uint32_t cells = l->sum->bodies, width = c->width[loop];
-    double *block = work, *scratch = work + (size_t)l->outputs * BLOCK;
-    for (uint32_t first = from; first < to; first += BLOCK) {
-        const uint32_t count = to - first < BLOCK ? to - first : BLOCK;
-        dm_cell_loop_run(l, block, BLOCK, x, first, count, scratch);
-        for (uint32_t k = 0; k < l->outputs; k++) {
-            double *out = slope + c->slot[loop] + width * ((size_t)k * cells + first);
-            const double *y = block + (size_t)k * BLOCK;
-            for (uint32_t i = 0; width == 1 && i < count; i++) out[i] = factor * y[i];
-            for (uint32_t i = 0; width == 2 && i < count; i++) {
-                out[2 * i] = factor * y[i];
-                out[2 * i + 1] = -(factor * y[i]);
-            }
+/* ---- adding slopes up ---- */
+
+/* what is asked for */
+typedef struct {
+    double *out;
+    const double *x;
+    double *work;
+    double factor;     /* of the sum at hand */
+    uint32_t from, to; /* entries of the gradient */
+} target;
+
+/* Slopes y[output][BLOCK] of the cells [first, first + count), times the factor, to the entries
+ * that they belong to, cell by cell; all shares have an index. Constants where this is called:
+ * shares, and step, which is that of all. */
+__attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *d, const target *t,
+                                                          uint32_t first, uint32_t count,
+                                                          const uint32_t shares,
+                                                          const uint32_t step) {
+    const uint32_t *index[DM_SUM_COLUMNS];
+    const double *slope[DM_SUM_COLUMNS];
+    double *to[DM_SUM_COLUMNS], sign[DM_SUM_COLUMNS];
+    for (uint32_t k = 0; k < shares; k++) {
+        const dm_cell_share *s = d->share + k;
+        index[k] = s->index + first;
+        slope[k] = t->work + s->output * BLOCK;
+        to[k] = t->out + s->first;
+        sign[k] = s->sign * t->factor;
+    }
+    for (uint32_t i = 0; i < count; i++)
+#pragma GCC unroll 4
+        for (uint32_t k = 0; k < shares; k++)
+            to[k][(size_t)step * index[k][i]] += sign[k] * slope[k][i];
+}
+
+/* the same of any shares, where entries are asked for */
+static void scatter_some(const dm_cell_slopes *d, const target *t, uint32_t first, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        for (const dm_cell_share *s = d->share; s < d->share + d->shares; s++) {
+            const size_t entry = entry_of(s, first + i);
+            if (entry >= t->from && entry < t->to)
+                t->out[entry] += s->sign * t->factor * t->work[s->output * BLOCK + i];
         }
+}
+
+/* cells with a share of their own, one behind the other */
+static void add_run(const dm_cell_share *s, const target *t, uint32_t first, uint32_t count) {
+    double *restrict to = t->out + s->first + first;
+    const double *restrict y = t->work, sign = s->sign * t->factor;
+    for (uint32_t i = 0; i < count; i++) to[i] += sign * y[i];
+}
+
+/* of single cells, edges and triangles, which fields have most often, and of any */
+static void add_slopes(const dm_cell_slopes *d, const target *t, uint32_t first, uint32_t count,
+                       int whole) {
+    if (whole && d->shares == 1 && !d->share->index && d->share->step == 1)
+        add_run(d->share, t, first, count);
+    else if (whole && d->step == 1 && d->shares == 2)
+        scatter(d, t, first, count, 2, 1);
+    else if (whole && d->step == 1 && d->shares == 3)
+        scatter(d, t, first, count, 3, 1);
+    else if (whole && d->step)
+        scatter(d, t, first, count, d->shares, d->step);
+    else
+        scatter_some(d, t, first, count);
+}
+
+/* the slopes of a block of cells, which are added where they are asked for */
+static void add_block(const dm_cell_slopes *d, const target *t, uint32_t first, uint32_t count) {
+    const uint32_t *reach = d->reach[first / BLOCK];
+    double *y = t->work, *scratch = y + (size_t)d->loop.outputs * BLOCK;
+    if (reach[0] >= t->to || reach[1] < t->from) return;
+    dm_cell_loop_run(&d->loop, y, BLOCK, t->x, first, count, scratch);
+    add_slopes(d, t, first, count, reach[0] >= t->from && reach[1] < t->to);
+}
+
+/* the end of a run of at most RUN blocks that do not reach beyond what is asked for */
+static uint32_t end_of_run(const dm_cell_slopes *d, const target *t, uint32_t first,
+                           uint32_t cells) {
+    const uint32_t blocks = (cells + BLOCK - 1) / BLOCK, from = first / BLOCK;
+    const uint32_t most = blocks - from < RUN ? blocks : from + RUN;
+    uint32_t b = from;
+    while (b < most && d->reach[b][0] >= t->from && d->reach[b][1] < t->to) b++;
+    return b < blocks ? b * BLOCK : cells;
+}
+
+/* block by block, and what is linear in runs of blocks */
+static void add_sum(const dm_cell_slopes *d, const target *t) {
+    const dm_cell_loop *l = &d->loop;
+    const uint32_t cells = l->outputs ? l->sum->bodies : 0;
+    for (uint32_t first = 0; first < cells;) {
+        uint32_t end = d->direct ? end_of_run(d, t, first, cells) : first;
+        for (uint32_t k = 0; end > first && k < l->outputs; k++)
+            dm_cell_linear_add(l->linear + k, t->out, t->x, first, end - first,
+                               d->turned * t->factor);
+        if (end == first) {
+            end = cells - first < BLOCK ? cells : first + BLOCK;
+            add_block(d, t, first, end - first);
+        }
+        first = end;
     }
 }
 
-/* whole blocks, so that a part has the bits of the whole */
-void dm_cells_slopes(const dm_cells *c, double *slope, const double *factor, const double *x,
-                     double *work, uint32_t part, uint32_t parts) {
-    for (uint32_t k = 0; k < c->loops; k++) {
-        const dm_cell_loop *l = c->loop + k;
-        if (!l->outputs) continue;
-        const uint32_t cells = l->sum->bodies, blocks = (cells + BLOCK - 1) / BLOCK;
-        const uint32_t from = (uint32_t)((uint64_t)blocks * part / parts) * BLOCK;
-        uint32_t to = (uint32_t)((uint64_t)blocks * (part + 1) / parts) * BLOCK;
-        if (to > cells) to = cells;
-        if (from >= to) continue;
-        if (!l->linear) run_kernels(c, k, slope, factor[k], x, from, to, work);
-        for (uint32_t j = 0; l->linear && j < l->outputs; j++)
-            dm_cell_linear_run(l->linear + j,
-                               slope + c->slot[k] + c->width[k] * ((size_t)j * cells + from),
-                               c->width[k], x, from, to - from, factor[k]);
+void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
+                       double *work, uint32_t from, uint32_t to) {
+    target t = {.out = out, .x = x, .work = work, .from = from, .to = to};
+    memset(out + from, 0, (to - from) * sizeof *out);
+    for (uint32_t k = 0; k < c->sums; k++) {
+        t.factor = factor[k];
+        add_sum(c->sum + k, &t);
     }
+    for (uint32_t i = from; c->held && i < to; i++)
+        if (c->held[i % c->coordinates] == DM_HELD) out[i] = 0.0;
 }

@@ -1,8 +1,10 @@
 /* cells.h - sums over the cells of a mesh (algebra/body_sum.h) as loops, and their gradient with
- * one writer an entry. The slopes of every cell go to a buffer, and entry i of the gradient is the
- * sum of those that belong to it, in the order of cells and columns:
+ * one writer an entry. The slopes of a block of cells are added to the entries that the cells
+ * have, so entry i of the gradient is the sum of those that belong to it, in the order of sums,
+ * cells and columns:
  *   dS/dx_i = sum over (cell K, column c) with x_i in column c of K of d term_K / d column c.
- * So it makes no difference to a bit which thread, lane or backend does which part. */
+ * A part of the entries takes the cells that have one of them, and leaves the others alone. So it
+ * makes no difference to a bit which thread, lane or backend does which part. */
 #ifndef DM_CELLS_H
 #define DM_CELLS_H
 
@@ -34,19 +36,35 @@ size_t dm_cell_loop_work(const dm_cell_loop *l);
 void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const double *x,
                       uint32_t first, uint32_t count, double *work);
 
+/* what entries of the gradient get of the slopes of a sum: entry first + step * index[cell], or of
+ * the cell itself where index is NULL, gets sign times an output of the loop */
+typedef struct {
+    const uint32_t *index;
+    uint32_t first, step, output;
+    double sign; /* 1 or -1 */
+} dm_cell_share;
+
+/* the gradient of one sum */
+typedef struct {
+    dm_cell_loop loop; /* slopes; no two outputs are equal, or of opposite sign */
+    dm_cell_share *share;
+    uint32_t shares;
+    uint32_t step; /* of all shares, which have an index; 0: they differ, or some have none */
+    /* all slopes are linear, and every entry gets one of them with the sign that it is read with
+     * there, times `turned` */
+    int direct;
+    double turned;
+    uint32_t (*reach)[2]; /* [blocks of cells] the least and the largest entry of their shares */
+} dm_cell_slopes;
+
 /* the gradient of factor_1 S_1 + factor_2 S_2 + ... by x_0 .. x_(m - 1) */
 typedef struct dm_cells {
-    dm_cell_loop *loop; /* [loops] slopes; no two outputs are equal, or of opposite sign */
-    uint32_t loops, m;
-    size_t *slot; /* [loops]: slopes of output k of cell i are at slot + width (k cells + i) */
-    /* [loops] 2: behind every slope is its opposite, for entries that subtract it; else 1 */
-    uint8_t *width;
-    size_t slots;
-    uint32_t *start; /* [m + 1] of list */
-    uint32_t *list;  /* slots of an entry */
-    uint8_t *alike;  /* [m / 64 + 1] of 64 entries: how many terms each has; 0: not the same */
-    size_t work;     /* doubles of scratch of a thread */
-    int shared;      /* threads may run it side by side */
+    dm_cell_slopes *sum; /* [sums] */
+    uint32_t sums, m;
+    const uint8_t *held; /* [coordinates] entries that are DM_HELD have no slope; NULL: none */
+    uint32_t coordinates;
+    size_t work; /* doubles of scratch of a thread */
+    int shared;  /* threads may run it side by side */
 } dm_cells;
 
 /* The sums over cells of g on which root depends, *count of them, and the nodes of d root/d sum in
@@ -54,25 +72,13 @@ typedef struct dm_cells {
 const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_t *count,
                              dm_arena *arena);
 
-/* sums[count] of one graph. DM_TOO_LARGE: more than 2^32 slopes. */
+/* sums[count] of one graph. */
 dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, uint32_t m,
                         dm_compile *compile, dm_arena *arena);
 
-/* Part `part` of `parts` of the slopes at x, into slope[slots]; parts share nothing. */
-void dm_cells_slopes(const dm_cells *c, double *slope, const double *factor, const double *x,
-                     double *work, uint32_t part, uint32_t parts);
-
-/* Entry i of the gradient, once all slopes are there. */
-static inline double dm_cells_entry(const dm_cells *c, const double *slope, uint32_t i) {
-    double sum = 0.0;
-    for (uint32_t k = c->start[i]; k < c->start[i + 1]; k++) sum += slope[c->list[k]];
-    return sum;
-}
-
-/* The terms that each of `count` entries from i on has; 0: not the same, or not known. */
-static inline uint32_t dm_cells_alike(const dm_cells *c, uint32_t i, uint32_t count) {
-    if (i % DM_CELL_BLOCK + count > DM_CELL_BLOCK) return 0;
-    return c->alike[i / DM_CELL_BLOCK];
-}
+/* Entries [from, to) of the gradient at x into out[m]; factor[sums]. Threads may do different ones
+ * side by side, each with work[] of its own. */
+void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
+                       double *work, uint32_t from, uint32_t to);
 
 #endif

@@ -19,7 +19,7 @@ typedef struct {
     dm_rounds *slope;  /* [slopes] */
     uint32_t *at;      /* [direct] number of the output */
     dm_cells *cells;   /* slopes of sums over cells, behind the others, or NULL */
-    double *cell_work; /* their scratch, then the slopes */
+    double *cell_work; /* their scratch; where others are there too, [m] for their gradient */
 } whole;
 
 /* values of sums first, then the straight-line kernel */
@@ -35,42 +35,11 @@ static void eval_value(const void *pool, const double *x, double *out) {
     eval_outer(pool, x, out);
 }
 
-/* out[i] = entry i, of a block whose entries have `terms` terms each: a constant where this is
- * called */
-__attribute__((always_inline)) static inline void put_alike(const dm_cells *c, double *out,
-                                                            const double *slope, uint32_t first,
-                                                            uint32_t count, const uint32_t terms) {
-    const uint32_t *list = c->list + c->start[first];
-    for (uint32_t i = first; i < first + count; i++, list += terms) {
-        double sum = 0.0;
-#pragma GCC unroll 6
-        for (uint32_t k = 0; k < terms; k++) sum += slope[list[k]];
-        out[i] = sum;
-    }
-}
-
-/* The gradient of sums over cells alone, entry by entry; edges of surfaces have two terms, vertices
- * of regular meshes six. No sum is -0, so what is put is what would be added to 0. */
-static void put_cells(const whole *w, double *out, const double *x) {
-    const dm_cells *c = w->cells;
-    double *slope = w->cell_work + c->work;
-    dm_cells_slopes(c, slope, w->y + w->direct + w->slopes, x, w->cell_work, 0, 1);
-    for (uint32_t first = 0; first < w->m; first += DM_CELL_BLOCK) {
-        const uint32_t count = w->m - first < DM_CELL_BLOCK ? w->m - first : DM_CELL_BLOCK;
-        const uint32_t terms = dm_cells_alike(c, first, count);
-        if (terms == 2)
-            put_alike(c, out, slope, first, count, 2);
-        else if (terms == 6)
-            put_alike(c, out, slope, first, count, 6);
-        else
-            for (uint32_t i = first; i < first + count; i++) out[i] = dm_cells_entry(c, slope, i);
-    }
-}
-
+/* behind what is there, by way of a scratch of its own: cells are added up first */
 static void add_cells(const whole *w, double *out, const double *x) {
-    double *slope = w->cell_work + w->cells->work;
-    dm_cells_slopes(w->cells, slope, w->y + w->direct + w->slopes, x, w->cell_work, 0, 1);
-    for (uint32_t i = 0; i < w->m; i++) out[i] += dm_cells_entry(w->cells, slope, i);
+    double *own = w->cell_work + w->cells->work;
+    dm_cells_gradient(w->cells, own, w->y + w->direct + w->slopes, x, w->cell_work, 0, w->m);
+    for (uint32_t i = 0; i < w->m; i++) out[i] += own[i];
 }
 
 /* direct derivatives, then those by way of the sums */
@@ -78,7 +47,7 @@ static void eval_gradient(const void *pool, const double *x, double *out) {
     const whole *w = pool;
     if (w->outer.eval) eval_outer(w, x, w->y);
     if (w->cells && !w->direct && !w->slopes) {
-        put_cells(w, out, x);
+        dm_cells_gradient(w->cells, out, w->y, x, w->cell_work, 0, w->m);
         return;
     }
     memset(out, 0, w->m * sizeof *out);
@@ -182,7 +151,7 @@ static dm_status make_cells(whole *w, dm_graph *g, dm_node root, dm_node *roots,
     w->cells = sums ? dm_arena_take(arena, sizeof *w->cells) : NULL;
     if (!w->cells) return DM_NO_MEMORY;
     const dm_status status = dm_cells_open(w->cells, sums, *factors, w->m, compile, arena);
-    const size_t room = w->cells->work + w->cells->slots + 1;
+    const size_t room = w->cells->work + (w->direct || w->slopes ? w->m : 0) + 1;
     w->cell_work = status == DM_OK ? dm_arena_take(arena, room * sizeof *w->cell_work) : NULL;
     return status == DM_OK && !w->cell_work ? DM_NO_MEMORY : status;
 }

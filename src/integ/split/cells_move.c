@@ -1,5 +1,5 @@
-/* cells_move.c - forces, kicks and drifts of entries: two by two, their forces in registers, four
- * passes over memory in all. Loops that are run most often have constants of their own. */
+/* cells_move.c - kicks and drifts of entries: two by two, in one pass over memory. Loops that are
+ * run most often have constants of their own. */
 #include "integ/split/cells_split_inside.h"
 #include "numbers/compensated.h"
 
@@ -15,32 +15,17 @@ static inline v2 add_two(double *high, double *low, v2 x) {
 
 /* A block of entries and what they are moved by, laid out so that loops keep it in registers. */
 typedef struct {
-    double *x, *p, *low_q, *low_p, *force; /* of the first entry */
-    const double *w;
-    const uint32_t *start, *list; /* of the first entry: its terms are list[k] with k from *start */
-    const double *slope;          /* NULL: forces are those in `force` */
-    int keeps;                    /* forces are stored */
+    double *x, *p, *low_q, *low_p; /* of the first entry */
+    const double *w, *force;
     dm_cells_move v;
 } moved_block;
-
-/* the sum of the terms of entry k; `terms` each (a constant where this is called) or, 0, as many as
- * it has */
-__attribute__((always_inline)) static inline double force_of(const moved_block *b, uint32_t k,
-                                                             const uint32_t terms) {
-    const uint32_t *list = b->list + (terms ? (size_t)k * terms : b->start[k] - b->start[0]);
-    const uint32_t count = terms ? terms : b->start[k + 1] - b->start[k];
-    double sum = 0.0;
-#pragma GCC unroll 6
-    for (uint32_t j = 0; j < count; j++) sum += b->slope[list[j]];
-    return sum;
-}
 
 /* Kicks and drift of entry k. The kick that begins a step is in p with the next one, by way of the
  * low part, where there are such. */
 __attribute__((always_inline)) static inline void move_one(const moved_block *b, uint32_t k,
-                                                           double f, const int plain,
-                                                           const int usual) {
+                                                           const int plain, const int usual) {
     const dm_cells_move *v = &b->v;
+    const double f = b->force[k];
     double now = b->p[k];
     if (usual || v->kicks) {
         if (plain)
@@ -64,10 +49,11 @@ __attribute__((always_inline)) static inline void move_one(const moved_block *b,
         dm_sum_add(b->x + k, b->low_q + k, drift);
 }
 
-/* the same of two: their forces stay in registers, so that no load waits for their stores */
-__attribute__((always_inline)) static inline void move_two(const moved_block *b, uint32_t k, v2 f,
+/* the same of two */
+__attribute__((always_inline)) static inline void move_two(const moved_block *b, uint32_t k,
                                                            const int plain, const int usual) {
     const dm_cells_move *v = &b->v;
+    const v2 f = *(const v2 *)(const void *)(b->force + k);
     const v2 kick = v->kick * f, begin = v->begin * f;
     v2 now = *(v2 *)(void *)(b->p + k);
     if (usual || v->kicks) {
@@ -89,71 +75,34 @@ __attribute__((always_inline)) static inline void move_two(const moved_block *b,
         add_two(b->x + k, b->low_q + k, drift);
 }
 
-/* Forces, kicks and drift of `count` entries. Constants where this is called: terms, plain and
- * usual, which says that there are slopes, both kicks and a drift, and no force is kept. */
-__attribute__((always_inline)) static inline void move_block(moved_block b, uint32_t count,
-                                                             const uint32_t terms, const int plain,
-                                                             const int usual) {
+/* Kicks and drift of `count` entries. Constants where this is called: plain, and usual, which says
+ * that there are both kicks and a drift. */
+__attribute__((always_inline)) static inline void move(const moved_block *b, uint32_t count,
+                                                       const int plain, const int usual) {
+    const moved_block own = *b;
     uint32_t k = 0;
-    for (; k + 2 <= count; k += 2) {
-        v2 f;
-        if (usual || b.slope)
-            f = (v2){force_of(&b, k, terms), force_of(&b, k + 1, terms)};
-        else
-            f = *(v2 *)(void *)(b.force + k);
-        if (!usual && b.keeps) *(v2 *)(void *)(b.force + k) = f;
-        move_two(&b, k, f, plain, usual);
-    }
-    for (; k < count; k++) {
-        const double f = usual || b.slope ? force_of(&b, k, terms) : b.force[k];
-        if (!usual && b.keeps) b.force[k] = f;
-        move_one(&b, k, f, plain, usual);
-    }
-}
-
-/* entries of surfaces inside of a burst have loops of their own: edges have two terms, vertices of
- * regular meshes six */
-static void move(const moved_block *b, uint32_t count, uint32_t terms, int plain) {
-    const dm_cells_move *v = &b->v;
-    const int usual = b->slope && !b->keeps && v->kicks && v->begins && v->drift != 0.0;
-    if (plain && usual && terms == 2)
-        move_block(*b, count, 2, 1, 1);
-    else if (plain && usual && terms == 6)
-        move_block(*b, count, 6, 1, 1);
-    else if (plain && usual)
-        move_block(*b, count, 0, 1, 1);
-    else if (plain)
-        move_block(*b, count, 0, 1, 0);
-    else if (usual && terms == 2)
-        move_block(*b, count, 2, 0, 1);
-    else if (usual && terms == 6)
-        move_block(*b, count, 6, 0, 1);
-    else if (usual)
-        move_block(*b, count, 0, 0, 1);
-    else
-        move_block(*b, count, 0, 0, 0);
-}
-
-/* block of `count` entries from i on */
-static moved_block block_at(const dm_cells_split *s, const dm_cells_move *v, uint32_t i) {
-    const dm_cells *c = s->cells;
-    double *p = s->state + s->m->n + i, *low_q = p + s->m->n;
-    return (moved_block){.x = s->x + i,
-                         .p = p,
-                         .low_q = low_q,
-                         .low_p = low_q + s->m->n,
-                         .force = s->force + i,
-                         .w = s->m->inverse_mass + i,
-                         .start = c->start + i,
-                         .list = c->list + c->start[i],
-                         .v = *v};
+    for (; k + 2 <= count; k += 2) move_two(&own, k, plain, usual);
+    for (; k < count; k++) move_one(&own, k, plain, usual);
 }
 
 /* Bits do not depend on where blocks begin. */
 void dm_cells_move_block(const dm_cells_split *s, const dm_cells_move *v, uint32_t i,
-                         uint32_t count, int how) {
-    moved_block b = block_at(s, v, i);
-    if (how != DM_CELLS_KNOWN) b.slope = s->slope;
-    b.keeps = how == DM_CELLS_KEPT;
-    move(&b, count, b.slope ? dm_cells_alike(s->cells, i, count) : 0, s->plain);
+                         uint32_t count) {
+    double *p = s->state + s->m->n + i, *low_q = p + s->m->n;
+    const moved_block b = {.x = s->x + i,
+                           .p = p,
+                           .low_q = low_q,
+                           .low_p = low_q + s->m->n,
+                           .w = s->m->inverse_mass + i,
+                           .force = s->force + i,
+                           .v = *v};
+    const int usual = v->kicks && v->begins && v->drift != 0.0; /* inside of a burst */
+    if (s->plain && usual)
+        move(&b, count, 1, 1);
+    else if (s->plain)
+        move(&b, count, 1, 0);
+    else if (usual)
+        move(&b, count, 0, 1);
+    else
+        move(&b, count, 0, 0);
 }

@@ -1,5 +1,5 @@
 /* cells_split.c - a burst of steps: every thread goes through the same stages, and all meet before
- * slopes are added up and before they are made anew. */
+ * entries are moved and before their forces are made anew. */
 #include "integ/split/cells_split_inside.h"
 
 #include "chain/curvature.h"
@@ -46,7 +46,7 @@ static size_t arguments_of(const dm_model *m) {
 size_t dm_cells_split_work(const dm_model *m) {
     const dm_cells *cells = m->has & DM_WANT_FORCE ? dm_loops_cells(&m->force) : NULL;
     if (!(m->structure & DM_CELLS) || !cells) return 0;
-    return struct_size() + dm_team_size() + arguments_of(m) + 5 * (size_t)m->n + cells->slots +
+    return struct_size() + dm_team_size() + arguments_of(m) + 5 * (size_t)m->n +
            DM_TEAM_MOST * room_of(m, cells) + 8;
 }
 
@@ -73,8 +73,7 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
     s->x = work + dm_team_size();
     s->force = s->x + arguments;
     s->kept = s->force + m->n;
-    s->slope = s->kept + 4 * (size_t)m->n;
-    s->scratch = s->slope + cells->slots;
+    s->scratch = s->kept + 4 * (size_t)m->n;
     memset(s->x, 0, arguments * sizeof *s->x);
     return s;
 }
@@ -123,37 +122,34 @@ static void move_on_spheres(const dm_cells_split *s, const dm_cells_move *v, uin
     }
 }
 
-/* forces of a block where new ones are there, for what does not take them as they come */
-static void find_forces(const dm_cells_split *s, uint32_t i, uint32_t count) {
-    for (uint32_t k = i; k < i + count; k++) s->force[k] = dm_cells_entry(s->cells, s->slope, k);
+/* the entries of a thread, whole blocks of them */
+static void share_out(const dm_cells_split *s, uint32_t part, uint32_t parts, uint32_t *from,
+                      uint32_t *to) {
+    const uint32_t n = s->m->n, blocks = (n + s->unit - 1) / s->unit;
+    *from = (uint32_t)((uint64_t)blocks * part / parts) * s->unit;
+    *to = (uint32_t)((uint64_t)blocks * (part + 1) / parts) * s->unit;
+    if (*to > n) *to = n;
 }
 
-/* The part of a thread, block by block: forces where new ones are there, then the move. `last`: of
- * the burst, after which forces are kept. */
-static void entries(const dm_cells_split *s, const dm_cells_move *given, int fresh, int last,
-                    uint32_t part, uint32_t parts) {
-    const uint32_t n = s->m->n, m = s->m->sphere, unit = s->unit;
-    const uint32_t blocks = (n + unit - 1) / unit;
-    const uint32_t from = (uint32_t)((uint64_t)blocks * part / parts);
-    const uint32_t to = (uint32_t)((uint64_t)blocks * (part + 1) / parts);
-    const int stored = m || s->m->work; /* forces are */
-    for (uint32_t b = from; b < to; b++) {
-        const uint32_t i = b * unit, count = n - i < unit ? n - i : unit;
+/* The part of a thread, block by block. `fresh`: the forces of L are new ones. */
+static void entries(const dm_cells_split *s, const dm_cells_move *given, int fresh, uint32_t part,
+                    uint32_t parts) {
+    uint32_t from, to;
+    share_out(s, part, parts, &from, &to);
+    for (uint32_t i = from; i < to; i += s->unit) {
+        const uint32_t count = to - i < s->unit ? to - i : s->unit;
         dm_cells_move v = *given;
-        if (fresh && stored) find_forces(s, i, count);
         if (s->m->work && fresh) dm_cells_push(s, &v, i, count, s->scratch + part * s->room);
-        if (m) {
+        if (s->m->sphere)
             move_on_spheres(s, &v, i, count);
-            continue;
-        }
-        const int take = !fresh || stored ? DM_CELLS_KNOWN : last ? DM_CELLS_KEPT : DM_CELLS_TAKEN;
-        dm_cells_move_block(s, &v, i, count, take);
+        else
+            dm_cells_move_block(s, &v, i, count);
     }
 }
 
 /* ---- steps ---- */
 
-/* Values without mass, no two of which meet in L: Newton's method for each, dL/dq_i = 0, and slopes
+/* Values without mass, no two of which meet in L: Newton's method for each, dL/dq_i = 0, and forces
  * anew. What L does not have at all (no slope, no second derivative) stays. One thread does it all,
  * with the bits of one. */
 static void eliminate(dm_cells_split *s) {
@@ -167,7 +163,7 @@ static void eliminate(dm_cells_split *s) {
             double own = 0.0;
             for (int32_t k = A->start[i]; k < A->start[i + 1]; k++)
                 if (A->row[k] == (int32_t)i) own = A->value[k];
-            const double slope = dm_cells_entry(s->cells, s->slope, i);
+            const double slope = s->force[i];
             if (slope == 0.0 && own == 0.0) continue;
             const double change = -slope / own;
             s->x[i] += change;
@@ -175,7 +171,7 @@ static void eliminate(dm_cells_split *s) {
             size = fmax(size, fabs(s->x[i]));
             if (change != change) step = size = NAN;
         }
-        dm_cells_slopes(s->cells, s->slope, s->factor, s->x, s->scratch, 0, 1);
+        dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch, 0, m->n);
         if (!(step > 4e-16 * size)) return;
     }
 }
@@ -192,15 +188,17 @@ static void set_positions(dm_cells_split *s, double *q) {
         s->x = q;
 }
 
-/* all slopes at the time t; everybody has moved his entries before */
-static void slopes(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
+/* forces of L at the time t; everybody has moved his entries before */
+static void forces_of(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
+    uint32_t from, to;
     dm_team_meet(s->team);
     if (part == 0 && s->timed) {
         set_time(s, t);
         s->factor = dm_loops_factors(&s->m->force, s->x);
     }
     if (s->timed) dm_team_meet(s->team);
-    dm_cells_slopes(s->cells, s->slope, s->factor, s->x, s->scratch + part * s->room, part, parts);
+    share_out(s, part, parts, &from, &to);
+    dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch + part * s->room, from, to);
     dm_team_meet(s->team);
     if (!s->m->massless) return;
     if (part == 0) eliminate(s);
@@ -214,7 +212,7 @@ void dm_cells_split_settle(dm_cells_split *s, double *q, double t) {
     set_positions(s, q);
     set_time(s, t);
     s->factor = dm_loops_factors(&s->m->force, s->x);
-    slopes(s, t, 0, 1);
+    forces_of(s, t, 0, 1);
     if (s->own) memcpy(q, s->x, s->m->n * sizeof *q);
     s->team = team;
 }
@@ -228,8 +226,8 @@ static void run(void *context, uint32_t part, uint32_t parts) {
     const dm_cells_move first = {.begins = kicks,
                                  .begin = h * table->b[0],
                                  .drift = h * table->a[0]};
-    if (kicks && !s->knows) slopes(s, s->t, part, parts);
-    entries(s, &first, kicks && !s->knows, 0, part, parts);
+    if (kicks && !s->knows) forces_of(s, s->t, part, parts);
+    entries(s, &first, kicks && !s->knows, part, parts);
     for (long step = 0; step < s->count; step++) {
         const double now = s->t + (double)step * h;
         for (int k = 0; k < table->stages; k++) {
@@ -239,8 +237,8 @@ static void run(void *context, uint32_t part, uint32_t parts) {
             dm_cells_move v = {.kicks = table->b[k + 1] != 0.0, .kick = h * table->b[k + 1]};
             if (more) v.drift = h * table->a[last ? 0 : k + 1];
             if (more && last && kicks) v.begins = 1, v.begin = first.begin;
-            if (fresh) slopes(s, now + s->c[k + 1] * h, part, parts);
-            entries(s, &v, fresh, !more, part, parts);
+            if (fresh) forces_of(s, now + s->c[k + 1] * h, part, parts);
+            entries(s, &v, fresh, part, parts);
         }
     }
 }

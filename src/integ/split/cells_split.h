@@ -1,5 +1,5 @@
-/* cells_split.h - kicks and drifts of a field on a mesh (chain/cells.h): all slopes, then entry by
- * entry the force, the kick and the next drift, in as many threads as are asked for. No entry is
+/* cells_split.h - kicks and drifts of a field on a mesh (chain/cells.h): all forces, then entry by
+ * entry the kick and the next drift, in as many threads as are asked for. No entry is
  * written by two places, so the bits do not depend on threads. Unit vectors (fields with values on
  * a sphere) take RATTLE's step in the place of the drift. Forces f(q, v, t) beside L
  * (chain/virtual_work.h) act in the kicks: the one that ends a step is implicit in v,

@@ -16,12 +16,11 @@ struct dm_cells_split {
     dm_team *team; /* NULL: one thread */
     double *x;     /* (q, v, t), or q of the state where forces read q alone */
     int own;       /* x is a copy */
-    double *force; /* [n] of the end of the last burst */
+    double *force; /* [n] those of the newest positions */
     double *kept;  /* [4n] the state `since` steps ago */
     long since;
-    double *slope;   /* [slots] */
     double *scratch; /* [threads][room] */
-    size_t room;     /* of slopes, or of forces beside L */
+    size_t room;     /* of the gradient of L, or of forces beside L */
     uint32_t unit;   /* entries of a block: whole cells */
     const double *factor;
     /* of the burst */
@@ -38,13 +37,9 @@ typedef struct {
     int kicks, begins;
 } dm_cells_move;
 
-/* Where forces come from: those of the last time; of slopes, as they are needed; the same, and kept
- * for the next burst. */
-enum { DM_CELLS_KNOWN, DM_CELLS_TAKEN, DM_CELLS_KEPT };
-
-/* Forces, kicks and drifts of `count` entries from i on (cells_move.c). */
+/* Kicks and drifts of `count` entries from i on, by the forces there (cells_move.c). */
 void dm_cells_move_block(const dm_cells_split *s, const dm_cells_move *v, uint32_t i,
-                         uint32_t count, int how);
+                         uint32_t count);
 
 static inline double dm_cells_dot(const double *a, const double *b, uint32_t n) {
     double sum = 0.0;
