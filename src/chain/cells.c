@@ -274,19 +274,11 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
 
 /* ---- adding slopes up ---- */
 
-/* what is asked for */
-typedef struct {
-    double *out;
-    const double *x;
-    double *work;
-    double factor;     /* of the sum at hand */
-    uint32_t from, to; /* entries of the gradient */
-} target;
-
 /* Slopes y[output][BLOCK] of the cells [first, first + count), times the factor, to the entries
  * that they belong to, cell by cell; all shares have an index. Constants where this is called:
  * shares, and step, which is that of all. */
-__attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *d, const target *t,
+__attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *d,
+                                                          const dm_cell_target *t, const double *y,
                                                           uint32_t first, uint32_t count,
                                                           const uint32_t shares,
                                                           const uint32_t step) {
@@ -296,7 +288,7 @@ __attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *
     for (uint32_t k = 0; k < shares; k++) {
         const dm_cell_share *s = d->share + k;
         index[k] = s->index + first;
-        slope[k] = t->work + s->output * BLOCK;
+        slope[k] = y + s->output * BLOCK;
         to[k] = t->out + s->first;
         sign[k] = s->sign * t->factor;
     }
@@ -307,80 +299,83 @@ __attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *
 }
 
 /* the same of any shares, where entries are asked for */
-static void scatter_some(const dm_cell_slopes *d, const target *t, uint32_t first, uint32_t count) {
+static void scatter_some(const dm_cell_slopes *d, const dm_cell_target *t, const double *y,
+                         uint32_t first, uint32_t count) {
     for (uint32_t i = 0; i < count; i++)
         for (const dm_cell_share *s = d->share; s < d->share + d->shares; s++) {
             const size_t entry = entry_of(s, first + i);
             if (entry >= t->from && entry < t->to)
-                t->out[entry] += s->sign * t->factor * t->work[s->output * BLOCK + i];
+                t->out[entry] += s->sign * t->factor * y[s->output * BLOCK + i];
         }
 }
 
 /* cells with a share of their own, one behind the other */
-static void add_run(const dm_cell_share *s, const target *t, uint32_t first, uint32_t count) {
+static void add_run(const dm_cell_share *s, const dm_cell_target *t, const double *restrict y,
+                    uint32_t first, uint32_t count) {
     double *restrict to = t->out + s->first + first;
-    const double *restrict y = t->work, sign = s->sign * t->factor;
+    const double sign = s->sign * t->factor;
     for (uint32_t i = 0; i < count; i++) to[i] += sign * y[i];
 }
 
 /* of single cells, edges and triangles, which fields have most often, and of any */
-static void add_slopes(const dm_cell_slopes *d, const target *t, uint32_t first, uint32_t count,
-                       int whole) {
+static void add_slopes(const dm_cell_slopes *d, const dm_cell_target *t, const double *y,
+                       uint32_t first, uint32_t count, int whole) {
     if (whole && d->shares == 1 && !d->share->index && d->share->step == 1)
-        add_run(d->share, t, first, count);
+        add_run(d->share, t, y, first, count);
     else if (whole && d->step == 1 && d->shares == 2)
-        scatter(d, t, first, count, 2, 1);
+        scatter(d, t, y, first, count, 2, 1);
     else if (whole && d->step == 1 && d->shares == 3)
-        scatter(d, t, first, count, 3, 1);
+        scatter(d, t, y, first, count, 3, 1);
     else if (whole && d->step)
-        scatter(d, t, first, count, d->shares, d->step);
+        scatter(d, t, y, first, count, d->shares, d->step);
     else
-        scatter_some(d, t, first, count);
+        scatter_some(d, t, y, first, count);
 }
 
-/* the slopes of a block of cells, which are added where they are asked for */
-static void add_block(const dm_cell_slopes *d, const target *t, uint32_t first, uint32_t count) {
-    const uint32_t *reach = d->reach[first / BLOCK];
-    double *y = t->work, *scratch = y + (size_t)d->loop.outputs * BLOCK;
-    if (reach[0] >= t->to || reach[1] < t->from) return;
-    dm_cell_loop_run(&d->loop, y, BLOCK, t->x, first, count, scratch);
-    add_slopes(d, t, first, count, reach[0] >= t->from && reach[1] < t->to);
-}
-
-/* the end of a run of at most RUN blocks that do not reach beyond what is asked for */
-static uint32_t end_of_run(const dm_cell_slopes *d, const target *t, uint32_t first,
-                           uint32_t cells) {
+/* the end of a run of at most RUN blocks that are alike: they have an entry that is asked for, or
+ * none, and others, too, or none; *some, *whole: what they are */
+static uint32_t end_of_run(const dm_cell_slopes *d, const dm_cell_target *t, uint32_t first,
+                           uint32_t cells, int *some, int *whole) {
     const uint32_t blocks = (cells + BLOCK - 1) / BLOCK, from = first / BLOCK;
     const uint32_t most = blocks - from < RUN ? blocks : from + RUN;
     uint32_t b = from;
-    while (b < most && d->reach[b][0] >= t->from && d->reach[b][1] < t->to) b++;
+    for (; b < most; b++) {
+        const uint32_t *reach = d->reach[b];
+        const int has = reach[0] < t->to && reach[1] >= t->from;
+        const int all = reach[0] >= t->from && reach[1] < t->to;
+        if (b > from && (has != *some || all != *whole)) break;
+        *some = has;
+        *whole = all;
+    }
     return b < blocks ? b * BLOCK : cells;
 }
 
-/* block by block, and what is linear in runs of blocks */
-static void add_sum(const dm_cell_slopes *d, const target *t) {
+/* run by run; by kernels block by block */
+static void add_sum(const dm_cell_slopes *d, const dm_cell_target *t, double *work) {
     const dm_cell_loop *l = &d->loop;
     const uint32_t cells = l->outputs ? l->sum->bodies : 0;
-    for (uint32_t first = 0; first < cells;) {
-        uint32_t end = d->direct ? end_of_run(d, t, first, cells) : first;
-        for (uint32_t k = 0; end > first && k < l->outputs; k++)
-            dm_cell_linear_add(l->linear + k, t->out, t->x, first, end - first,
-                               d->turned * t->factor);
-        if (end == first) {
-            end = cells - first < BLOCK ? cells : first + BLOCK;
-            add_block(d, t, first, end - first);
+    double *scratch = work + (size_t)l->outputs * BLOCK;
+    int some = 0, whole = 0;
+    for (uint32_t first = 0, end; first < cells; first = end) {
+        end = end_of_run(d, t, first, cells, &some, &whole);
+        for (uint32_t k = 0; some && d->direct && k < l->outputs; k++)
+            dm_cell_linear_add(l->linear + k, t, first, end - first, whole);
+        for (uint32_t i = first; some && !d->direct && i < end; i += BLOCK) {
+            const uint32_t count = end - i < BLOCK ? end - i : BLOCK;
+            dm_cell_loop_run(l, work, BLOCK, t->x, i, count, scratch);
+            add_slopes(d, t, work, i, count, whole);
         }
-        first = end;
     }
 }
 
 void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
                        double *work, uint32_t from, uint32_t to) {
-    target t = {.out = out, .x = x, .work = work, .from = from, .to = to};
     memset(out + from, 0, (to - from) * sizeof *out);
     for (uint32_t k = 0; k < c->sums; k++) {
-        t.factor = factor[k];
-        add_sum(c->sum + k, &t);
+        const dm_cell_slopes *d = c->sum + k;
+        const double turned = d->direct ? d->turned : 1.0;
+        const dm_cell_target t = {out, x, turned * factor[k], from, to};
+        add_sum(d, &t, work);
     }
     for (uint32_t i = from; c->held && i < to; i++)
         if (c->held[i % c->coordinates] == DM_HELD) out[i] = 0.0;
