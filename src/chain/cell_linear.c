@@ -172,20 +172,18 @@ dm_status dm_cell_linear_read(dm_cell_linear **out, const dm_sum *s, const uint8
 
 /* ---- running ---- */
 
-/* y is put one behind the other, added to entries, or added to those that are asked for;
- * signs that are not known beforehand; entries for what is not asked for, not always the same */
-enum { PUT, ADD, ADD_SOME, ANY = 0xff, TRASH = 8 };
+enum { ANY = 0xff }; /* signs that are not known beforehand */
 
 /* what is the same for all cells of a run */
 typedef struct {
     double *out;
     const double *x, *w; /* w: of the first cell, or NULL */
-    uint32_t first, count, from, to;
+    uint32_t first, count;
     double scale, factor; /* factor: 1 where it is in scale */
 } span;
 
 /* any terms, cell by cell */
-static void run_any(const dm_cell_linear *l, const span *s, int how) {
+static void run_any(const dm_cell_linear *l, const span *s, int adds) {
     for (uint32_t i = s->first; i < s->first + s->count; i++) {
         size_t at[DM_LINEAR_TERMS];
         double sum = 0.0;
@@ -196,22 +194,19 @@ static void run_any(const dm_cell_linear *l, const span *s, int how) {
         }
         if (s->w) sum *= s->w[i - s->first];
         const double y = (sum * s->scale) * s->factor;
-        if (how == PUT) s->out[i - s->first] = y;
-        for (uint32_t k = 0; how != PUT && k < l->terms; k++)
-            if (how == ADD || (at[k] >= s->from && at[k] < s->to))
-                s->out[at[k]] += l->term[k].sign * y;
+        if (!adds) s->out[i - s->first] = y;
+        for (uint32_t k = 0; adds && k < l->terms; k++) s->out[at[k]] += l->term[k].sign * y;
     }
 }
 
 /* Terms with a weight that are first + step * index[cell], first and step the same for all.
- * Constants where this is called: terms, minus (bit k: term k is subtracted), step and how. */
+ * Constants where this is called: terms, minus (bit k: term k is subtracted), step and adds. */
 __attribute__((always_inline)) static inline void run_terms(const dm_cell_linear *l, const span *s,
                                                             const uint32_t terms,
                                                             const uint32_t minus, const size_t step,
-                                                            const int how) {
-    const uint32_t shift = l->term->first, from = s->from - shift, asked = s->to - s->from;
-    const double *restrict x = s->x + shift, *restrict w = s->w, scale = s->scale;
-    double *out = s->out + (how == PUT ? 0 : shift), trash[TRASH] = {0.0}, sign[DM_LINEAR_TERMS];
+                                                            const int adds) {
+    const double *restrict x = s->x + l->term->first, *restrict w = s->w, scale = s->scale;
+    double *restrict out = s->out + (adds ? l->term->first : 0), sign[DM_LINEAR_TERMS];
     const uint32_t *index[DM_LINEAR_TERMS];
     size_t at[DM_LINEAR_TERMS];
     for (uint32_t k = 0; k < terms; k++) {
@@ -223,12 +218,9 @@ __attribute__((always_inline)) static inline void run_terms(const dm_cell_linear
 #pragma GCC unroll 4
         for (uint32_t k = 1; k < terms; k++) sum += sign[k] * x[at[k] = step * index[k][i]];
         const double y = (sum * w[i]) * scale;
-        if (how == PUT) out[i] = y;
+        if (!adds) out[i] = y;
 #pragma GCC unroll 4
-        for (uint32_t k = 0; how != PUT && k < terms; k++) {
-            const int wanted = how == ADD || (uint32_t)at[k] - from < asked;
-            *(wanted ? out + at[k] : trash + i % TRASH) += sign[k] * y;
-        }
+        for (uint32_t k = 0; adds && k < terms; k++) out[at[k]] += sign[k] * y;
     }
 }
 
@@ -247,52 +239,46 @@ static int is_regular(const dm_cell_linear *l, const span *s, uint32_t *minus) {
 /* differences along edges, circulations of triangles and fluxes out of tetrahedra are what fields
  * have most often */
 __attribute__((always_inline)) static inline void run(const dm_cell_linear *l, const span *s,
-                                                      const int how) {
+                                                      const int adds) {
     uint32_t minus;
     const int regular = is_regular(l, s, &minus), dense = regular && l->term->step == 1;
     const uint32_t terms = regular ? l->terms : 0;
     if (dense && terms == 2 && minus == 2)
-        run_terms(l, s, 2, 2, 1, how);
+        run_terms(l, s, 2, 2, 1, adds);
     else if (terms == 2)
-        run_terms(l, s, 2, ANY, l->term->step, how);
+        run_terms(l, s, 2, ANY, l->term->step, adds);
     else if (dense && terms == 3 && minus == 2)
-        run_terms(l, s, 3, 2, 1, how);
+        run_terms(l, s, 3, 2, 1, adds);
     else if (dense && terms == 3 && minus == 4)
-        run_terms(l, s, 3, 4, 1, how);
+        run_terms(l, s, 3, 4, 1, adds);
     else if (terms == 3)
-        run_terms(l, s, 3, ANY, l->term->step, how);
+        run_terms(l, s, 3, ANY, l->term->step, adds);
     else if (terms == 4)
-        run_terms(l, s, 4, ANY, l->term->step, how);
+        run_terms(l, s, 4, ANY, l->term->step, adds);
     else
-        run_any(l, s, how);
+        run_any(l, s, adds);
 }
 
-static span span_of(const dm_cell_linear *l, const dm_cell_target *t, uint32_t first,
-                    uint32_t count) {
-    const int exact = is_power_of_two(l->scale) || is_power_of_two(t->factor);
-    return (span){.out = t->out,
-                  .x = t->x,
+static span span_of(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
+                    uint32_t count, double factor) {
+    const int exact = is_power_of_two(l->scale) || is_power_of_two(factor);
+    return (span){.out = out,
+                  .x = x,
                   .w = l->weight ? l->weight + first : NULL,
                   .first = first,
                   .count = count,
-                  .from = t->from,
-                  .to = t->to,
-                  .scale = exact ? l->scale * t->factor : l->scale,
-                  .factor = exact ? 1.0 : t->factor};
+                  .scale = exact ? l->scale * factor : l->scale,
+                  .factor = exact ? 1.0 : factor};
 }
 
 void dm_cell_linear_run(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
                         uint32_t count, double factor) {
-    const dm_cell_target t = {.out = out, .x = x, .factor = factor};
-    const span s = span_of(l, &t, first, count);
-    run(l, &s, PUT);
+    const span s = span_of(l, out, x, first, count, factor);
+    run(l, &s, 0);
 }
 
-void dm_cell_linear_add(const dm_cell_linear *l, const dm_cell_target *t, uint32_t first,
-                        uint32_t count, int whole) {
-    const span s = span_of(l, t, first, count);
-    if (whole)
-        run(l, &s, ADD);
-    else
-        run(l, &s, ADD_SOME);
+void dm_cell_linear_add(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
+                        uint32_t count, double factor) {
+    const span s = span_of(l, out, x, first, count, factor);
+    run(l, &s, 1);
 }

@@ -34,17 +34,9 @@ dm_status dm_cell_linear_read(dm_cell_linear **out, const dm_sum *s, const uint8
 void dm_cell_linear_run(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
                         uint32_t count, double factor);
 
-/* a part of a gradient: entries [from, to) of out, at x */
-typedef struct {
-    double *out;
-    const double *x;
-    double factor;
-    uint32_t from, to;
-} dm_cell_target;
-
-/* factor y of these cells to the entries that y reads, with the signs that it reads them with: the
- * gradient of w (x_a +- x_b +- ...)^2. whole: they have no entry but those that are asked for. */
-void dm_cell_linear_add(const dm_cell_linear *l, const dm_cell_target *t, uint32_t first,
-                        uint32_t count, int whole);
+/* factor y of these cells to the entries of out that y reads of x, with the signs that it reads them
+ * with: the gradient of w (x_a +- x_b +- ...)^2. out is not x. */
+void dm_cell_linear_add(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
+                        uint32_t count, double factor);
 
 #endif

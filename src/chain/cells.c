@@ -3,12 +3,13 @@
 
 #include "algebra/compact.h"
 #include "algebra/derive.h"
+#include "chain/cell_lists.h"
 #include "code/native/jit.h"
 #include "graph/analyse.h"
 
 #include <string.h>
 
-enum { BLOCK = DM_CELL_BLOCK, WIDEST = 8, RUN = 16 };
+enum { BLOCK = DM_CELL_BLOCK, WIDEST = 8, RUN = 1024 };
 
 /* ---- kernels ---- */
 
@@ -167,11 +168,6 @@ static dm_status find_shares(dm_cell_slopes *d, const dm_sum *s, uint32_t m, dm_
     return dm_graph_status(s->term);
 }
 
-/* the entry that cell i has in a share */
-static inline size_t entry_of(const dm_cell_share *s, uint32_t i) {
-    return s->first + (size_t)s->step * (s->index ? s->index[i] : i);
-}
-
 /* the share of the entries that a term reads, or NULL */
 static const dm_cell_share *share_of(const dm_cell_slopes *d, const dm_linear_term *t) {
     const dm_cell_share *found = NULL;
@@ -211,22 +207,6 @@ static void find_direct(dm_cell_slopes *d) {
     d->direct = terms == d->shares;
 }
 
-/* least and largest entries, block by block */
-static dm_status find_reach(dm_cell_slopes *d, uint32_t cells, dm_arena *arena) {
-    const uint32_t blocks = (cells + BLOCK - 1) / BLOCK;
-    d->reach = dm_arena_take(arena, ((size_t)blocks + 1) * sizeof *d->reach);
-    if (!d->reach) return DM_NO_MEMORY;
-    for (uint32_t b = 0; b < blocks; b++) d->reach[b][0] = UINT32_MAX, d->reach[b][1] = 0;
-    for (uint32_t k = 0; k < d->shares; k++)
-        for (uint32_t i = 0; i < cells; i++) {
-            const uint32_t entry = (uint32_t)entry_of(d->share + k, i);
-            uint32_t *reach = d->reach[i / BLOCK];
-            if (entry < reach[0]) reach[0] = entry;
-            if (entry > reach[1]) reach[1] = entry;
-        }
-    return DM_OK;
-}
-
 /* loop and shares of one sum */
 static dm_status open_sum(dm_cells *c, const dm_sum *s, dm_compile *compile, dm_arena *arena) {
     dm_node roots[DM_SUM_COLUMNS];
@@ -236,7 +216,6 @@ static dm_status open_sum(dm_cells *c, const dm_sum *s, dm_compile *compile, dm_
     dm_status status = find_shares(d, s, c->m, roots, &outputs, arena);
     if (status != DM_OK || !outputs) return status;
     status = dm_cell_loop_make(&d->loop, s, roots, outputs, compile, arena);
-    if (status == DM_OK) status = find_reach(d, s->bodies, arena);
     if (status == DM_OK) find_direct(d);
     const size_t work = dm_cell_loop_work(&d->loop) + (size_t)outputs * BLOCK;
     if (work > c->work) c->work = work;
@@ -266,7 +245,9 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
     dm_status status = DM_OK;
     *c = (dm_cells){.m = m, .shared = 1};
     c->sum = dm_arena_take(arena, (count + 1) * sizeof *c->sum);
-    if (!c->sum) return DM_NO_MEMORY;
+    c->lists = dm_arena_take(arena, sizeof *c->lists);
+    if (!c->sum || !c->lists) return DM_NO_MEMORY;
+    *c->lists = (dm_cell_lists){0};
     for (uint32_t k = 0; k < count && status == DM_OK; k++)
         status = open_sum(c, sums[k], compile, arena);
     return status;
@@ -274,109 +255,81 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
 
 /* ---- adding slopes up ---- */
 
-/* Slopes y[output][BLOCK] of the cells [first, first + count), times the factor, to the entries
- * that they belong to, cell by cell; all shares have an index. Constants where this is called:
- * shares, and step, which is that of all. */
-__attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *d,
-                                                          const dm_cell_target *t, const double *y,
+/* out += factor times the slopes y[output][BLOCK] of the cells [first, first + count), cell by cell.
+ * Constants where this is called: shares, which have an index, and step, which is that of all. */
+__attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *d, double *out,
+                                                          double factor, const double *y,
                                                           uint32_t first, uint32_t count,
                                                           const uint32_t shares,
                                                           const uint32_t step) {
     const uint32_t *index[DM_SUM_COLUMNS];
     const double *slope[DM_SUM_COLUMNS];
-    double *to[DM_SUM_COLUMNS], sign[DM_SUM_COLUMNS];
+    double *to[DM_SUM_COLUMNS], by[DM_SUM_COLUMNS];
     for (uint32_t k = 0; k < shares; k++) {
         const dm_cell_share *s = d->share + k;
         index[k] = s->index + first;
         slope[k] = y + s->output * BLOCK;
-        to[k] = t->out + s->first;
-        sign[k] = s->sign * t->factor;
+        to[k] = out + s->first;
+        by[k] = s->sign * factor;
     }
     for (uint32_t i = 0; i < count; i++)
 #pragma GCC unroll 4
         for (uint32_t k = 0; k < shares; k++)
-            to[k][(size_t)step * index[k][i]] += sign[k] * slope[k][i];
+            to[k][(size_t)step * index[k][i]] += by[k] * slope[k][i];
 }
 
-/* the same of any shares, where entries are asked for */
-static void scatter_some(const dm_cell_slopes *d, const dm_cell_target *t, const double *y,
-                         uint32_t first, uint32_t count) {
+/* the same of any shares */
+static void scatter_any(const dm_cell_slopes *d, double *out, double factor, const double *y,
+                        uint32_t first, uint32_t count) {
     for (uint32_t i = 0; i < count; i++)
-        for (const dm_cell_share *s = d->share; s < d->share + d->shares; s++) {
-            const size_t entry = entry_of(s, first + i);
-            if (entry >= t->from && entry < t->to)
-                t->out[entry] += s->sign * t->factor * y[s->output * BLOCK + i];
-        }
+        for (const dm_cell_share *s = d->share; s < d->share + d->shares; s++)
+            out[dm_cell_share_entry(s, first + i)] += s->sign * factor * y[s->output * BLOCK + i];
 }
 
-/* cells with a share of their own, one behind the other */
-static void add_run(const dm_cell_share *s, const dm_cell_target *t, const double *restrict y,
-                    uint32_t first, uint32_t count) {
-    double *restrict to = t->out + s->first + first;
-    const double sign = s->sign * t->factor;
-    for (uint32_t i = 0; i < count; i++) to[i] += sign * y[i];
+/* cells with an entry of their own, one behind the other */
+static void add_run(double *restrict to, double factor, const double *restrict y, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) to[i] += factor * y[i];
 }
 
-/* of single cells, edges and triangles, which fields have most often, and of any */
-static void add_slopes(const dm_cell_slopes *d, const dm_cell_target *t, const double *y,
-                       uint32_t first, uint32_t count, int whole) {
-    if (whole && d->shares == 1 && !d->share->index && d->share->step == 1)
-        add_run(d->share, t, y, first, count);
-    else if (whole && d->step == 1 && d->shares == 2)
-        scatter(d, t, y, first, count, 2, 1);
-    else if (whole && d->step == 1 && d->shares == 3)
-        scatter(d, t, y, first, count, 3, 1);
-    else if (whole && d->step)
-        scatter(d, t, y, first, count, d->shares, d->step);
+/* of vertices, edges and triangles, which fields have most often, and of any cells */
+static void add_slopes(const dm_cell_slopes *d, double *out, double factor, const double *y,
+                       uint32_t first, uint32_t count) {
+    const dm_cell_share *s = d->share;
+    if (d->shares == 1 && !s->index && s->step == 1)
+        add_run(out + s->first + first, s->sign * factor, y, count);
+    else if (d->step == 1 && d->shares == 2)
+        scatter(d, out, factor, y, first, count, 2, 1);
+    else if (d->step == 1 && d->shares == 3)
+        scatter(d, out, factor, y, first, count, 3, 1);
+    else if (d->step)
+        scatter(d, out, factor, y, first, count, d->shares, d->step);
     else
-        scatter_some(d, t, y, first, count);
+        scatter_any(d, out, factor, y, first, count);
 }
 
-/* the end of a run of at most RUN blocks that are alike: they have an entry that is asked for, or
- * none, and others, too, or none; *some, *whole: what they are */
-static uint32_t end_of_run(const dm_cell_slopes *d, const dm_cell_target *t, uint32_t first,
-                           uint32_t cells, int *some, int *whole) {
-    const uint32_t blocks = (cells + BLOCK - 1) / BLOCK, from = first / BLOCK;
-    const uint32_t most = blocks - from < RUN ? blocks : from + RUN;
-    uint32_t b = from;
-    for (; b < most; b++) {
-        const uint32_t *reach = d->reach[b];
-        const int has = reach[0] < t->to && reach[1] >= t->from;
-        const int all = reach[0] >= t->from && reach[1] < t->to;
-        if (b > from && (has != *some || all != *whole)) break;
-        *some = has;
-        *whole = all;
-    }
-    return b < blocks ? b * BLOCK : cells;
-}
-
-/* run by run; by kernels block by block */
-static void add_sum(const dm_cell_slopes *d, const dm_cell_target *t, double *work) {
+/* linear slopes in runs, as far as x is in the caches for all outputs; others block by block */
+static void add_sum(const dm_cell_slopes *d, double *out, double factor, const double *x,
+                    double *work) {
     const dm_cell_loop *l = &d->loop;
-    const uint32_t cells = l->outputs ? l->sum->bodies : 0;
-    double *scratch = work + (size_t)l->outputs * BLOCK;
-    int some = 0, whole = 0;
-    for (uint32_t first = 0, end; first < cells; first = end) {
-        end = end_of_run(d, t, first, cells, &some, &whole);
-        for (uint32_t k = 0; some && d->direct && k < l->outputs; k++)
-            dm_cell_linear_add(l->linear + k, t, first, end - first, whole);
-        for (uint32_t i = first; some && !d->direct && i < end; i += BLOCK) {
-            const uint32_t count = end - i < BLOCK ? end - i : BLOCK;
-            dm_cell_loop_run(l, work, BLOCK, t->x, i, count, scratch);
-            add_slopes(d, t, work, i, count, whole);
-        }
+    const uint32_t cells = l->outputs ? l->sum->bodies : 0, most = d->direct ? RUN : BLOCK;
+    for (uint32_t first = 0; first < cells; first += most) {
+        const uint32_t count = cells - first < most ? cells - first : most;
+        for (uint32_t k = 0; d->direct && k < l->outputs; k++)
+            dm_cell_linear_add(l->linear + k, out, x, first, count, d->turned * factor);
+        if (d->direct) continue;
+        dm_cell_loop_run(l, work, BLOCK, x, first, count, work + (size_t)l->outputs * BLOCK);
+        add_slopes(d, out, factor, work, first, count);
     }
+}
+
+void dm_cells_hold(const dm_cells *c, double *out, uint32_t from, uint32_t to) {
+    for (uint32_t i = from; c->held && i < to; i++)
+        if (c->held[i % c->coordinates] == DM_HELD) out[i] = 0.0;
 }
 
 void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
-                       double *work, uint32_t from, uint32_t to) {
-    memset(out + from, 0, (to - from) * sizeof *out);
-    for (uint32_t k = 0; k < c->sums; k++) {
-        const dm_cell_slopes *d = c->sum + k;
-        const double turned = d->direct ? d->turned : 1.0;
-        const dm_cell_target t = {out, x, turned * factor[k], from, to};
-        add_sum(d, &t, work);
-    }
-    for (uint32_t i = from; c->held && i < to; i++)
-        if (c->held[i % c->coordinates] == DM_HELD) out[i] = 0.0;
+                       double *work) {
+    memset(out, 0, c->m * sizeof *out);
+    for (uint32_t k = 0; k < c->sums; k++) add_sum(c->sum + k, out, factor[k], x, work);
+    dm_cells_hold(c, out, 0, c->m);
 }

@@ -1,10 +1,8 @@
-/* cells.h - sums over the cells of a mesh (algebra/body_sum.h) as loops, and their gradient with
- * one writer an entry. The slopes of a block of cells are added to the entries that the cells
- * have, so entry i of the gradient is the sum of those that belong to it, in the order of sums,
- * cells and columns:
+/* cells.h - sums over the cells of a mesh (algebra/body_sum.h) as loops, and their gradient: the
+ * slopes of a cell are added to the entries that it has, so entry i of the gradient is the sum of
+ * those that belong to it, in the order of sums, cells and columns:
  *   dS/dx_i = sum over (cell K, column c) with x_i in column c of K of d term_K / d column c.
- * A part of the entries takes the cells that have one of them, and leaves the others alone. So it
- * makes no difference to a bit which thread, lane or backend does which part. */
+ * Threads do it by way of chain/cell_lists.h, with the same bits. */
 #ifndef DM_CELLS_H
 #define DM_CELLS_H
 
@@ -54,7 +52,6 @@ typedef struct {
      * there, times `turned` */
     int direct;
     double turned;
-    uint32_t (*reach)[2]; /* [blocks of cells] the least and the largest entry of their shares */
 } dm_cell_slopes;
 
 /* the gradient of factor_1 S_1 + factor_2 S_2 + ... by x_0 .. x_(m - 1) */
@@ -63,8 +60,9 @@ typedef struct dm_cells {
     uint32_t sums, m;
     const uint8_t *held; /* [coordinates] entries that are DM_HELD have no slope; NULL: none */
     uint32_t coordinates;
-    size_t work; /* doubles of scratch of a thread */
-    int shared;  /* threads may run it side by side */
+    struct dm_cell_lists *lists; /* empty until threads ask for them */
+    size_t work;                 /* doubles of scratch of a thread */
+    int shared;                  /* threads may run it side by side */
 } dm_cells;
 
 /* The sums over cells of g on which root depends, *count of them, and the nodes of d root/d sum in
@@ -76,9 +74,16 @@ const dm_sum **dm_cells_sums(dm_graph *g, dm_node root, dm_node *factor, uint32_
 dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, uint32_t m,
                         dm_compile *compile, dm_arena *arena);
 
-/* Entries [from, to) of the gradient at x into out[m]; factor[sums]. Threads may do different ones
- * side by side, each with work[] of its own. */
+/* out[m] = the gradient at x; factor[sums], work[]. */
 void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
-                       double *work, uint32_t from, uint32_t to);
+                       double *work);
+
+/* Entries of out[m] from `from` to `to` that are held have no slope. */
+void dm_cells_hold(const dm_cells *c, double *out, uint32_t from, uint32_t to);
+
+/* The entry that cell i has in a share. */
+static inline size_t dm_cell_share_entry(const dm_cell_share *s, uint32_t i) {
+    return s->first + (size_t)s->step * (s->index ? s->index[i] : i);
+}
 
 #endif

@@ -38,7 +38,7 @@ static void eval_value(const void *pool, const double *x, double *out) {
 /* behind what is there, by way of a scratch of its own: cells are added up first */
 static void add_cells(const whole *w, double *out, const double *x) {
     double *own = w->cell_work + w->cells->work;
-    dm_cells_gradient(w->cells, own, w->y + w->direct + w->slopes, x, w->cell_work, 0, w->m);
+    dm_cells_gradient(w->cells, own, w->y + w->direct + w->slopes, x, w->cell_work);
     for (uint32_t i = 0; i < w->m; i++) out[i] += own[i];
 }
 
@@ -47,7 +47,7 @@ static void eval_gradient(const void *pool, const double *x, double *out) {
     const whole *w = pool;
     if (w->outer.eval) eval_outer(w, x, w->y);
     if (w->cells && !w->direct && !w->slopes) {
-        dm_cells_gradient(w->cells, out, w->y, x, w->cell_work, 0, w->m);
+        dm_cells_gradient(w->cells, out, w->y, x, w->cell_work);
         return;
     }
     memset(out, 0, w->m * sizeof *out);

@@ -2,6 +2,7 @@
  * entries are moved and before their forces are made anew. */
 #include "integ/split/cells_split_inside.h"
 
+#include "chain/cell_lists.h"
 #include "chain/curvature.h"
 #include "chain/loops.h"
 #include "chain/team.h"
@@ -66,7 +67,8 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
     for (int k = 0; k < table->stages; k++) s->c[k + 1] = s->c[k] + table->a[k];
     s->c[table->stages] = 1.0;
     work += struct_size();
-    if (threads > 1 && cells->shared && (!m->work || m->work->shared))
+    if (threads > 1 && cells->shared && (!m->work || m->work->shared) &&
+        dm_cell_lists_make(cells, m->source.arena) == DM_OK)
         s->team = dm_team_open(work, threads);
     const size_t arguments = arguments_of(m);
     s->own = arguments > 0;
@@ -171,7 +173,7 @@ static void eliminate(dm_cells_split *s) {
             size = fmax(size, fabs(s->x[i]));
             if (change != change) step = size = NAN;
         }
-        dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch, 0, m->n);
+        dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch);
         if (!(step > 4e-16 * size)) return;
     }
 }
@@ -188,8 +190,10 @@ static void set_positions(dm_cells_split *s, double *q) {
         s->x = q;
 }
 
-/* forces of L at the time t; everybody has moved his entries before */
+/* Forces of L at the time t, of the entries of a thread; everybody has moved his entries before. Of
+ * a team by way of lists. */
 static void forces_of(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
+    double *scratch = s->scratch + part * s->room;
     uint32_t from, to;
     dm_team_meet(s->team);
     if (part == 0 && s->timed) {
@@ -197,10 +201,16 @@ static void forces_of(dm_cells_split *s, double t, uint32_t part, uint32_t parts
         s->factor = dm_loops_factors(&s->m->force, s->x);
     }
     if (s->timed) dm_team_meet(s->team);
-    share_out(s, part, parts, &from, &to);
-    dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch + part * s->room, from, to);
-    dm_team_meet(s->team);
+    if (s->team) {
+        dm_cell_lists_slopes(s->cells, s->factor, s->x, scratch, part, parts);
+        dm_team_meet(s->team);
+        share_out(s, part, parts, &from, &to);
+        dm_cell_lists_entries(s->cells, s->force, from, to);
+    } else {
+        dm_cells_gradient(s->cells, s->force, s->factor, s->x, scratch);
+    }
     if (!s->m->massless) return;
+    dm_team_meet(s->team);
     if (part == 0) eliminate(s);
     dm_team_meet(s->team);
 }
