@@ -172,7 +172,9 @@ dm_status dm_cell_linear_read(dm_cell_linear **out, const dm_sum *s, const uint8
 
 /* ---- running ---- */
 
-enum { ANY = 0xff }; /* signs that are not known beforehand */
+/* what is done with y: it is added to its entries, or stands in out, or does so with its opposite;
+ * signs that are not known beforehand */
+enum { ADD = 0, PUT = 1, PUT_BOTH = 2, ANY = 0xff };
 
 /* what is the same for all cells of a run */
 typedef struct {
@@ -183,7 +185,7 @@ typedef struct {
 } span;
 
 /* any terms, cell by cell */
-static void run_any(const dm_cell_linear *l, const span *s, int adds) {
+static void run_any(const dm_cell_linear *l, const span *s, uint32_t how) {
     for (uint32_t i = s->first; i < s->first + s->count; i++) {
         size_t at[DM_LINEAR_TERMS];
         double sum = 0.0;
@@ -194,19 +196,20 @@ static void run_any(const dm_cell_linear *l, const span *s, int adds) {
         }
         if (s->w) sum *= s->w[i - s->first];
         const double y = (sum * s->scale) * s->factor;
-        if (!adds) s->out[i - s->first] = y;
-        for (uint32_t k = 0; adds && k < l->terms; k++) s->out[at[k]] += l->term[k].sign * y;
+        if (how != ADD) s->out[how * (i - s->first)] = y;
+        if (how == PUT_BOTH) s->out[2 * (i - s->first) + 1] = -y;
+        for (uint32_t k = 0; how == ADD && k < l->terms; k++) s->out[at[k]] += l->term[k].sign * y;
     }
 }
 
 /* Terms with a weight that are first + step * index[cell], first and step the same for all.
- * Constants where this is called: terms, minus (bit k: term k is subtracted), step and adds. */
+ * Constants where this is called: terms, minus (bit k: term k is subtracted), step and how. */
 __attribute__((always_inline)) static inline void run_terms(const dm_cell_linear *l, const span *s,
                                                             const uint32_t terms,
                                                             const uint32_t minus, const size_t step,
-                                                            const int adds) {
+                                                            const uint32_t how) {
     const double *restrict x = s->x + l->term->first, *restrict w = s->w, scale = s->scale;
-    double *restrict out = s->out + (adds ? l->term->first : 0), sign[DM_LINEAR_TERMS];
+    double *restrict out = s->out + (how == ADD ? l->term->first : 0), sign[DM_LINEAR_TERMS];
     const uint32_t *index[DM_LINEAR_TERMS];
     size_t at[DM_LINEAR_TERMS];
     for (uint32_t k = 0; k < terms; k++) {
@@ -218,9 +221,10 @@ __attribute__((always_inline)) static inline void run_terms(const dm_cell_linear
 #pragma GCC unroll 4
         for (uint32_t k = 1; k < terms; k++) sum += sign[k] * x[at[k] = step * index[k][i]];
         const double y = (sum * w[i]) * scale;
-        if (!adds) out[i] = y;
+        if (how != ADD) out[how * i] = y;
+        if (how == PUT_BOTH) out[2 * i + 1] = -y;
 #pragma GCC unroll 4
-        for (uint32_t k = 0; adds && k < terms; k++) out[at[k]] += sign[k] * y;
+        for (uint32_t k = 0; how == ADD && k < terms; k++) out[at[k]] += sign[k] * y;
     }
 }
 
@@ -239,24 +243,24 @@ static int is_regular(const dm_cell_linear *l, const span *s, uint32_t *minus) {
 /* differences along edges, circulations of triangles and fluxes out of tetrahedra are what fields
  * have most often */
 __attribute__((always_inline)) static inline void run(const dm_cell_linear *l, const span *s,
-                                                      const int adds) {
+                                                      const uint32_t how) {
     uint32_t minus;
     const int regular = is_regular(l, s, &minus), dense = regular && l->term->step == 1;
     const uint32_t terms = regular ? l->terms : 0;
     if (dense && terms == 2 && minus == 2)
-        run_terms(l, s, 2, 2, 1, adds);
+        run_terms(l, s, 2, 2, 1, how);
     else if (terms == 2)
-        run_terms(l, s, 2, ANY, l->term->step, adds);
+        run_terms(l, s, 2, ANY, l->term->step, how);
     else if (dense && terms == 3 && minus == 2)
-        run_terms(l, s, 3, 2, 1, adds);
+        run_terms(l, s, 3, 2, 1, how);
     else if (dense && terms == 3 && minus == 4)
-        run_terms(l, s, 3, 4, 1, adds);
+        run_terms(l, s, 3, 4, 1, how);
     else if (terms == 3)
-        run_terms(l, s, 3, ANY, l->term->step, adds);
+        run_terms(l, s, 3, ANY, l->term->step, how);
     else if (terms == 4)
-        run_terms(l, s, 4, ANY, l->term->step, adds);
+        run_terms(l, s, 4, ANY, l->term->step, how);
     else
-        run_any(l, s, adds);
+        run_any(l, s, how);
 }
 
 static span span_of(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
@@ -271,14 +275,17 @@ static span span_of(const dm_cell_linear *l, double *out, const double *x, uint3
                   .factor = exact ? 1.0 : factor};
 }
 
-void dm_cell_linear_run(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
-                        uint32_t count, double factor) {
+void dm_cell_linear_run(const dm_cell_linear *l, double *out, uint32_t width, const double *x,
+                        uint32_t first, uint32_t count, double factor) {
     const span s = span_of(l, out, x, first, count, factor);
-    run(l, &s, 0);
+    if (width == 2)
+        run(l, &s, PUT_BOTH);
+    else
+        run(l, &s, PUT);
 }
 
 void dm_cell_linear_add(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
                         uint32_t count, double factor) {
     const span s = span_of(l, out, x, first, count, factor);
-    run(l, &s, 1);
+    run(l, &s, ADD);
 }

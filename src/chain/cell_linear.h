@@ -30,12 +30,13 @@ typedef struct {
 dm_status dm_cell_linear_read(dm_cell_linear **out, const dm_sum *s, const uint8_t *column,
                               dm_graph *g, const dm_node *roots, uint32_t outputs, dm_arena *arena);
 
-/* out[i - first] = factor y of the cells i in [first, first + count). */
-void dm_cell_linear_run(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
-                        uint32_t count, double factor);
+/* out[width (i - first)] = factor y of the cells i in [first, first + count); where the width is 2
+ * the opposite stands behind each. */
+void dm_cell_linear_run(const dm_cell_linear *l, double *out, uint32_t width, const double *x,
+                        uint32_t first, uint32_t count, double factor);
 
-/* factor y of these cells to the entries of out that y reads of x, with the signs that it reads them
- * with: the gradient of w (x_a +- x_b +- ...)^2. out is not x. */
+/* factor y of these cells to the entries of out that y reads of x, with the signs that it reads
+ * them with: the gradient of w (x_a +- x_b +- ...)^2. out is not x. */
 void dm_cell_linear_add(const dm_cell_linear *l, double *out, const double *x, uint32_t first,
                         uint32_t count, double factor);
 

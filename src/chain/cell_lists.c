@@ -44,6 +44,17 @@ static dm_status place_slopes(const dm_cells *c, size_t *slots, size_t *all, dm_
     return *slots > UINT32_MAX || *all > UINT32_MAX ? DM_TOO_LARGE : DM_OK;
 }
 
+/* in nearly all blocks edges of a surface have two terms each, vertices six */
+static void find_alike(const dm_cell_lists *l, uint32_t m) {
+    for (uint32_t first = 0; first < m; first += BLOCK) {
+        const uint32_t *start = l->start + first, terms = start[1] - start[0];
+        const uint32_t count = m - first < BLOCK ? m - first : BLOCK;
+        uint32_t i = 1;
+        while (i < count && start[i + 1] - start[i] == terms) i++;
+        l->alike[first / BLOCK] = i == count && terms < UINT8_MAX ? (uint8_t)terms : 0;
+    }
+}
+
 /* by counting: while lists are filled start[i + 1] is the next place of entry i */
 dm_status dm_cell_lists_make(const dm_cells *c, dm_arena *arena) {
     dm_cell_lists *l = c->lists;
@@ -54,11 +65,13 @@ dm_status dm_cell_lists_make(const dm_cells *c, dm_arena *arena) {
     l->start = dm_arena_take(arena, ((size_t)c->m + 2) * sizeof *l->start);
     l->list = dm_arena_take(arena, (all + 1) * sizeof *l->list);
     double *slope = dm_arena_take(arena, (slots + 1) * sizeof *slope);
-    if (!l->start || !l->list || !slope) return DM_NO_MEMORY;
+    l->alike = dm_arena_take(arena, c->m / BLOCK + 1);
+    if (!l->start || !l->list || !slope || !l->alike) return DM_NO_MEMORY;
     memset(l->start, 0, ((size_t)c->m + 2) * sizeof *l->start);
     pass(c, l->start, NULL);
     for (uint32_t i = 1; i <= c->m; i++) l->start[i + 1] += l->start[i];
     pass(c, l->start, l->list);
+    find_alike(l, c->m);
     l->slope = slope;
     return DM_OK;
 }
@@ -72,7 +85,10 @@ static void find_slopes(const dm_cells *c, uint32_t k, double factor, const doub
     const dm_cell_loop *l = &c->sum[k].loop;
     const uint32_t cells = l->sum->bodies, width = c->lists->width[k];
     double *slope = c->lists->slope + c->lists->slot[k];
-    for (uint32_t first = from; first < to; first += BLOCK) {
+    for (uint32_t j = 0; l->linear && j < l->outputs; j++)
+        dm_cell_linear_run(l->linear + j, slope + width * ((size_t)j * cells + from), width, x,
+                           from, to - from, factor);
+    for (uint32_t first = from; !l->linear && first < to; first += BLOCK) {
         const uint32_t count = to - first < BLOCK ? to - first : BLOCK;
         dm_cell_loop_run(l, work, BLOCK, x, first, count, work + (size_t)l->outputs * BLOCK);
         for (uint32_t j = 0; j < l->outputs; j++) {
@@ -94,31 +110,37 @@ void dm_cell_lists_slopes(const dm_cells *c, const double *factor, const double 
         const uint32_t blocks = (cells + BLOCK - 1) / BLOCK;
         const uint32_t from = (uint32_t)((uint64_t)blocks * part / parts) * BLOCK;
         const uint32_t to = (uint32_t)((uint64_t)blocks * (part + 1) / parts) * BLOCK;
-        find_slopes(c, k, factor[k], x, work, from, to < cells ? to : cells);
+        if (from < cells) find_slopes(c, k, factor[k], x, work, from, to < cells ? to : cells);
     }
 }
 
-/* of an entry with so many terms; a constant where this is called */
-__attribute__((always_inline)) static inline double add_up(const double *restrict slope,
-                                                           const uint32_t *restrict list,
-                                                           const uint32_t terms) {
-    double sum = 0.0;
+/* entries [from, to), which have so many terms each (a constant where this is called) or, 0, as
+ * many as they have */
+__attribute__((always_inline)) static inline void add_up(const dm_cell_lists *l, double *out,
+                                                         uint32_t from, uint32_t to,
+                                                         const uint32_t terms) {
+    const double *restrict slope = l->slope;
+    const uint32_t *restrict list = l->list + l->start[from];
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t count = terms ? terms : l->start[i + 1] - l->start[i];
+        double sum = 0.0;
 #pragma GCC unroll 6
-    for (uint32_t k = 0; k < terms; k++) sum += slope[list[k]];
-    return sum;
+        for (uint32_t k = 0; k < count; k++) sum += slope[list[k]];
+        out[i] = sum;
+        list += count;
+    }
 }
 
-/* edges of a surface have two terms, vertices of regular meshes six */
 void dm_cell_lists_entries(const dm_cells *c, double *out, uint32_t from, uint32_t to) {
     const dm_cell_lists *l = c->lists;
-    for (uint32_t i = from; i < to; i++) {
-        const uint32_t *list = l->list + l->start[i], terms = l->start[i + 1] - l->start[i];
-        if (terms == 2)
-            out[i] = add_up(l->slope, list, 2);
-        else if (terms == 6)
-            out[i] = add_up(l->slope, list, 6);
+    for (uint32_t i = from, end; i < to; i = end) {
+        end = (i / BLOCK + 1) * BLOCK < to ? (i / BLOCK + 1) * BLOCK : to;
+        if (l->alike[i / BLOCK] == 2)
+            add_up(l, out, i, end, 2);
+        else if (l->alike[i / BLOCK] == 6)
+            add_up(l, out, i, end, 6);
         else
-            out[i] = add_up(l->slope, list, terms);
+            add_up(l, out, i, end, 0);
     }
     dm_cells_hold(c, out, from, to);
 }

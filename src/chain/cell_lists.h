@@ -1,6 +1,6 @@
-/* cell_lists.h - the gradient of sums over cells (chain/cells.h) by threads: the slopes of all cells
- * first, then entry by entry the sum of those that belong to it, in the order in which one thread
- * adds them up, so with its bits. Every slope and every entry has one writer. */
+/* cell_lists.h - the gradient of sums over cells (chain/cells.h) by threads: the slopes of all
+ * cells first, then entry by entry the sum of those that belong to it, in the order in which one
+ * thread adds them up, so with its bits. Every slope and every entry has one writer. */
 #ifndef DM_CELL_LISTS_H
 #define DM_CELL_LISTS_H
 
@@ -12,6 +12,7 @@ typedef struct dm_cell_lists {
     double *slope;  /* those of all sums; NULL: nobody has asked for lists */
     uint32_t *start; /* [m + 1] of list */
     uint32_t *list;  /* slopes of an entry */
+    uint8_t *alike;  /* [m / 64 + 1] of 64 entries: how many terms each has; 0: not the same */
 } dm_cell_lists;
 
 /* The lists of c, made where they are not there yet. DM_TOO_LARGE: more than 2^32 slopes. */

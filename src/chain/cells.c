@@ -114,7 +114,7 @@ __attribute__((always_inline)) static inline void run_block(const dm_cell_loop *
 void dm_cell_loop_run(const dm_cell_loop *l, double *out, size_t stride, const double *x,
                       uint32_t first, uint32_t count, double *work) {
     for (uint32_t k = 0; l->linear && k < l->outputs; k++)
-        dm_cell_linear_run(l->linear + k, out + k * stride, x, first, count, 1.0);
+        dm_cell_linear_run(l->linear + k, out + k * stride, 1, x, first, count, 1.0);
     if (l->linear) return;
     const uintptr_t line = WIDEST * sizeof *work;
     work += (line - (uintptr_t)work % line) % line / sizeof *work;
@@ -186,7 +186,8 @@ static int are_apart(const dm_cell_slopes *d) {
         for (uint32_t b = 0; b < a; b++) {
             const dm_cell_share *s = d->share + a, *t = d->share + b;
             if (s->output == t->output) continue;
-            if (s->step != t->step || s->first % s->step == t->first % s->step) return 0;
+            if (!s->step || s->step != t->step) return 0;
+            if (s->first % s->step == t->first % s->step) return 0;
         }
     return 1;
 }
@@ -255,7 +256,7 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
 
 /* ---- adding slopes up ---- */
 
-/* out += factor times the slopes y[output][BLOCK] of the cells [first, first + count), cell by cell.
+/* out += factor times the slopes y[output][BLOCK] of cells [first, first + count), cell by cell.
  * Constants where this is called: shares, which have an index, and step, which is that of all. */
 __attribute__((always_inline)) static inline void scatter(const dm_cell_slopes *d, double *out,
                                                           double factor, const double *y,

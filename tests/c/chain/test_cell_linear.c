@@ -103,16 +103,16 @@ static void factors_are_rounded_once_more(void) {
                               .term = {{b, 0, 1, 1.0}, {a, 0, 1, -1.0}},
                               .weight = w,
                               .scale = -2.0};
-    double y[2];
-    dm_cell_linear_run(&l, y, q, 0, 2, 0.7);
+    double y[4];
+    dm_cell_linear_run(&l, y, 2, q, 0, 2, 0.7);
     for (int i = 0; i < 2; i++) {
         const double slope = (w[i] * (q[b[i]] - q[a[i]])) * -2.0;
-        CHECK(y[i] == slope * 0.7);
+        CHECK(y[2 * i] == slope * 0.7 && y[2 * i + 1] == -(slope * 0.7));
     }
 }
 
 int main(void) {
     RUN(linear_slopes_have_the_bits_of_kernels, "linear slopes have the bits of their kernels");
-    RUN(factors_are_rounded_once_more, "factors are rounded once more");
+    RUN(factors_are_rounded_once_more, "factors are rounded once more, opposites stand behind");
     return check_finish();
 }
