@@ -4694,16 +4694,21 @@ function dm_system_class:level(options) end
 ---@return any
 function dm_system_class:lift(x, v, theta, t) end
 
----system:linearize{q=, v=, t=} -> {stable, why, fastest, frequencies, rates, matrix}
+---system:linearize{q=, v= | p=, t=, generator=, a=} -> {stable, why, fastest, frequencies, rates, ...}
 ---
 ---The system linearised at a state (v default 0, t default 0): d(dq, dv)/dt = matrix (dq, dv), with
 ---real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an equilibrium, and at a
----relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
----anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
----step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
----dp). On a group the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1; of an H without L
----dmu), and there may be forces, controls, constraints and rolling: the matrix is then on an
----orthonormal basis of the changes that these allow.
+---relative equilibrium with v along coordinates that L does not depend on, this is its linear
+---stability; anywhere else coefficients change along the motion: frozen is true, there is no `stable`,
+---and it is how fast the system oscillates there. At a relative equilibrium that is none of
+---coordinates, as a circle in x and y, generator = function(q) -> the velocity of the field of its
+---symmetry (path:momentum): the matrix is then that of what moves along, exact, and `rate` is how fast
+---the motion goes along the field. fastest: the largest frequency, which a step has to resolve. p
+---stands in place of v, too; of a system that has only H the matrix is that of (dq, dp). On a group
+---the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1 where that is steady; of an H without
+---L dmu), a generator gives the body velocity, and there may be forces, controls, constraints and
+---rolling: the matrix is then on an orthonormal basis of the changes that these allow. Of a reduced
+---system (dm.euler_poincare; v or p, and a) it is that of (dxi, da), or (dmu, da) of an h.
 ---@param options? table
 ---@return table
 function dm_system_class:linearize(options) end

@@ -35,6 +35,13 @@ function M.system(system)
   return core.system(out)
 end
 
+--- xi at g, or mu of a system with only H, as it is in the left trivialization.
+function M.moved(system, g, x)
+  local kit = system.place.kit
+  if system.given.L then return core.vector(kit.Ad(kit.inverse(g), x)) end
+  return core.vector(body(kit, g, x))
+end
+
 --- A solver that steps it alike.
 function M.solver(solver, newton)
   return M.system(solver.system):solver { rule = solver.rule, h = solver.h, newton = newton }

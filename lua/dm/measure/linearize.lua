@@ -2,7 +2,10 @@
 -- whether small changes stay small.
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
+local comoving = require "dm.measure.comoving"
 local core = require "dm.core"
+local left = require "dm.measure.left"
+local lists = require "dm.base.lists"
 local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
@@ -12,43 +15,66 @@ local M = {}
 
 local abs, sqrt, max, huge = math.abs, math.sqrt, math.max, math.huge
 
--- L(q, v) at a fixed time as a traced function of both
-local function traced(system, t)
-  local given, n = system.given, system.Q.dimension
-  local params = given.params
-  return core.trace(function(q, v) return given.L(q, v, t, params) end, n, n)
-end
+---- matrices of small changes, as functions of a state (q, v, t), and its rates ----
 
--- d(q, v)/dt of a small change: M a = L_qq q + (L_qv - L_vq) v
-local function field(system, q, v, t)
-  local n = system.Q.dimension
-  local H = traced(system, t):hessian(q, v)
-  local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
-  for i = 1, n do
-    for k = 1, n do
-      mass[i][k] = H[n + i][n + k]
-      right[i][k] = H[i][k]
-      right[i][n + k] = H[i][n + k] - H[n + i][k]
+-- d(q, v)/dt: M a = L_qq q + (L_qv - L_vq) v
+local function by_hessian(system)
+  local given, n = system.given, system.Q.dimension
+  local params, traced = given.params, {}
+  return function(q, v, t)
+    traced[t] = traced[t] or core.trace(function(x, y) return given.L(x, y, t, params) end, n, n)
+    local H = traced[t]:hessian(q, v)
+    local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
+    for i = 1, n do
+      for k = 1, n do
+        mass[i][k] = H[n + i][n + k]
+        right[i][k] = H[i][k]
+        right[i][n + k] = H[i][n + k] - H[n + i][k]
+      end
     end
+    local solved, out = mass:solve(right), core.matrix(2 * n, 2 * n)
+    for i = 1, n do
+      out[i][n + i] = 1
+      for k = 1, 2 * n do out[n + i][k] = solved[i][k] end
+    end
+    return out
   end
-  local solved, out = mass:solve(right), core.matrix(2 * n, 2 * n)
-  for i = 1, n do
-    out[i][n + i] = 1
-    for k = 1, 2 * n do out[n + i][k] = solved[i][k] end
-  end
-  return out
 end
 
--- d(q, p)/dt of a small change, by the second derivatives of H
-local function phase_field(system, q, p, t)
-  local given, n = system.given, system.Q.dimension
-  local S = core.trace(function(x, y) return given.H(x, y, t, given.params) end, n, n)
-    :hessian(q, p)
-  local out = core.matrix(2 * n, 2 * n)
-  for i = 1, n do
-    for k = 1, 2 * n do out[i][k], out[n + i][k] = S[n + i][k], -S[i][k] end
+-- the same where L depends on time, and with it what is constant above
+local function by_acceleration(system, rates)
+  local n = system.Q.dimension
+  local slope = core.derivative(rates, n, n, "number")
+  return function(q, v, t)
+    local J, out = slope(q, v, t), core.matrix(2 * n, 2 * n)
+    for i = 1, 2 * n do
+      for k = 1, 2 * n do out[i][k] = J[i][k] end
+    end
+    return out
   end
-  return out
+end
+
+local function field(system)
+  local function rates(q, v, t) return lists.joined(v, system:acceleration(q, v, t)) end
+  if system:structure().autonomous then return by_hessian(system), rates end
+  return by_acceleration(system, rates), rates
+end
+
+-- d(q, p)/dt, by the second derivatives of H
+local function phase_field(system)
+  local given, n = system.given, system.Q.dimension
+  local H = core.trace(function(q, p, t) return given.H(q, p, t, given.params) end, n, n, "number")
+  local function rates(q, p, t)
+    local y = H:gradient(q, p, t)
+    return lists.joined(lists.part(y, n, n), -lists.part(y, 0, n))
+  end
+  return function(q, p, t)
+    local S, out = H:hessian(q, p, t), core.matrix(2 * n, 2 * n)
+    for i = 1, n do
+      for k = 1, 2 * n do out[i][k], out[n + i][k] = S[n + i][k], -S[i][k] end
+    end
+    return out
+  end, rates
 end
 
 -- p of a state of a system that has only H: given, or the one of v
@@ -111,40 +137,167 @@ local function restricted(A, basis)
   return out
 end
 
+---- does the matrix stay what it is along the motion? ----
+
+local LATER, SAME = { 0.3, 1.1 }, 1e-7  -- in units of the fastest rate; of the largest entry
+
+local function largest_of(A)
+  local out = 0
+  for i = 1, A.rows do
+    for k = 1, A.columns do out = max(out, abs(A[i][k])) end
+  end
+  return out
+end
+
+-- Is A that at states behind (q, x) on a parabola, which the motion is where its acceleration is
+-- zero? move(q, u): q moved by u.
+local function is_steady(A, at, rates, move, q, x, t)
+  local size, n = largest_of(A), #x
+  local fine, same = blame.try(function()
+    local r = rates(q, x, t)
+    local v, a = lists.part(r, 0, n), lists.part(r, n, n)
+    for _, later in ipairs(LATER) do
+      local s = later / max(size, 1e-300)
+      local B = at(move(q, s * v + 0.5 * s * s * a), x + s * a, t + s)
+      if not (largest_of(A - B) <= SAME * size) then return false end
+    end
+    return true
+  end)
+  return size == 0 or fine and same
+end
+
+---- of a state ----
+
 -- of changes (g^-1 dg, dxi); of an H alone (g^-1 dg, dmu)
-local function of_group(system, options, what)
+local function state_on_group(system, options)
   local place, t = system.place, options.t or 0
   local g, x = place.kit.element(options.q), options.v and core.vector(options.v)
   if not system.given.L then
     x = options.p and core.vector(options.p) or x and system:legendre(g, x, t)
   end
-  x = x or core.zeros(place.dimension)
-  local A = on_group.field(system, g, x, t)
-  local rows = tangent_space.of_velocity(system, g, x, t)
-  if #rows > 0 then A = restricted(A, tangent_space.basis(rows, place.dimension)) end
-  check_matrix(A, what)
-  return result_of(A)
+  if system.given.L and options.p then x = system:velocity(g, options.p, t) end
+  return g, x and core.vector(x) or core.zeros(place.dimension), t
 end
 
-M.linearize = blame.caller(function(system, options)
-  options, system = starts.lists(options, system)
-  local what = "system:linearize"
-  local known = { "q", "v", "t" }
-  if not system.given.L then known[4] = "p" end
-  option.check(options, known, what, "{ q =, v = }")
-  option.need(options, "q", what, "the state is q and v (default: at rest)")
-  check_plain(system, what)
-  if system.place then return of_group(system, options, what) end
-  local n = system.Q.dimension
+-- A, whether it stays what it is, at a state on a group
+local function at_on_group(system, g, x, t)
+  local kit, right = system.place.kit, system.place.right
+  local at, rates = on_group.field(system)
+  local A = at(g, x, t)
+  return A, function()
+    return is_steady(A, at, rates, function(z, u)
+      local f = kit.exp(u)
+      return right and kit.compose(f, z) or kit.compose(z, f)
+    end, g, x, t)
+  end
+end
+
+-- in the right trivialization a motion along a symmetry on the left may be steady in the left one
+local function of_group(system, options, what)
+  local own, g, x, t = system.place, state_on_group(system, options)
+  local A, is_constant, w
+  if options.generator then
+    A, w = comoving.matrix_on_group(system, g, x, t, options.generator, what)
+    if own.right then system, x = left.system(system), left.moved(system, g, x) end
+  else
+    A, is_constant = at_on_group(system, g, x, t)
+    if own.right and not is_constant() then
+      local other, y = left.system(system), left.moved(system, g, x)
+      local B, steady = at_on_group(other, g, y, t)
+      if steady() then system, x, A, is_constant = other, y, B, steady end
+    end
+  end
+  local rows = tangent_space.of_velocity(system, g, x, t)
+  if #rows > 0 then A = restricted(A, tangent_space.basis(rows, own.dimension)) end
+  return A, is_constant, w
+end
+
+local function in_coordinates(system, options, what)
+  local n, t = system.Q.dimension, options.t or 0
   local second = options.v or options.p
   if #options.q ~= n or second and #second ~= n then
     error(("%s: q and v have %d entries"):format(what, n), 0)
   end
-  local q, v = core.vector(options.q), core.vector(options.v or core.zeros(n))
-  local A = system.given.L and field(system, q, v, options.t or 0)
-    or phase_field(system, q, momentum_of(system, options, q), options.t or 0)
+  local q, x = core.vector(options.q), core.vector(options.v or core.zeros(n))
+  if not system.given.L then
+    x = momentum_of(system, options, q)
+  elseif options.p then
+    x = system:velocity(q, options.p, t)
+  end
+  if options.generator then
+    return comoving.matrix(system, q, x, t, options.generator, what)
+  end
+  local at, rates = (system.given.L and field or phase_field)(system)
+  local A = at(q, x, t)
+  return A, function()
+    return is_steady(A, at, rates, function(y, u) return y + u end, q, x, t)
+  end
+end
+
+-- of a reduced system, on the space of (xi, a), or of (mu, a)
+local function of_reduced(system, options, what)
+  local own, t = system.place, options.t or 0
+  local reduced, kit = own.reduced, own.kit
+  local g = kit.element(options.q or kit.identity())
+  local a = reduced.usual or reduced.a
+  if reduced.carry and not a then
+    error(what .. ": the quantity that is carried along is missing, a =", 0)
+  end
+  a = a and core.vector(reduced.carry(kit.inverse(g), a))
+  local x, of_h = options.v or core.zeros(own.dimension), reduced.name == "H"
+  if of_h and options.v then x = system:legendre(g, options.v, t) end
+  if options.p then x = of_h and options.p or system:velocity(g, options.p, t) end
+  x = core.vector(x)
+  local A, moved = comoving.reduced_matrix(system, x, a)
+  return A, function() return moved:norm() <= SAME * largest_of(A) * max(1, x:norm()) end
+end
+
+local function check_generator(options, system, what)
+  if options.generator == nil then return end
+  if type(options.generator) ~= "function" then
+    error(("%s: option 'generator' must be a function of %s (got %s)"):format(what, system.place
+      and "an element that returns the body velocity of its field"
+      or "q that returns the velocity of its field", option.got(options.generator)), 0)
+  end
+  if system.place and system.place.reduced then
+    error(what .. ": option 'generator' is for systems that are not reduced", 0)
+  end
+end
+
+-- the matrix at a state, whether it is that of the motion as a function, and the rate along a
+-- generator
+local function matrix_of(system, options)
+  options, system = starts.lists(options, system)
+  local what = "system:linearize"
+  option.check(options, { "q", "v", "p", "t", "generator" }, what, "{ q =, v = }")
+  if options.v and options.p then error(what .. ": give the velocity v or the momentum p", 0) end
+  local reduced = system.place and system.place.reduced
+  if not reduced then option.need(options, "q", what, "the state is q and v (default: at rest)") end
+  check_plain(system, what)
+  check_generator(options, system, what)
+  local of = reduced and of_reduced or system.place and of_group or in_coordinates
+  local A, is_constant, w = of(system, options, what)
   check_matrix(A, what)
-  return result_of(A)
+  if options.generator then
+    w, is_constant = w or is_constant, function() return true end
+  end
+  return A, is_constant, w
+end
+
+--- The same with coefficients as they are at the state, whatever the motion.
+function M.frozen(system, options) return result_of((matrix_of(system, options))) end
+
+M.linearize = blame.caller(function(system, options)
+  local A, is_constant, w = matrix_of(system, options)
+  local out = result_of(A)
+  out.frozen, out.rate = not is_constant(), w
+  if out.frozen then
+    out.stable = nil
+    out.why = "frozen at this state, which moves on: " .. out.why:gsub("^unstable: ", "") .. ". Of "
+      .. "a motion solver:multipliers and solver:lyapunov tell; a relative equilibrium needs its "
+      .. "generator"
+  end
+  return out
 end)
 
 ---- orbits ----
@@ -179,15 +332,20 @@ M.multipliers = blame.caller(function(solver, options)
 end)
 
 class.method("dm.system", "linearize", M.linearize, [[
-system:linearize{q=, v=, t=} -> {stable, why, fastest, frequencies, rates, matrix}
+system:linearize{q=, v= | p=, t=, generator=, a=} -> {stable, why, fastest, frequencies, rates, ...}
 The system linearised at a state (v default 0, t default 0): d(dq, dv)/dt = matrix (dq, dv), with
 real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an equilibrium, and at a
-relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
-anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
-step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
-dp). On a group the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1; of an H without L
-dmu), and there may be forces, controls, constraints and rolling: the matrix is then on an
-orthonormal basis of the changes that these allow.]])
+relative equilibrium with v along coordinates that L does not depend on, this is its linear
+stability; anywhere else coefficients change along the motion: frozen is true, there is no `stable`,
+and it is how fast the system oscillates there. At a relative equilibrium that is none of
+coordinates, as a circle in x and y, generator = function(q) -> the velocity of the field of its
+symmetry (path:momentum): the matrix is then that of what moves along, exact, and `rate` is how fast
+the motion goes along the field. fastest: the largest frequency, which a step has to resolve. p
+stands in place of v, too; of a system that has only H the matrix is that of (dq, dp). On a group
+the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1 where that is steady; of an H without
+L dmu), a generator gives the body velocity, and there may be forces, controls, constraints and
+rolling: the matrix is then on an orthonormal basis of the changes that these allow. Of a reduced
+system (dm.euler_poincare; v or p, and a) it is that of (dxi, da), or (dmu, da) of an h.]])
 
 class.method("dm.solver", "multipliers", M.multipliers, [[
 solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}

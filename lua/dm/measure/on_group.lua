@@ -15,10 +15,11 @@ local abs, max = math.abs, math.max
 
 ---- the system linearized at a state ----
 
--- (g', mu') of an H: xi = H_mu and mu' = coad(xi, mu) - H_g, one after the other
-local function rates_of_momentum(system)
-  local given, kit, d = system.given, system.place.kit, system.place.dimension
-  local slope, N = tangent_group.slopes(system, bound(given.H, given.params))
+--- (g', mu') of an H(g, mu [, t]) on the group of a system, as functions of these: xi = H_mu and
+-- mu' = coad(xi, mu) - H_g, one after the other.
+function M.rates_of_momentum(system, H)
+  local kit, d = system.place.kit, system.place.dimension
+  local slope, N = tangent_group.slopes(system, H)
   return function(g, mu, t)
     local y = slope(g, mu, t)
     local xi = lists.part(y, N + d, d)
@@ -27,25 +28,33 @@ local function rates_of_momentum(system)
   end
 end
 
---- The matrix of d(u, dxi)/dt at (g, xi), with coefficients frozen there: u' = dxi - ad_xi u
--- (right: + ad_xi u) and the change of the acceleration. Of an H without L that of d(u, dmu)/dt at
--- (g, mu).
-function M.field(system, g, x, t)
+--- (xi, xi') as a function of (g, xi, t); of an H without L (xi, mu') of (g, mu, t).
+function M.rates(system)
+  local given = system.given
+  if not given.L then return M.rates_of_momentum(system, bound(given.H, given.params)) end
+  return function(z, v, t) return lists.joined(v, system:acceleration(z, v, t)) end
+end
+
+--- The matrix of d(u, dxi)/dt at (g, xi, t), with coefficients frozen there, as a function of
+-- these: u' = dxi - ad_xi u (right: + ad_xi u) and the change of the acceleration. Of an H without L
+-- that of d(u, dmu)/dt at (g, mu). Second the rates.
+function M.field(system)
   local kit, d = system.place.kit, system.place.dimension
-  local rates = not system.given.L and rates_of_momentum(system)
-    or function(z, v, time) return lists.joined(v, system:acceleration(z, v, time)) end
+  local rates = M.rates(system)
   local slope, N = tangent_group.slopes(system, rates)
-  local J, xi, out = slope(g, x, t), lists.part(rates(g, x, t), 0, d), core.matrix(2 * d, 2 * d)
-  for k = 1, d do
-    local unit = core.zeros(d)
-    unit[k] = system.place.right and 1 or -1
-    local turned = kit.ad(xi, unit)
-    for i = 1, 2 * d do
-      out[i][k] = J[i][N + k] + (i <= d and turned[i] or 0)
-      out[i][d + k] = J[i][N + d + k]
+  return function(g, x, t)
+    local J, xi, out = slope(g, x, t), lists.part(rates(g, x, t), 0, d), core.matrix(2 * d, 2 * d)
+    for k = 1, d do
+      local unit = core.zeros(d)
+      unit[k] = system.place.right and 1 or -1
+      local turned = kit.ad(xi, unit)
+      for i = 1, 2 * d do
+        out[i][k] = J[i][N + k] + (i <= d and turned[i] or 0)
+        out[i][d + k] = J[i][N + d + k]
+      end
     end
-  end
-  return out
+    return out
+  end, rates
 end
 
 ---- tangent maps ----

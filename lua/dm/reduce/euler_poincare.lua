@@ -131,7 +131,7 @@ function system_of(options)
   local kit = kits.of(options.group)
   local carry, some = carrier(options)
   if carry then check_action(kit, carry, #some) end
-  local reduced = { a = some }
+  local reduced = { a = some, f = f, name = name, carry = carry }
   local function of_element(g, x)
     if not carry then return f(x) end
     if not reduced.a then

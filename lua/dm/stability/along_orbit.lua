@@ -78,7 +78,7 @@ end
 
 -- notes what a system linearised at a state has; false where that cannot be
 local function note(out, system, state)
-  local linearize = require "dm.measure.linearize".linearize
+  local linearize = require "dm.measure.linearize".frozen
   local fine, its = blame.try(linearize, system,
     { q = state.q, v = state.v, p = state.p, t = state.t })
   if not fine then return false, (tostring(its):gsub("^[^\n]-lua:%d+: ", "")) end

@@ -69,7 +69,14 @@ M["system.linearize"] = [=[
 > around.stable, around.rates
 false	[-1, 1]
 > s:linearize { q = { 0 } }.frequencies
-[-1, 1]]=]
+[-1, 1]
+> k = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v)/2 + 1/q:norm() end }
+> k:linearize({ q = { 1, 0 }, v = { 0, 1 } }).frozen
+true
+> turn = function(q) return { -q[2], q[1] } end
+> circle = k:linearize { q = { 1, 0 }, v = { 0, 1 }, generator = turn }
+> circle.stable, circle.fastest
+true	1.0]=]
 
 M["system.mass"] = [=[
 > s = dm.system { Q = dm.R(2), L = function(q, v) return v[1]^2/2 + 3*v[2]^2/2 - q[1] end }

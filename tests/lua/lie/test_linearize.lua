@@ -1,0 +1,168 @@
+-- linearization at relative equilibria: in what moves along, against multipliers of exact tangent
+-- maps and closed forms; reduced systems on their own space; what is frozen says so
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+
+local G = dm.SO(3)
+
+local function growth(linear) return math.max(table.unpack(linear.rates:totable())) end
+
+---- in coordinates ----
+
+local function turning(q) return { -q[2], q[1] } end
+local kepler = dm.system { Q = dm.R(2), L = function(q, v)
+  return v:dot(v) / 2 + 1 / q:norm()
+end }
+local circle = { q = { 1, 0 }, v = { 0, 1 } }
+local frozen = kepler:linearize(circle)
+ok(frozen.frozen and frozen.stable == nil and frozen.why:find "moves on",
+  "a circle in x and y is no equilibrium of x and y", frozen.why)
+circle.generator = turning
+local moving = kepler:linearize(circle)
+ok(moving.stable and not moving.frozen, "and stable in what turns along", moving.why)
+near(moving.fastest, 1, 1e-12, "the radius swings once a turn")
+near(moving.rate, 1, 1e-15, "at that rate")
+raises("no relative equilibrium of option 'generator'", kepler.linearize, kepler,
+  { q = { 1, 0 }, v = { 0, 1.1 }, generator = turning })
+raises("it moves nothing", kepler.linearize, kepler,
+  { q = { 1, 0 }, v = { 0, 1 }, generator = function() return { 0, 0 } end })
+raises("must be a list of 2 numbers", kepler.linearize, kepler,
+  { q = { 1, 0 }, v = { 0, 1 }, generator = function() return { 0 } end })
+
+-- an H that no Lagrangian here has: circles of radius r with p^2 = r^2 sqrt(1 + p^2)
+local fast = dm.system { Q = dm.R(2), H = function(q, p)
+  return dm.sqrt(1 + p:dot(p)) + q:dot(q) / 2
+end }
+local p = 1.2
+local E = math.sqrt(1 + p * p)
+local r = p / math.sqrt(E)
+local whirl = { q = { r, 0 }, p = { 0, p }, generator = turning }
+near(fast:linearize(whirl).rate, math.sqrt(1 / E), 1e-14, "a relativistic oscillator in a circle")
+local T = 2 * math.pi * math.sqrt(E)
+local turn = fast:solver { rule = "gauss(8)", h = T / 40 }
+  :multipliers { q = whirl.q, p = whirl.p, steps = 40 }
+local phase = 0
+for i = 1, 4 do phase = math.max(phase, math.abs(turn.im[i])) end
+near(math.abs(math.sin(fast:linearize(whirl).fastest * T)), phase, 1e-7, "swings as after a turn")
+
+local growing = dm.system { Q = dm.R(1), L = function(q, v, t)
+  return dm.exp(0.2 * t) * (v[1] ^ 2 - q[1] ^ 2) / 2
+end }
+near(growth(growing:linearize { q = { 0 } }), -0.1, 1e-14, "a mass that grows damps")
+local straight = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - 2 * q[1] ^ 2 end }
+ok(straight:linearize { q = { 1 }, v = { 1 } }.stable, "linear systems are nowhere frozen")
+
+---- on groups ----
+
+local I3, w = 0.6, 1.5
+local function top(R, x) return (x[1] ^ 2 + x[2] ^ 2 + I3 * x[3] ^ 2) / 2 - R[3][3] end
+local function upright(R) return R:transpose() * dm.vector { 0, 0, 1 } end
+local sleeping = { q = G:identity(), v = { 0, 0, w } }
+local rate = math.sqrt(1 - (I3 * w / 2) ^ 2)
+local left = dm.system { Q = G, L = top }
+local right = dm.system { Q = G, trivialization = "right", L = function(R, x)
+  return top(R, R:transpose() * x)
+end }
+local of_p = dm.system { Q = G, H = function(R, m)
+  return (m[1] ^ 2 + m[2] ^ 2 + m[3] ^ 2 / I3) / 2 + m[1] ^ 4 + R[3][3]
+end }
+for name, system in pairs { left = left, right = right, ["H alone"] = of_p } do
+  for _, generator in ipairs { false, upright } do
+    local start = { q = sleeping.q, p = { 0, 0, I3 * w }, generator = generator or nil }
+    local linear = system:linearize(start)
+    near(growth(linear), rate, 1e-12, ("a sleeping top, %s%s"):format(name,
+      generator and ", turning along" or ""))
+    ok(not linear.frozen, "which is not frozen")
+  end
+end
+ok(left:linearize { q = G:exp { 0.4, 0, 0 }, v = { 0.3, 0, w } }.frozen, "a nodding one is")
+
+-- steady precession of a tilted top: the rates of the reduced equations on the group as well
+local c, Omega = math.cos(0.5), 1.7
+-- Omega^2 c - p3 Omega + 1 = 0 (I1 = mgl = 1)
+local p3 = (Omega ^ 2 * c + 1) / Omega
+local R0 = G:exp { 0.5, 0, 0 }
+local gamma = R0:transpose() * dm.vector { 0, 0, 1 }
+local xi = { 0, Omega * gamma[2], p3 / I3 }
+-- relative to space it goes about the vertical, and about its own axis with what is left
+local spin = p3 / I3 - Omega * gamma[3]
+local steady = left:linearize { q = R0, v = xi, generator = function(R)
+  local up = upright(R)
+  return { Omega * up[1], Omega * up[2], Omega * up[3] + spin }
+end }
+near(steady.rate, 1, 1e-13, "steady precession: a generator of both turns")
+-- small nutations: u'' = -(p3^2 + Omega^2 ... ) by the effective potential of the angle
+local a = Omega
+local theta = 0.5
+local s2 = math.sin(theta) ^ 2
+local pz = s2 * a + p3 * c
+local function effective(x)
+  return (pz - p3 * math.cos(x)) ^ 2 / (2 * math.sin(x) ^ 2) + math.cos(x)
+end
+local h = 1e-3
+local bend = (-effective(theta + 2 * h) + 16 * effective(theta + h) - 30 * effective(theta)
+  + 16 * effective(theta - h) - effective(theta - 2 * h)) / (12 * h * h)
+near(steady.fastest, math.sqrt(bend), 1e-8, "whose nutation is that of the effective potential")
+
+-- a satellite in its gravity gradient, on SO(3) x R^3: one turn of its orbit
+local I, far = { 0.1, 0.2, 0.25 }, 2
+local n = math.sqrt((1 + 1.5 * (I[2] + I[3] - 2 * I[1]) / far ^ 2) / far ^ 3)
+local satellite = dm.system { Q = dm.product(G, dm.R(3)), L = function(q, v)
+  local x = q[2]
+  local X, d = q[1]:transpose() * x, dm.sqrt(x:dot(x))
+  return (I[1] * v[1] ^ 2 + I[2] * v[2] ^ 2 + I[3] * v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2) / 2
+    + 1 / d + (I[1] + I[2] + I[3] - 3 * (I[1] * X[1] ^ 2 + I[2] * X[2] ^ 2 + I[3] * X[3] ^ 2)
+    / d ^ 2) / (2 * d ^ 3)
+end }
+local orbit = { q = { G:identity(), dm.vector { far, 0, 0 } }, v = { 0, 0, n, 0, far * n, 0 } }
+ok(satellite:linearize(orbit).frozen, "a satellite moves on")
+orbit.generator = function(g)
+  local z = upright(g[1])
+  return { z[1], z[2], z[3], -g[2][2], g[2][1], 0 }
+end
+local linear = satellite:linearize(orbit)
+near(linear.rate, n, 1e-14, "its orbit is along turns of space")
+local period = 2 * math.pi / n
+local map = satellite:solver { rule = "gauss(6)", h = period / 60 }
+  :multipliers { q = orbit.q, v = orbit.v, steps = 60 }
+local angles, wanted = {}, {}
+for i = 1, 12 do
+  angles[i] = math.abs(math.atan(map.im[i], map.re[i]))
+  local turned = linear.frequencies[i] * period
+  wanted[i] = math.abs(math.atan(math.sin(turned), math.cos(turned)))
+end
+table.sort(angles)
+table.sort(wanted)
+-- the four multipliers 1 of symmetries are double, and known to the root of round-off
+for i = 5, 12 do near(angles[i], wanted[i], 1e-9, "its swings are those of the tangent map") end
+ok(linear.stable, "and it is stable", linear.why)
+
+---- reduced ----
+
+local function seen(g, a) return g * dm.vector(a) end
+local function l(x, a) return (x[1] ^ 2 + x[2] ^ 2 + I3 * x[3] ^ 2) / 2 - a[3] end
+local carried = dm.euler_poincare { group = G, l = l, advected = seen, a = { 0, 0, 1 } }
+local by_h = dm.euler_poincare { group = G, advected = seen, a = { 0, 0, 1 }, h = function(m, a)
+  return (m[1] ^ 2 + m[2] ^ 2 + m[3] ^ 2 / I3) / 2 + a[3]
+end }
+for name, it in pairs { l = carried:linearize { v = { 0, 0, w } },
+  h = by_h:linearize { p = { 0, 0, I3 * w } } } do
+  ok(it.matrix.rows == 6 and not it.frozen, name .. ": on the space of (momentum, a)")
+  near(growth(it), rate, 1e-12, name .. ": the sleeping top")
+end
+near(growth(carried:linearize { v = { 0, 0, w }, a = { 0, 0, 2 } }),
+  math.sqrt(2 - (I3 * w / 2) ^ 2), 1e-12, "with another quantity")
+near(growth(carried:linearize { v = { 0, 0, w } }), rate, 1e-12, "which is not kept")
+ok(carried:linearize { v = { 0.3, 0, w } }.frozen, "what moves is frozen")
+local free = dm.euler_poincare { group = G, l = function(x)
+  return (x[1] ^ 2 + 2 * x[2] ^ 2 + 3 * x[3] ^ 2) / 2
+end }
+local middle = free:linearize { v = { 0, 1, 0 } }
+near(growth(middle), 1 / math.sqrt(3), 1e-14, "the middle axis")
+ok(middle.matrix.rows == 3, "in three entries")
+raises("systems that are not reduced", free.linearize, free, { generator = upright })
+raises("the velocity v or the momentum p", left.linearize, left,
+  { q = G:identity(), v = { 0, 0, 1 }, p = { 0, 0, 1 } })
+
+tap.done()
