@@ -36,8 +36,8 @@ function M.rates(system)
 end
 
 --- The matrix of d(u, dxi)/dt at (g, xi, t), with coefficients frozen there, as a function of
--- these: u' = dxi - ad_xi u (right: + ad_xi u) and the change of the acceleration. Of an H without L
--- that of d(u, dmu)/dt at (g, mu). Second the rates.
+-- these: u' = dxi - ad_xi u (right: + ad_xi u) and the change of the acceleration. Of an H without
+-- L that of d(u, dmu)/dt at (g, mu). Second the rates.
 function M.field(system)
   local kit, d = system.place.kit, system.place.dimension
   local rates = M.rates(system)
