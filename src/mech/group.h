@@ -39,6 +39,7 @@ typedef struct {
     const uint32_t *row, *column; /* [count] from 0 */
     const uint32_t *order; /* [values + count] output i of `kernel` is number order[i]; NULL: i */
     const uint32_t *plain_order; /* [values] of `plain` */
+    dm_group_map map; /* in place of `kernel` where that would be too large; no columns: not here */
 } dm_group_entries;
 
 /* What a step with constraints, or of many bodies, is made of (group_joints.c); m multipliers
@@ -127,7 +128,11 @@ dm_status dm_group_want_joints(dm_group *out, const dm_model *m, dm_tau tau, int
 
 /* Doubles of `out` for one: values, entries, room for both as the kernels leave them. */
 static inline size_t dm_group_entries_size(const dm_group_entries *f) {
-    return 3 * (size_t)f->values + 2 * (size_t)f->count;
+    const dm_group_map *m = &f->map;
+    const size_t matrix = (size_t)m->values * m->columns;
+    const size_t by_rows =
+        m->columns ? matrix + dm_group_map_room((size_t)m->inputs + m->values + m->columns) : 0;
+    return 3 * (size_t)f->values + 2 * (size_t)f->count + by_rows;
 }
 
 /* Constant outputs, once; then values and, where they are asked for, entries into out. */

@@ -92,6 +92,40 @@ static dm_status compile_with(dm_kernel *out, const uint32_t **order, const maki
     return b->compile(out, g, given, count, arena);
 }
 
+/* those that are asked for stand for what is not zero: 0 and 1 into slope */
+static void ask(dm_node *slope, uint32_t count, columns in) {
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < in.count; k++)
+            slope[i * (size_t)in.count + k] = k >= in.unasked && k != in.gap;
+}
+
+/* the matrix row by row, in a graph of its own, where it cannot be written out */
+static dm_status make_by_rows(dm_group_entries *out, const making *b, dm_graph *g,
+                              const dm_node *values, uint32_t count, columns in) {
+    dm_node *slope = dm_joining_take(&b->j, (size_t)count * in.count);
+    if (!slope) return DM_NO_MEMORY;
+    *out = (dm_group_entries){.values = count};
+    ask(slope, count, in);
+    if (!list_entries(out, b, slope, in)) return DM_NO_MEMORY;
+    const dm_status status =
+        dm_group_map_make(&out->map, g, values, count, in.first, in.count, b->compile, b->j.arena);
+    out->plain = out->map.plain;
+    return status;
+}
+
+/* copies of the values in a graph of their own, where their matrix may be too large; else NULL */
+static dm_graph *keep(const making *b, dm_graph *g, const dm_node *values, uint32_t count,
+                      columns in, dm_node *kept) {
+    const uint32_t inputs = dm_graph_inputs(g);
+    if (dm_operations(g, values, count) < DM_GRAPH_LIMIT / in.count) return NULL;
+    dm_graph *copy = dm_graph_new(b->j.arena, inputs);
+    dm_node *with = dm_joining_take(&b->j, inputs);
+    if (!copy || !with) return NULL;
+    dm_inputs(copy, with, 0, inputs);
+    dm_transplant(copy, g, values, count, with, kept);
+    return copy;
+}
+
 /* values[count] and those entries of their derivatives that are not zero */
 static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const dm_node *values,
                       uint32_t count, columns in) {
@@ -99,7 +133,10 @@ static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const
     dm_node *slope = dm_joining_take(&b->j, all), *roots = dm_joining_take(&b->j, count + all);
     uint32_t *key = dm_joining_take(&b->j, count), *order = dm_joining_take(&b->j, 2 * count + all);
     if (!slope || !roots || !key || !order) return DM_NO_MEMORY;
+    dm_graph *kept = keep(b, g, values, count, in, roots);
     dm_jacobian(g, values, count, in.first, in.count, slope);
+    if (kept && dm_graph_status(g) == DM_TOO_LARGE)
+        return make_by_rows(out, b, kept, roots, count, in);
     for (uint32_t i = 0; i < count; i++) {
         memset(slope + (size_t)i * in.count, 0, in.unasked * sizeof *slope);
         if (in.gap < in.count) slope[i * in.count + in.gap] = 0;
@@ -122,12 +159,35 @@ static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const
 
 void dm_group_entries_prepare(const dm_group_entries *f, double *out) {
     double *raw = out + f->values + f->count;
+    if (f->map.columns) {
+        dm_kernel_prepare(&f->plain, raw);
+        return;
+    }
     dm_kernel_prepare(&f->kernel, raw);
     dm_kernel_prepare(&f->plain, raw + f->values + f->count);
 }
 
+/* values and matrix into raw, then what is listed of them */
+static void eval_by_rows(const dm_group_entries *f, const double *in, double *out,
+                         int with_entries) {
+    double *raw = out + f->values + f->count;
+    const dm_group_map *m = &f->map;
+    const double *matrix = raw + m->values;
+    if (with_entries)
+        dm_group_map_eval(m, in, raw, 1, raw + m->values * ((size_t)m->columns + 1));
+    else
+        dm_kernel_eval(&f->plain, in, raw);
+    memcpy(out, raw, f->values * sizeof *out);
+    for (uint32_t i = 0; with_entries && i < f->count; i++)
+        out[f->values + i] = matrix[(size_t)f->row[i] * m->columns + f->column[i]];
+}
+
 void dm_group_entries_eval(const dm_group_entries *f, const double *in, double *out,
                            int with_entries) {
+    if (f->map.columns) {
+        eval_by_rows(f, in, out, with_entries);
+        return;
+    }
     const uint32_t count = f->values + (with_entries ? f->count : 0);
     const uint32_t *order = with_entries ? f->order : f->plain_order;
     double *raw = out + f->values + f->count + (with_entries ? 0 : f->values + f->count);

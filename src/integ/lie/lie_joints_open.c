@@ -215,6 +215,7 @@ dm_status dm_lie_joints_open(dm_stepper *s) {
     open_matrices(e, matrices);
     prepare(e);
     memset(e->memory, 0, dm_lie_joints_memory_size(e) * sizeof *e->memory);
-    s->report.operations = e->along->kernel.operations;
+    s->report.operations =
+        (e->along->map.columns ? &e->along->map.row : &e->along->kernel)->operations;
     return DM_OK;
 }
