@@ -22,6 +22,9 @@ local SECOND = { "gauss(7)", "degenerate(4)", "gauss(6)" }
 local FIRST_ON_GROUPS = { "gauss(5)", "gauss(6)", "lie(4, lobatto(5))", "lie(3, lobatto(4))" }
 local SECOND_ON_GROUPS = { "lie(5)", "lie(4)", "lie(5, gauss(5), cayley)", "rk8", "rk8pd",
   "gauss(7)", "rkmk4" }
+-- Steps of explicit rules are as short as stiff forces want them though nothing moves: where these
+-- are too many, or take more than a part of the time, the first method is an implicit one.
+local STIFF, EXPLICIT_TIME, IMPLICIT_TIME = "lobatto(6)", 0.5, 0.6
 local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 
 -- of the error of a step; the second method takes another one, so that no step is like the other's
@@ -61,7 +64,7 @@ local function left(self) return self.deadline - core.cpu() end
 -- which: { at = } or { t = }; raises what the run raises
 local function run(self, place, rule, tolerance, which)
   local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch,
-    seconds = max(0.01, left(self)), control = { tolerance = tolerance, hidden = self.hidden,
+    seconds = max(0.01, (which.part or 1) * left(self)), control = { tolerance = tolerance, hidden = self.hidden,
     largest = self.T * LARGEST[place], negligible = self.negligible, ends = self.ends } }
   for key, value in pairs(self.start) do options[key] = value end
   return solver_of(self, rule):run(options)
@@ -76,14 +79,35 @@ end
 
 ---- two methods ----
 
--- one run of a rule; where long steps fail, as over a place where L is not defined, shorter ones
-local function first_try(self, place, rule)
+local function is_over(failure)
+  return type(failure) == "table" and failure.code == "out_of_time"
+end
+
+-- one run of a rule, in a part of the time that is left; where long steps fail, as over a place
+-- where L is not defined, shorter ones
+local function first_try(self, place, rule, part)
   local path, words, failure
   for _, tolerance in ipairs(TOLERANCES) do
-    path, words, failure = try(self, place, rule, tolerance, { t = self.T })
-    if path or M.is_refusal(words) or left(self) <= 0 then break end
+    path, words, failure = try(self, place, rule, tolerance, { t = self.T, part = part })
+    if path or M.is_refusal(words) or is_over(failure) or left(self) <= 0 then break end
   end
   return path, words, failure
+end
+
+-- the same for a method of the first list or, where that takes too long, the implicit one: path or
+-- nil, rule, why not
+local function first_method(self, rule)
+  local path, words, failure = first_try(self, 1, rule, EXPLICIT_TIME)
+  if is_over(failure) and rule ~= STIFF and not self.except[STIFF] and not self.system.place then
+    local other = first_try(self, 1, STIFF, IMPLICIT_TIME)
+    if other then return other, STIFF end
+  end
+  return path, rule, words, failure
+end
+
+local function second_method(self, rule)
+  local path, words, failure = first_try(self, 2, rule)
+  return path, rule, words, failure
 end
 
 -- the first rule of a list that can step the system; its times, or nil and why none can
@@ -91,10 +115,10 @@ local function pick(self, place, list)
   local why
   for _, rule in ipairs(list) do
     if not self.except[rule] and rule ~= self.first then
-      local path, words, failure = first_try(self, place, rule)
+      local path, used, words, failure = (place == 1 and first_method or second_method)(self, rule)
       if path then
-        self.unseen = self.unseen or solver_of(self, rule):report().unseen
-        return rule, path.t
+        self.unseen = self.unseen or solver_of(self, used):report().unseen
+        return used, path.t
       end
       if not M.is_refusal(words) then
         -- what a longer try may do better is no refusal

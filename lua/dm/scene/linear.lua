@@ -4,6 +4,7 @@
 -- (dm.scene.flow): variation of constants, forcing as further components of one matrix.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local equilibrium = require "dm.scene.equilibrium"
 local exponomials = require "dm.scene.exponomials"
 local flow = require "dm.scene.flow"
 local modes = require "dm.scene.modes"
@@ -13,10 +14,8 @@ local M = {}
 local abs, max, exp = math.abs, math.max, math.exp
 
 local MOST = 66                -- components of the matrix, those of the forcing among them
-local TRIES, SETTLED = 40, 1e-10
 local SAME = 1e-12             -- of the largest entry: derivatives at two places are equal
 local NOTHING = 1e-4           -- tolerances: powers of time in a part of the solution
-local SINGULAR = 1e-26         -- of |K|^2: directions in which nothing pulls back
 
 ---- the equations ----
 
@@ -76,26 +75,13 @@ local function is_linear(problem, still)
   return true
 end
 
--- where what time is not in leaves the system at rest, by Newton's method of least length; nil
--- where it does not settle
-local function equilibrium(problem, still)
-  local n, q, rest, last = problem.n, problem.q + 0, core.zeros(problem.n), math.huge
-  for _ = 1, TRIES do
-    local g, F = still.L:gradient(q, rest, problem.t0), still.F(q, rest, problem.t0)
-    local _, _, K = matrices(problem, still, q)
-    local pull, square = core.zeros(n), 0
-    for i = 1, n do
-      pull[i] = g[i] + F[i]
-      for k = 1, n do square = square + K[i][k] ^ 2 end
-    end
-    if square == 0 then return nil end
-    local back = K:transpose()
-    local step = (back * K + core.identity(n) * (SINGULAR * square)):solve(back * pull)
-    q = q - step
-    local length = step:norm()
-    if length <= SETTLED * (q:norm() + (q - problem.q):norm()) then return q end
-    if not (length < 1e3 * last) then return nil end
-    last = length
+-- what is at q, for dm.scene.equilibrium: the forces that time is not in, at rest
+local function pull_of(problem, still)
+  local n, rest = problem.n, core.zeros(problem.n)
+  return function(q)
+    local mass, _, K = matrices(problem, still, q)
+    local slope = still.L:gradient(q, rest, problem.t0):slice(1, n)
+    return slope + still.F(q, rest, problem.t0), -K, mass
   end
 end
 
@@ -231,7 +217,7 @@ end
 local function model_of(problem, options)
   local n, still = problem.n, functions_of(problem, true)
   local is_exact = is_linear(problem, still)
-  local q = equilibrium(problem, still) or is_exact and problem.q
+  local q = equilibrium.near(problem.q, pull_of(problem, still)) or is_exact and problem.q
   if not q then return nil end
   local A, z, marks, N = equation(problem, still, q)
   if not A then return nil end

@@ -3,6 +3,7 @@
 -- closed form.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local equilibrium = require "dm.scene.equilibrium"
 local model_of = require "dm.scene.model"
 
 local M = {}
@@ -10,7 +11,7 @@ local M = {}
 local abs, sqrt, max = math.abs, math.sqrt, math.max
 
 local MOST = 128               -- coordinates
-local TRIES, SETTLED = 30, 1e-13
+local FREE = 1e-13             -- of the largest square: a mode without a spring
 local SEEN = 0.1               -- of the tolerance: what all modes left out may add up to
 local GYROSCOPIC = 1e-12       -- of the mass: couplings of q and v that are none
 
@@ -29,42 +30,12 @@ local function blocks(H, n)
   return core.matrix(K), core.matrix(mass)
 end
 
-local FREE = 1e-13  -- of the largest square: a mode without a spring
-
--- K^-1 slope by the modes; nil where something pulls along one that has no spring
-local function newton_step(K, mass, slope)
-  local squares, vectors = K:modes(mass)
-  local n, largest = #squares, 0
-  local step = core.zeros(n)
-  for k = 1, n do largest = max(largest, abs(squares[k])) end
-  for k = 1, n do
-    local x = core.zeros(n)
-    for i = 1, n do x[i] = vectors[i][k] end
-    local along = x:dot(slope)
-    if abs(squares[k]) > FREE * largest then
-      step = step + x * (along / squares[k])
-    elseif abs(along) > FREE * x:norm() * slope:norm() then
-      return nil
-    end
-  end
-  return step
-end
-
--- the equilibrium that Newton's method finds from the start, and the blocks there
-local function equilibrium(problem, L)
-  local n, q, rest, last = problem.n, problem.q + 0, core.zeros(problem.n), math.huge
-  for _ = 1, TRIES do
-    local g = L:gradient(q, rest, problem.t0)
+-- what is at q, for dm.scene.equilibrium: dL/dq, -L_qq, L_vv
+local function pull_of(problem, L)
+  local n, rest = problem.n, core.zeros(problem.n)
+  return function(q)
     local K, mass = blocks(L:hessian(q, rest, problem.t0), n)
-    if not K then return nil end
-    local slope = core.zeros(n)
-    for i = 1, n do slope[i] = g[i] end
-    local step = newton_step(K, mass, slope)
-    if not step then return nil end
-    local length = step:norm()
-    if not (length <= last) and length <= 1e-9 * (1 + q:norm()) then return q, K, mass end
-    q, last = q + step, length
-    if length <= SETTLED * (q:norm() + (q - problem.q):norm()) then return q, K, mass end
+    return K and L:gradient(q, rest, problem.t0):slice(1, n), K, mass
   end
 end
 
@@ -112,18 +83,20 @@ local function seen(problem, rows, mode)
   return worst
 end
 
--- modes with x, omega^2, where they start, how far they go
-local function modes_of(problem, q, K, mass)
-  local n, T = problem.n, problem.T
+-- modes with x, omega^2, where they start, how far they go; push: what is left of the forces at q
+-- along a mode without a spring
+local function modes_of(problem, q, pull, K, mass)
+  local n, T, largest = problem.n, problem.T, 0
   local squares, vectors = K:modes(mass)
+  for k = 1, n do largest = max(largest, abs(squares[k])) end
   local d, out = problem.q - q, {}
   local Md, Mv = mass * d, mass * problem.v
   for k = 1, n do
     local x = core.zeros(n)
     for i = 1, n do x[i] = vectors[i][k] end
     local y, w, square = x:dot(Md), x:dot(Mv), squares[k]
-    local omega = sqrt(max(square, 0))
-    out[k] = { x = x, square = square, y = y, w = w,
+    local push = abs(square) <= FREE * largest and x:dot(pull) or 0
+    out[k] = { x = x, square = square, y = y, w = w, push = push,
       amplitude = square > 0 and sqrt(y * y + w * w / square) or abs(y) + T * abs(w),
       speed = square > 0 and sqrt(y * y * square + w * w) or abs(w) }
     if square < 0 then -- it grows
@@ -131,7 +104,8 @@ local function modes_of(problem, q, K, mass)
       out[k].amplitude = (abs(y) + abs(w) / rate) * math.exp(rate * T)
       out[k].speed = rate * out[k].amplitude
     end
-    out[k].omega = omega
+    out[k].amplitude = out[k].amplitude + abs(push) * T * T / 2
+    out[k].speed = out[k].speed + abs(push) * T
   end
   return out
 end
@@ -173,6 +147,7 @@ local function model_with(problem, options, q, modes, all)
   local system = core.system { Q = core.R(k), L = function(x, v)
     local sum = 0
     for i, mode in ipairs(modes) do sum = sum + (v[i] ^ 2 - mode.square * x[i] ^ 2) / 2 end
+    for i, mode in ipairs(modes) do sum = sum + mode.push * x[i] end
     return sum
   end }
   local other = model_of.problem(system, { q = y, v = w, t0 = problem.t0,
@@ -184,17 +159,21 @@ local function model_with(problem, options, q, modes, all)
   return out
 end
 
--- y and its rate at a time after the start: solutions of y'' = -square y
+-- y and its rate at a time after the start: solutions of y'' = -square y + push
 local function exact_mode(mode, after)
-  local c, s, root = nil, nil, sqrt(abs(mode.square))
+  local c, s, half, root = nil, nil, nil, sqrt(abs(mode.square))
   if mode.square > 0 then
-    c, s = core.cos(root * after), core.sin(root * after) / root
+    c, s, half = core.cos(root * after), core.sin(root * after) / root, core.sin(root * after / 2)
   elseif mode.square < 0 then
     c, s = core.cosh(root * after), core.sinh(root * after) / root
+    half = core.sinh(root * after / 2)
   else
     c, s = 1, after
   end
-  return c * mode.y + s * mode.w, c * mode.w - mode.square * s * mode.y
+  -- of a push, (1 - c)/square
+  local far = half and 2 * (half / root) ^ 2 or after ^ 2 / 2
+  return c * mode.y + s * mode.w + mode.push * far,
+    c * mode.w - mode.square * s * mode.y + mode.push * s
 end
 
 --- The model whose motion is known, q, v = motion(t): what is watched becomes functions of time.
@@ -255,9 +234,9 @@ function M.models(problem, options)
     if not is_plain(problem) then return {} end
     local n = problem.n
     local L = core.trace(problem.L, n, n, "number")
-    local q, K, mass = equilibrium(problem, L)
+    local q, pull, K, mass = equilibrium.near(problem.q, pull_of(problem, L))
     if not q then return {} end
-    local modes = modes_of(problem, q, K, mass)
+    local modes = modes_of(problem, q, pull, K, mass)
     local rows = M.sensitivities(problem, q)
     local left = M.largest(modes, function(mode) return seen(problem, rows, mode) end)
     local stepped = options.rules or options.frame
