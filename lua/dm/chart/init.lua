@@ -82,6 +82,7 @@ function M.name(rule) return (tostring(rule):gsub("^rule ", "")) end
 ---- one point ----
 
 local BATCHES, LONG_ENOUGH = 5, 2e-3
+local FAR = 0.3  -- of how far the motion reaches: errors that tell of no order
 
 -- median over batches of the best of the runs in a batch, seconds of CPU of one run
 local function cpu_seconds(run, repeats)
@@ -135,6 +136,7 @@ local function measure(chart, entry, h)
   local point = { rule = entry.name, h = own and h or step, setup = 1e9 * setup,
     error = chart.measure(path, chart.reference) }
   if point.error < chart.floor then point.error, point.below = chart.floor, true end
+  if chart.reach and point.error > FAR * chart.reach then point.far = true end
   local timed = own and { at = { (options.t0 or 0) + options.t } }
     or { steps = steps, every = steps }
   local plain = run_options(options, timed)
@@ -211,7 +213,8 @@ is ahead of the reference or behind it, the shift that fits it best, followed fr
 space that L does not feel, in rad), "energy", "momentum" (of
 coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
 compared with the reference, or { f }: the change of f along the run. Errors below chart.floor, what
-the references differ by, are raised to it and marked `below`. ns is the CPU time of a run, setup
+the references differ by, are raised to it and marked `below`; those of more than 0.3 of the range
+of the motion, which tell of no order, are marked `far`. ns is the CPU time of a run, setup
 that of its first step, kernels included.
 The reference is found: two unlike methods, each refined until they agree; where they do not come
 close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
@@ -298,6 +301,7 @@ local function find_reference(chart)
   end
   if not fine then raise(chart, ref) end
   chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
+  chart.reach = measures.reach(chart.system, chart.what, ref)
 end
 
 -- The chart without its points. known: { h, floor, text, load } of one that was begun before, whose

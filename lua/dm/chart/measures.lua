@@ -149,6 +149,18 @@ function M.make(system, what, options)
   end, "what is watched", true, what
 end
 
+--- How far what is compared with the reference reaches: the largest range of a coordinate, or that
+-- of what is watched; nil where that is not compared, or nothing moves.
+function M.reach(system, what, ref)
+  local columns = what == "position" and not system.place and columns_of(ref, system).columns
+    or what == "what is watched" and { ref:column "watched" }
+  local most = 0
+  for _, range in ipairs(columns and ranges_of(columns) or {}) do
+    if range < math.huge then most = math.max(most, range) end
+  end
+  return most > 0 and most or nil
+end
+
 --- The rules of a chart with the tolerances of Newton's method: { rule, name, newton }.
 function M.entries(rules, tolerances, name)
   local explicit = {}

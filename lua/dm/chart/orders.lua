@@ -18,10 +18,11 @@ end
 local doc_order = [[
 chart:order(rule) -> number   or   nil, sentence
 The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
-whose error is well above (30 times) what the references differ by, and above the rule's own
-round-off where finer steps have larger errors, as far as the slopes between neighbours agree to a
-tenth or 0.4. nil, and why, with fewer than three such steps ("not measurable"), or where they do
-not agree ("not asymptotic").]]
+whose error is well above (30 times) what the references differ by, above the rule's own round-off
+where finer steps have larger errors, and below 0.3 of the range of the motion, as far as the slopes
+between neighbours agree to a tenth or 0.4. nil, and why, with fewer than three such steps ("not
+measurable", or "not asymptotic" where they are too coarse), or where slopes do not agree ("not
+asymptotic").]]
 
 -- where errors of a rule grow again with finer steps its own round-off is what is seen there
 local function round_off(points)
@@ -32,12 +33,13 @@ local function round_off(points)
   return points[best] and best < #points and points[best].error or 0
 end
 
--- the finest steps above round-off, from the finest, each once
+-- the finest steps above round-off, not as far off as the motion reaches, from the finest, each
+-- once
 local function finest(points, floor_)
   local used = {}
   for i = #points, 1, -1 do
     local p = points[i]
-    if p.error > floor_ and not p.below and (#used == 0 or p.h > used[#used].h) then
+    if p.error > floor_ and not p.below and not p.far and (#used == 0 or p.h > used[#used].h) then
       used[#used + 1] = p
     end
   end
@@ -101,6 +103,11 @@ local function order_of(chart, rule)
   local first, last = agreeing(slopes)
   if first then return slope_of(table.move(used, first, last, 1, {})) end
   if #used < 3 then
+    if points[1].far then
+      return nil, ("not asymptotic: at %s of %s is the error below 0.3 of the range of the motion, "
+        .. "and well above round-off, and three are needed; finer steps may show an order")
+        :format(COUNTS[#used], rule)
+    end
     return nil, ("not measurable: at %s of %s is the error above %.1e, which is 30 times round-off "
       .. "or what the references differ by, and three are needed; coarser steps show more")
       :format(COUNTS[#used], rule, floor_)

@@ -8,8 +8,9 @@ local M = {}
 
 local abs, max, min, floor = math.abs, math.max, math.min, math.floor
 
--- stretches of the run: longer ones for turns, which a part of an orbit tells badly; the least and
--- the most rows of each
+-- stretches of the run: longer ones for turns, which a part of an orbit tells badly, none shorter
+-- than a swing, where an error of the amplitude looks like a shift; the least and the most rows of
+-- each
 local WINDOWS, FEWER, FEWEST, ROWS = 32, 8, 8, 64
 local NODES = 8               -- rows of the flow that a polynomial goes through
 local TRIES = 8               -- of Gauss and Newton
@@ -120,6 +121,22 @@ local function fit(w, flow, at)
   return left <= KNOWN * all
 end
 
+-- how often the column of a flow that turns most often swings to and fro up to a time; huge: never
+local function swings(flow, horizon)
+  local most = 0
+  for _, list in ipairs(flow.columns) do
+    local turns, way = 0, 0
+    for i = 2, #list do
+      local now = list[i] - list[i - 1]
+      if flow.t[i] > horizon then break end
+      if now * way < 0 then turns = turns + 1 end
+      if now ~= 0 then way = now end
+    end
+    most = max(most, turns)
+  end
+  return most > 0 and most / 2 or math.huge
+end
+
 --- How run = { t, columns } is shifted against flow = { t, columns (at even times), range of each,
 -- turns, turned (groups.lua; nil: by no group) } up to the time `horizon`: { shift (by which it is
 -- ahead at the end), largest, turn, largest_turn }, or nothing where no shift explains the run.
@@ -127,7 +144,8 @@ function M.follow(run, flow, horizon)
   flow.read, flow.last = M.reader(flow.t, flow.columns)
   flow.first = run.t[1]
   local t0, known, at = run.t[1], false, { a = 0, b = 0 }
-  local windows = max(1, min(flow.turns and FEWER or WINDOWS, #run.t // FEWEST))
+  local windows = min(flow.turns and FEWER or WINDOWS, #run.t // FEWEST, swings(flow, horizon))
+  windows = max(1, floor(windows))
   local length, middle, out = (horizon - t0) / windows, t0, { largest = 0, largest_turn = 0 }
   local turned = 0
   for k = 1, windows do

@@ -92,6 +92,23 @@ do
   told({ t = 2, rules = "verlet", h = { 0.1, 0.05 } }, "three are needed", "nor have two, whose slope nothing supports")
   told({ t = 4000, rules = "verlet", h = { 2.5, 3 }, samples = 2 }, "no step of verlet gave an error", "nor have steps that all fail")
 end
+-- a shift in time in less than two swings, where the amplitude is wrong too: x_n = q cos(n theta) + v h/sin(theta) sin(n theta)
+do
+  local c = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }:chart { q = { 0.3 }, v = { -0.2 }, t = 10, rules = { "verlet" },
+    h = { 0.1, 0.05 }, error = "phase", rivals = false, repeats = 1 }
+  for _, p in ipairs(c.points) do
+    local theta = math.acos(1 - p.h ^ 2 / 2)
+    local ahead = 10 * (theta / p.h - 1) + math.atan(0.2 * p.h / math.sin(theta), 0.3) - math.atan(0.2, 0.3)
+    ok(math.abs(p.error / ahead - 1) < 0.01, "the shift of Verlet with a velocity, h = " .. p.h, p.error .. " " .. ahead)
+  end
+end
+-- nor have errors that are as large as the motion, though their slopes agree
+do
+  local near = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+  local c = near:chart { q = { 0.1, 0 }, v = { 0, math.sqrt(19) }, t = 20, rules = { "verlet" }, h = { 0.1, 0.05, 0.02, 0.005 }, rivals = false, repeats = 1 }
+  local order, why = c:order "verlet"
+  ok(order == nil and why:find("not asymptotic: at no step", 1, true) and c.points[1].far, "no order of errors as large as the motion", tostring(order or why))
+end
 -- blow-ups have slopes, but no order; the neighbours of a slope must agree with it
 do
   local stiff = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - 1e4 * q[1] ^ 2) / 2 end }
