@@ -588,10 +588,11 @@ function dm_chart_class:csv(file) end
 ---chart:order(rule) -> number   or   nil, sentence
 ---
 ---The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
----whose error is well above (30 times) what the references differ by, and above the rule's own
----round-off where finer steps have larger errors, as far as the slopes between neighbours agree to a
----tenth or 0.4. nil, and why, with fewer than three such steps ("not measurable"), or where they do
----not agree ("not asymptotic").
+---whose error is well above (30 times) what the references differ by, above the rule's own round-off
+---where finer steps have larger errors, and below 0.3 of the range of the motion, as far as the slopes
+---between neighbours agree to a tenth or 0.4. nil, and why, with fewer than three such steps ("not
+---measurable", or "not asymptotic" where they are too coarse), or where slopes do not agree ("not
+---asymptotic").
 ---@param rule? any
 ---@return number|nil
 ---@return any
@@ -5463,7 +5464,8 @@ function dm.ceil(x) end
 ---space that L does not feel, in rad), "energy", "momentum" (of
 ---coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
 ---compared with the reference, or { f }: the change of f along the run. Errors below chart.floor, what
----the references differ by, are raised to it and marked `below`. ns is the CPU time of a run, setup
+---the references differ by, are raised to it and marked `below`; those of more than 0.3 of the range
+---of the motion, which tell of no order, are marked `far`. ns is the CPU time of a run, setup
 ---that of its first step, kernels included.
 ---The reference is found: two unlike methods, each refined until they agree; where they do not come
 ---close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
