@@ -1,6 +1,6 @@
 --- A system in the right trivialization as one in the left: xi = Ad_g of the body velocity, and
--- covectors by the coadjoint action. Steps of lie(s) and of lifts are the same, since exp(xi) g = g
--- exp(Ad_(1/g) xi).
+-- covectors by the coadjoint action. Steps of lie(s) are the same, since exp(xi) g = g exp(Ad_(1/g)
+-- xi); those of lifts are not, whose stages are off the group.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"

@@ -10,10 +10,11 @@ local steps = require "dm.group.step"
 
 local M = {}
 
--- a change of (q, p) from one (u, dp) of the group, at a state above it, and back
+-- a change of (q, p) from one (u, dp) of the group, at a state above it, and back; u is that of the
+-- trivialization
 local function between(own, to, J)
   local N, d = own.size, own.dimension
-  local X = flats.directions(own, N, d)
+  local X = flats.directions(own, N, d, own.right)
   local rise, descend = core.derivative(to, N, d), core.derivative(J, N, N)
   local function velocity(q, z)
     local Y = X(q)
@@ -34,7 +35,7 @@ end
 -- H(q, J(q, p), t) on T*R^N (mech/group_lift.c); p of least length, and (q, J) of a state
 local function collective(system)
   local own, m = system.place, steps.functions_of(system)
-  local X = flats.directions(own, own.size, own.dimension)
+  local X = flats.directions(own, own.size, own.dimension, own.right)
   local function J(q, p) return X(q):transpose() * p end
   local function H(q, p, t) return m.H(own.element(q), J(q, p), t) end
   return core.system { Q = core.R(own.size), H = H },

@@ -96,6 +96,10 @@ local function by_prolonging(solver, what)
     error(what .. ": this H has no Lagrangian; rules that go by the lift, gauss(s) and midpoint, "
       .. "do without", 0)
   end
+  if type(solver.rule) ~= "string" then
+    error(("%s: the functions of '%s' are for %s, and its tangent group is another one: no tangent "
+      .. "map of it is known"):format(what, tostring(solver.rule), tostring(system.Q)), 0)
+  end
   local lifted = tangent_group.system(system)
     :solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
   return function(s, steps, vectors)
@@ -122,18 +126,36 @@ local function steps_groups(rule)
   return type(rule) ~= "string" and not rule.stages
 end
 
--- of a solver in the left trivialization
-local function left_map(solver, what)
-  if steps_groups(solver.rule) then return by_prolonging(solver, what) end
-  return lifts.map(solver, newton(solver))
+local SAME = 1e-10  -- of a state: two steps that are the same but for round-off
+
+-- raises where a rule takes another step in the right trivialization than in the left one: its
+-- tangent map is not that of the other
+local function check_alike(solver, other, s, what)
+  local kit, there = solver.system.place.kit, left.state(solver.system.place.kit, s)
+  local a = solver:run { q = s.q, p = s.p, t0 = s.t, steps = 1 }
+  local fine, b = blame.try(other.run, other, { q = there.q, p = there.p, t0 = s.t, steps = 1 })
+  if not fine then
+    error(("%s is a step of the same system in the left trivialization, and %s"):format(what,
+      tostring(b)), 0)
+  end
+  local p = left.momentum_right(kit, { q = b.q[2], p = b.p[2] })
+  local apart = kit.distance(a.q[2], b.q[2]) + (a.p[2] - p):norm() / max(1, p:norm())
+  if not (apart <= SAME) then
+    error(("%s: '%s' takes another step in the right trivialization than in the left one, and only "
+      .. "of the latter a tangent map is known; lie(s) and gauss(s) have theirs"):format(what,
+      tostring(solver.rule)), 0)
+  end
 end
 
---- The tangent map of a solver on a group, along(s, steps, vectors).
-function M.map(solver, what)
+-- of a rule in charts
+local function chart_map(solver, what)
   local place = solver.system.place
-  if not place.right then return left_map(solver, what) end
-  local kit, along = place.kit, left_map(left.solver(solver, newton(solver)), what)
+  if not place.right then return by_prolonging(solver, what) end
+  local kit, other, checked = place.kit, left.solver(solver, newton(solver)), false
+  local along = by_prolonging(other, what)
   return function(s, steps, vectors)
+    if not checked then check_alike(solver, other, s, what) end
+    checked = true
     local there, out = left.state(kit, s), {}
     for k, w in ipairs(vectors) do out[k] = left.change(kit, s, w) end
     out = along(there, steps, out)
@@ -141,6 +163,12 @@ function M.map(solver, what)
     for k, w in ipairs(out) do out[k] = left.change_right(kit, there, w) end
     return out
   end
+end
+
+--- The tangent map of a solver on a group, along(s, steps, vectors).
+function M.map(solver, what)
+  if steps_groups(solver.rule) then return chart_map(solver, what) end
+  return lifts.map(solver, newton(solver))
 end
 
 -- tangent vectors beside runs in the chart
@@ -158,8 +186,9 @@ end
 -- p, t, w) -> q, p with a vector w = (u, dp) that is brought onto the constraints, vector(q, p):
 -- its entries then, up to a map that does not grow }.
 function M.beside(system, rule)
-  local own = system.place.right and left.system(system) or system
-  local out = steps_groups(rule) and beside_in_chart(own, rule)
+  local in_chart = steps_groups(rule)
+  local own = in_chart and system.place.right and left.system(system) or system
+  local out = in_chart and beside_in_chart(own, rule)
     or lifts.beside(own:solver { rule = rule, h = 1 })
   local kit, start = system.place.kit, out.start
   function out.start(q, v, p, t, w)

@@ -86,6 +86,21 @@ local spatial = dm.system { Q = G, trivialization = "right", force = torque,
   L = function(R, w) return top(R, R:transpose() * w) end }
 local e = gap(spatial, "lie(2)", 0.1, 6, free(G, g0, p0, true))
 ok(e < 1e-10, "in the right trivialization", e)
+-- by lifts, whose stages are off the group, that is not the tangent map of the left one
+local right_top = dm.system { Q = G, trivialization = "right",
+  L = function(R, w) return top(R, R:transpose() * w) end }
+local right_H = dm.system { Q = G, trivialization = "right", H = function(R, m)
+  return m:dot(m) / 2 + 0.3 * m[1] ^ 4 + R[3][3]
+end }
+for _, rule in ipairs { "gauss(2)", "lobatto(2)", "lie(1)" } do
+  e = gap(right_top, rule, 0.1, 3, free(G, g0, p0, true))
+  ok(e < 1e-10, rule .. ": in the right trivialization, without forces", e)
+end
+e = gap(right_H, "gauss(2)", 0.1, 3, free(G, g0, p0, true))
+ok(e < 1e-10, "gauss(2): and of an H alone", e)
+tap.raises("another step in the right trivialization", function()
+  right_top:solver { rule = "rkmk4", h = 0.1 }:tangent { q = g0, p = p0, steps = 1 }
+end)
 local turn = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 4 end,
   control = function(_, v) return v[1] end, force = function(_, _, _, u) return -0.4 * u[1] end }
 local T = turn:solver { rule = "gauss(1)", h = 0.1 }:tangent { q = 0, p = 0, steps = 1 }
@@ -236,7 +251,7 @@ local fine = beside:solver { rule = "gauss(4)", h = 0.05 }
 local place, shove = { g0, dm.vector { 0.3, 0.2 } }, { 0.2, 0.1, 0.8, 0.3, 0.1 }
 local one = flows:run { q = place, p = shove, steps = 40 }
 local other = fine:run { q = place, p = shove, steps = 40 }
-near((one.p[41] - other.p[41]):norm(), 0, 1e-6, "rotations(4) with a coupled R^2 goes to the motion")
+near((one.p[41] - other.p[41]):norm(), 0, 1e-6, "rotations(4) with a coupled R^2 has its motion")
 near(dm.system { Q = G, L = top }:solver { rule = "rotations(4)", h = 0.1 }
   :lyapunov { q = g0, p = p0, t = 10, exponents = 6 }.sum, 0, 1e-12, "and keeps volumes")
 
