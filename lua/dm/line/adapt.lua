@@ -12,6 +12,8 @@ local fail = option.failing "dm.adapt"
 local KNOWN = { "W", "f", "x", "ends" }
 local MOST = 400          -- iterations
 local POINTS = { 10, 20, 40 }  -- of Gauss's rule on an element, until f is integrated to round-off
+local SMALL = 1e-7        -- beside the energy: a gradient that rounding may leave
+local NEAR = 1e-9         -- of the knots and values: a step as short is near the end
 local LEAST = 0.2         -- of its length an element keeps in one iteration
 
 ---- the energy of an element ----
@@ -120,7 +122,7 @@ local function minimize(p, z, held)
     local dz
     dz, shift = downhill(slope, H, shift, scale)
     local step, t = norm(dz), in_order(p, z, dz)
-    if shift <= 1e-9 * scale and step <= 1e-9 * norm(z) and size >= 0.5 * last then
+    if shift <= 1e-9 * scale and step <= NEAR * norm(z) and size >= 0.5 * last then
       return z, k, size
     end
     local trial, now, accepted = nil, nil, false
@@ -128,11 +130,12 @@ local function minimize(p, z, held)
       trial = moved(z, dz, t)
       now = energy_of(p, trial)
       accepted = now <= energy + 1e-15 * math.abs(energy)
+        or step <= NEAR * norm(z) and now == now -- energies differ by rounding alone
       if accepted then break end
       t = t / 2
     end
     if not accepted then
-      if size <= 1e-7 * (1 + math.abs(energy)) then return z, k, size end
+      if size <= SMALL * (1 + math.abs(energy)) then return z, k, size end
       shift = math.max(10 * shift, 1e-8 * scale)
     else
       z, energy, last = trial, now, size
@@ -140,11 +143,30 @@ local function minimize(p, z, held)
       if shift < 1e-14 * scale then shift = 0 end
     end
   end
+  if last <= SMALL * (1 + math.abs(energy)) then return z, MOST, last end
   fail("the energy has no least value that %d iterations find: is W convex and f finite? (largest "
     .. "derivative left %.2g)", MOST, last)
 end
 
 ---- knots ----
+
+local FLAT = 1e-7 -- of what pulls at the ends, and of the energy over the length: forces inside
+
+-- Raises where elements have shrunk to nothing, or what is found is no least value.
+local function check(p, z, held)
+  local length = z[#z - 1] - z[1]
+  for e = 1, p.elements do
+    if not (z[2 * e + 1] - z[2 * e - 1] > 1e-9 * length) then
+      fail("the knots %d and %d meet at x = %.6g: with both the energy has no least value; is W "
+        .. "convex? Fewer elements may have one", e, e + 1, z[2 * e - 1])
+    end
+  end
+  local all, inside, energy = slope_of(p, z), system_of(p, z, held), energy_of(p, z)
+  if not (norm(inside) <= FLAT * (norm(all) + math.abs(energy) / length)) then
+    fail("the energy has no least value that is found: is W convex and f finite? (largest "
+      .. "derivative left %.2g)", norm(inside))
+  end
+end
 
 -- knots that nothing moves: both slopes beside them are equal
 local function affine(z, elements)
@@ -173,7 +195,10 @@ local function solve(p, z, ends)
   z = minimize(p, z, held)
   held = marks(p, ends, false)
   for _, i in ipairs(affine(z, p.elements)) do held[2 * i - 1] = true end
-  return minimize(p, z, held)
+  local count
+  z, count = minimize(p, z, held)
+  check(p, z, held)
+  return z, count
 end
 
 -- is f integrated to round-off on these elements?

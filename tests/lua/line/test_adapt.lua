@@ -57,4 +57,7 @@ raises("option 'W' is missing", function() dm.adapt { x = { 0, 1, 4 }, ends = { 
 raises("is W convex", function() dm.adapt { W = function(s) return (s ^ 2 - 1) ^ 2 end, x = { 0, 1, 4 }, ends = { 0, 0 } } end)
 raises("from 1 to", function() dm.adapt { W = half, x = { 0, 1, 0 }, ends = { 0, 1 } } end)
 raises("NaN", function() dm.adapt { W = half, f = function(x) return dm.log(x - 2) end, x = { 0, 1, 3 }, ends = { 0, 1 } } end)
+raises("the knots 2 and 3 meet", function()
+  dm.adapt { W = function(s) return (s ^ 2 - 1) ^ 2 end, f = function(x) return 0.1 * x end, x = { 0, 1, 4 }, ends = { 0, 0 } }
+end)
 tap.done()
