@@ -256,9 +256,19 @@ A line per point: rule, size, width, h, steps, error, ns.]])
 
 ---- making one ----
 
---- Is the system of these options a function of its size?
+local OF_ONE_SIZE = { ["dm.line_field"] = "a field on a line", ["dm.boxes"] = "boxes",
+  ["dm.euler"] = "a flow" }
+
+--- Is the system of these options a function of its size? Raises where it is of one size and its
+-- errors are those of the size.
 function M.is_meant(options)
-  return type(options) == "table" and type(options.system or options[1]) == "function"
+  local system = type(options) == "table" and (options.system or options[1])
+  local what = OF_ONE_SIZE[option.got(system)]
+  if what then
+    fail("%s is charted over its size: give system = function(N) that returns it, and N = { 8, 16, "
+      .. "32 }", what)
+  end
+  return type(system) == "function"
 end
 
 --- The chart of options.

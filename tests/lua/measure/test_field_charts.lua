@@ -102,4 +102,7 @@ chart = dm.chart { system = function(N) return membrane(N) end, N = { 4, 8, 40 }
   return mode(x, y) * math.cos(sqrt(5) * pi * t) end }
 ok(#chart == 2 and #chart.failures == 1 and chart.failures[1].size == 40 and chart:table():find "N = 40", "a failure belongs into the chart", chart:table())
 ok(chart:csv():match "^rule,size" and select(2, chart:csv():gsub("\n", "")) == 3, "as comma-separated values")
+tap.raises("a field on a line is charted over its size", function()
+  dm.chart { dm.field { x = { 0, 1, 8 }, L = function(u, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end }, u = 1, t = 1 }
+end)
 tap.done()
