@@ -143,7 +143,9 @@ local function minimize(p, z, held)
       if shift < 1e-14 * scale then shift = 0 end
     end
   end
-  if last <= SMALL * (1 + math.abs(energy)) then return z, MOST, last end
+  local slope, H = system_of(p, z, held)
+  local is_least = blocks.solve(H, slope, 1e-9 * blocks.largest(H)) ~= nil
+  if is_least and last <= SMALL * (1 + math.abs(energy)) then return z, MOST, last end
   fail("the energy has no least value that %d iterations find: is W convex and f finite? (largest "
     .. "derivative left %.2g)", MOST, last)
 end

@@ -143,6 +143,39 @@ for i = 0, N do points[i + 1] = { i / N } end
 local string = dm.mesh { simplices = line, points = points }:field { fixed = function(x) return x == 0 or x == 1 end, L = wave }
 near(string:modes(1).values[1], 4 * N ^ 2 * sin(pi / (2 * N)) ^ 2, 1e-10, "first mode of a string")
 
+-- modes of unit vectors are tangent: a great circle, harmonic, along 2 w cos(a) (1 - cos ka)/m, across 2 w (cos(a) - cos ka)/m
+do
+  local n, ring, at = 10, {}, {}
+  local a = 2 * pi / n
+  for i = 1, n do ring[i], at[i] = { i, i % n + 1 }, { cos(a * i), sin(a * i) } end
+  local hoop = dm.mesh { simplices = ring, points = at }
+  local target = hoop:field { values = 3, on = dm.S(2), L = wave }
+  local w, m = hoop:star_weights(1)[1], hoop:star_weights(0)[1]
+  local expected = {}
+  for k = 0, n - 1 do
+    expected[#expected + 1] = 2 * w / m * cos(a) * (1 - cos(k * a))
+    expected[#expected + 1] = 2 * w / m * (cos(a) - cos(k * a))
+  end
+  table.sort(expected)
+  local q = function(x, y) local r = sqrt(x * x + y * y) return { x / r, y / r, 0 } end
+  local found, worst = target:modes(2 * n, { q = q, above = expected[1] - 0.1 }), 0
+  for i, value in ipairs(expected) do worst = math.max(worst, math.abs(found.values[i] - value)) end
+  ok(worst < 1e-12, "modes of a map onto a great circle, the unstable one too", worst)
+  ok(math.abs(expected[1] + 2 * w / m * (1 - cos(a))) < 1e-12 and expected[1] < 0, "(it slips off the circle)")
+  local tangent = 0
+  for _, forms in ipairs(found.forms) do
+    for i = 1, n do
+      local x = q(at[i][1], at[i][2])
+      tangent = math.max(tangent, math.abs(forms[1][i] * x[1] + forms[2][i] * x[2]))
+    end
+  end
+  ok(tangent < 1e-13, "their forms are tangent", tangent)
+  near(target:stability_limit("rattle", { q = q }), 2 / sqrt(expected[2 * n]), 1e-9, "and the limit of rattle is that of the fastest")
+  raises("option 'q' is missing: the state, unit vectors", function() target:modes(2) end)
+  raises("option 'q' is missing", function() target:stability_limit "rattle" end)
+  raises("a step of its own in every cell", function() string:stability_limit "avi" end)
+end
+
 raises("option 'form' is the degree", function() cavity:field { form = 3, L = wave } end)
 raises("larger cell", function() cavity:field { form = 1, L = function(V, W) return W:dot(W) / 2 - V:delta():dot(V:delta()) / 2 end } end)
 raises("negative", function()

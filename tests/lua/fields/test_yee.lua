@@ -128,4 +128,8 @@ end)
 raises("no equation of its own", function()
   plate:field { values = 3, on = dm.S(2), data = { rho = rho }, massless = "eliminate", L = both }
 end)
+raises("a force acts on the cell {5}, which has no kinetic energy", function()
+  plate:field { data = { rho = rho }, massless = "eliminate", L = heavy, force = function(_, v) return -1 * v end }
+end)
+raises("a force acts on the cell", function() plate:field { data = { rho = rho }, massless = "eliminate", L = heavy, absorbing = "boundary" } end)
 tap.done()

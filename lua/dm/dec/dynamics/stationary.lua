@@ -9,7 +9,7 @@ local held = require "dm.dec.fields.held"
 local images = require "dm.dec.fields.images"
 local newton = require "dm.dec.dynamics.newton"
 local option = require "dm.base.options"
-local spheres = require "dm.dec.dynamics.spheres"
+local spheres = require "dm.dec.fields.spheres"
 local start = require "dm.dec.fields.start"
 require "dm.dec.fields.sum"
 

@@ -1,5 +1,6 @@
 --- Cells of a field that are fixed: "boundary", a list of numbers, a function of the position.
 local core = require "dm.core"
+local mass = require "dm.dec.equations.mass"
 local option = require "dm.base.options"
 
 local M = {}
@@ -127,10 +128,25 @@ local function check_equations(f, S, force, list, marks)
   end
 end
 
+-- Raises where a force acts on a value of `list`, whose equation has L alone; forms act by stars.
+local function check_forces(f, list)
+  local stars, absorbs = mass.of(f.mesh, f.degree).values, {}
+  for _, i in ipairs(f.absorbing and f.absorbing.cells or {}) do absorbs[i] = true end
+  for _, at in ipairs(list) do
+    local i = (at - 1) // f.values + 1
+    if f.force and stars[i] ~= 0 or absorbs[i] then
+      option.fail(WHERE, "a force acts on the cell {%s}, which has no kinetic energy and follows "
+        .. "from L alone: put the potential of the force into L, or give the cell a mass",
+        table.concat(f.mesh:simplices(f.degree)[i], ", "))
+    end
+  end
+end
+
 --- Raises where values without mass meet in L, or L is linear in one. Those that L does not have
 -- at all stay where they start: their force is 0.
 function M.check_massless(f, system)
   if #f.massless == 0 then return end
+  check_forces(f, f.massless)
   local marks = core.constant(f.n, 0)
   for _, i in ipairs(f.massless) do marks[i] = 1 end
   for row = 1, #RANGES do

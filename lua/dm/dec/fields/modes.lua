@@ -3,8 +3,10 @@
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local matrices = require "dm.dec.equations.matrices"
 local operator = require "dm.dec.equations.operator"
 local option = require "dm.base.options"
+local spheres = require "dm.dec.fields.spheres"
 require "dm.dec.equations"
 
 local function field_of(system, where)
@@ -24,12 +26,27 @@ local function without(f, S)
   return S - beside:transpose() * beside:scale(own)
 end
 
--- S and M as an operator of the values
-local function pencil(system, f, q)
+-- of unit vectors q: S and M in tangent spaces, and the basis of these
+local function tangent_pencil(system, f, q)
+  local kind, B, count = operator.primal(f.degree), spheres.basis(f, f, q)
+  local bend = spheres.products(f, q, -1 * core.field_force(system, q))
+  local S = -1 * core.field_hessian(system, q) - matrices.diagonal(bend)
+  local masses = (B:transpose() * (matrices.diagonal(f.masses) * B)):diagonal()
+  return operator.new(f.mesh, kind, kind, { weights = masses, keep = core.constant(count, 1),
+    stiffness = B:transpose() * (S * B) }), B
+end
+
+-- S and M as an operator of the values; of unit vectors, of tangent ones, and their basis
+local function pencil(system, f, q, where)
+  if f.sphere and q == nil then
+    option.fail(where, "option 'q' is missing: the state, unit vectors, that oscillations are "
+      .. "around")
+  end
   q = q and core.vector(f.start(q, "q")) or core.constant(f.n, 0)
   if #q ~= f.n then
-    option.fail("field:modes", "option 'q' must have %d numbers (got %d)", f.n, #q)
+    option.fail(where, "option 'q' must have %d numbers (got %d)", f.n, #q)
   end
+  if f.sphere then return tangent_pencil(system, f, q) end
   local kind = operator.primal(f.degree)
   local keep = core.constant(f.n, 1)
   for i = 1, f.n do if f.held[i] or f.masses[i] == 0 then keep[i] = 0 end end
@@ -54,15 +71,17 @@ class.method("dm.system", "modes", function(system, n, options)
   local where = "field:modes"
   local f = field_of(system, where)
   options = option.check(options or {}, { "q", "above", "near" }, where)
-  local A = pencil(system, f, options.q)
+  local A, basis = pencil(system, f, options.q, where)
   local found = A:eigen(n, { above = options.above, near = options.near })
-  for i, x in ipairs(found.forms) do found.forms[i] = shown(f, x) end
+  for i, x in ipairs(found.forms) do found.forms[i] = shown(f, basis and basis * x or x) end
   return found
 end, [[
 field:modes(n, {q=, above=, near=}) -> { values, forms, residuals, solver }
 n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
-beyond x, with near = x nearest to x. Cells that are fixed or without mass stay at 0.]])
+beyond x, with near = x nearest to x. Cells that are fixed or without mass stay at 0. Of unit
+vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
+constraint's force is that of q.]])
 
 ---- the largest step ----
 
@@ -125,7 +144,11 @@ class.method("dm.system", "stability_limit", function(system, rule, options)
   local f = field_of(system, where)
   options = option.check(options or {}, { "q" }, where)
   if type(rule) ~= "string" then option.fail(where, "a rule is needed, as \"verlet\"") end
-  local lambda = largest(pencil(system, f, options.q))
+  if rule:find "^%s*avi" then
+    option.fail(where, "avi has a step of its own in every cell: solver:report() tells those beyond "
+      .. "their limit")
+  end
+  local lambda = largest((pencil(system, f, options.q, where)))
   return lambda > 0 and limit_of(rule) / math.sqrt(lambda) or math.huge
 end, [[
 field:stability_limit(rule, {q=}) -> number

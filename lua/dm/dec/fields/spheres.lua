@@ -26,8 +26,9 @@ local function across(u)
   return out
 end
 
--- B of all free cells, a column for every unknown
-local function basis(problem, f, x)
+--- B of all cells that are not held, a column for every unknown, and how many these are; problem: {
+-- held }.
+function M.basis(problem, f, x)
   local k, rows, columns, values, count = f.values, {}, {}, {}, 0
   for i = 0, f.n - 1, k do
     if not problem.held[i + 1] then
@@ -44,8 +45,10 @@ local function basis(problem, f, x)
   return core.sparse(f.n, math.max(count, 1), rows, columns, values), count
 end
 
--- x . g of the cell, for every number of it
-local function products(f, x, g)
+local basis = M.basis
+
+--- x . g of the cell, for every number of it.
+function M.products(f, x, g)
   local out = core.vector(f.n)
   for i = 0, f.n - 1, f.values do
     local sum = 0
@@ -54,6 +57,8 @@ local function products(f, x, g)
   end
   return out
 end
+
+local products = M.products
 
 local function normalized(f, x)
   local out = core.vector(f.n)
