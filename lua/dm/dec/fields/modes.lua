@@ -145,8 +145,8 @@ class.method("dm.system", "stability_limit", function(system, rule, options)
   options = option.check(options or {}, { "q" }, where)
   if type(rule) ~= "string" then option.fail(where, "a rule is needed, as \"verlet\"") end
   if rule:find "^%s*avi" then
-    option.fail(where, "avi has a step of its own in every cell: solver:report() tells those beyond "
-      .. "their limit")
+    option.fail(where, "avi has a step of its own in every cell: solver:report() tells those "
+      .. "beyond their limit")
   end
   local lambda = largest((pencil(system, f, options.q, where)))
   return lambda > 0 and limit_of(rule) / math.sqrt(lambda) or math.huge
