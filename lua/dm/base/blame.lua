@@ -79,7 +79,10 @@ end
 --- pcall, but for a stop, which passes: for what is tried by code that goes on where it fails. Our
 -- modules have pcall only where every error is raised again, or a stop is handed on with what is
 -- there; tests/house knows these places.
-function M.try(f, ...) return passed(pcall(f, ...)) end
+function M.try(f, ...)
+  core.pass_stop() -- what tries things in a loop ends, too
+  return passed(pcall(f, ...))
+end
 
 --- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a
 -- string; other errors as they are.

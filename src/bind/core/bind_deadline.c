@@ -76,12 +76,21 @@ static int within(lua_State *L) {
     return lua_gettop(L);
 }
 
+static int pass_stop(lua_State *L) {
+    dml_checkstop(L);
+    return 0;
+}
+
 static const dml_row functions[] =
     {{"within", within,
       "core.within(seconds, f, ...) -> true, results   or   false, error\n"
       "Call f and end it when it has used so many seconds of CPU time, of all threads: the run in "
       "hand stops as by Ctrl-C, and what that raised is the error. Other errors pass. Between runs "
-      "nothing is ended: loops of Lua look at dm.cpu() themselves."},
+      "nothing is ended: loops of Lua look at dm.cpu() themselves, or call core.pass_stop()."},
+     {"pass_stop", pass_stop,
+      "core.pass_stop()\n"
+      "Raise what a stop raises where one waits, by Ctrl-C or the end of core.within: for loops of "
+      "Lua that may take long."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_deadline = {

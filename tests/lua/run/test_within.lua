@@ -15,4 +15,9 @@ tap.ok(inner == false and outer == true, "the inner of two ends alone")
 outer = core.within(0.05, function() inner = core.within(60, run, 1e10) return run(100) end)
 tap.ok(outer == false and inner == false, "the outer ends both")
 tap.ok(select(2, pcall(core.within, 60, error, "mine", 0)) == "mine", "other errors pass")
+local tried = 0
+outer, failure = core.within(0.02, function()
+  while true do require "dm.base.blame".try(error, "a try that fails") tried = tried + 1 end
+end)
+tap.ok(not outer and tostring(failure):find "interrupted!" and tried > 0, "a loop of Lua that tries things ends", tostring(failure))
 tap.done()

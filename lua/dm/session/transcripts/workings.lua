@@ -140,6 +140,11 @@ M["core.pick"] = [=[
 > core.pick({ 10, 20, 30 }, { 1, 0, 1 })
 [10, 30]]=]
 
+M["core.pass_stop"] = [=[
+> core = require "dm.core"
+> core.within(0.02, function() while true do core.pass_stop() end end) == false
+true]=]
+
 M["core.processor"] = [=[
 > core = require "dm.core"
 > ({ plain = true, fma = true, avx512 = true })[core.processor()]
