@@ -73,12 +73,12 @@ int dml_ensemble_summary(lua_State *L) {
     return 1;
 }
 
-/* numbers of the list at `arg`, which may be NaN */
+/* numbers of the list or number at `arg`, which may be NaN */
 static void read_any(lua_State *L, int arg, double *out, long count) {
     for (long i = 0; i < count; i++) {
-        lua_geti(L, arg, i + 1);
-        out[i] = luaL_checknumber(L, -1);
-        lua_pop(L, 1);
+        const dml_scalar x = dml_entry(L, arg, (uint32_t)i);
+        luaL_argcheck(L, x.kind == DML_NUMBER, arg, "plain numbers are needed");
+        out[i] = x.as.number;
     }
 }
 
