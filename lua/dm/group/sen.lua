@@ -13,18 +13,24 @@ local so3 = require "dm.group.so3"
 
 local M = {}
 
-local function rotation(g, n) return linear.fill(n, n, function(i, j) return g[i][j] end) end
+local function rotation(g, n)
+  local out = g:totable()
+  out[n + 1] = nil
+  for i = 1, n do out[i][n + 1] = nil end
+  return core.matrix(out)
+end
 local function shift(g, n)
   local out = {}
   for i = 1, n do out[i] = g[i][n + 1] end
   return core.vector(out)
 end
 local function joined(R, a)
-  local n = #a
-  return linear.fill(n + 1, n + 1, function(i, j)
-    if i > n then return j > n and 1 or 0 end
-    return j > n and a[i] or R[i][j]
-  end)
+  local out, last = R:totable(), {}
+  local n = #out
+  for i = 1, n do out[i][n + 1], last[i] = a[i], 0 end
+  last[n + 1] = 1
+  out[n + 1] = last
+  return core.matrix(out)
 end
 
 local function sequence(a, b)
