@@ -66,8 +66,7 @@ static dm_interval plus_one(dm_interval a) {
     return dm_interval_add((dm_interval){1.0, 1.0}, a);
 }
 
-/* the derivative of a function of one operand, where that is a and the value y */
-static dm_interval slope(dm_op op, dm_interval a, dm_interval y) {
+dm_interval dm_bounds_slope(dm_op op, dm_interval a, dm_interval y) {
     switch (op) {
     case DM_OP_NEG:
         return (dm_interval){-1.0, -1.0};
@@ -173,7 +172,7 @@ void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_inte
         else if (e->op == DM_OP_INPUT)
             rate[n] = rate_in[e->as.input];
         else if (dm_op_operands(e->op) == 1)
-            rate[n] = dm_interval_multiply(slope(e->op, value[e->as.arg[0]], value[n]),
+            rate[n] = dm_interval_multiply(dm_bounds_slope(e->op, value[e->as.arg[0]], value[n]),
                                            rate[e->as.arg[0]]);
         else
             rate[n] = rate_of_more(e, value[n], value, rate);
@@ -243,7 +242,7 @@ void dm_bounds_weight(const dm_graph *g, const dm_interval *value, double *weigh
         if (!operands || weight[n] == 0.0) continue;
         double slopes[3];
         if (operands == 1)
-            slopes[0] = largest_of(slope(e->op, value[e->as.arg[0]], value[n]));
+            slopes[0] = largest_of(dm_bounds_slope(e->op, value[e->as.arg[0]], value[n]));
         else
             largest_slopes(e, value[n], value, slopes);
         for (int i = 0; i < operands; i++) weight[e->as.arg[i]] += weighed(weight[n], slopes[i]);

@@ -20,6 +20,7 @@
 #include "code/tape/tape.h"
 #include "graph/analyse.h"
 #include "linalg/lu.h"
+#include "mech/mass_bounds.h"
 
 #include <math.h>
 #include <string.h>
@@ -325,6 +326,16 @@ static dm_status use_extremum(builder *b) {
     return dm_graph_status(b->g);
 }
 
+/* of a mass that moves with q and may have negative values */
+static void keep_bounds(builder *b) {
+    const unsigned structure = b->m.structure;
+    if (b->m.mass.eval && structure & DM_QUADRATIC_IN_V &&
+        !(structure & (DM_CONSTANT_MASS | DM_LINEAR_IN_V)) &&
+        !dm_mass_is_convex(b->g, b->L, b->m.n, b->arena))
+        b->m.mass_bounds =
+            dm_mass_bounds_new(b->g, b->gradient + b->m.n, b->mass, b->m.n, b->arena);
+}
+
 /* the usual model: all sums written out, n x n tables allowed */
 static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                              dm_compile *compile, dm_arena *arena) {
@@ -346,6 +357,7 @@ static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n, un
     if (want & DM_WANT_STAGE_LATER && dm_has_roots(g, &L, 1)) want |= DM_WANT_STAGE;
     status = make_kernels(&b, want);
     if (status == DM_OK && want & DM_WANT_STAGE_LATER) status = make_later(&b);
+    if (status == DM_OK) keep_bounds(&b);
     if (status != DM_OK) return status;
     *m = b.m;
     return mass;

@@ -79,9 +79,12 @@ typedef struct {
     /* D1[n] + D2[n] of a pair, rewritten by itself: velocity terms cancel before they are rounded.
      * No eval: Ld has implicit functions or is a callback, take the sum of both */
     dm_kernel pair_sum;
-    const double *inverse_mass;     /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
-    const double *mass_matrix;      /* same shape */
-    const double *momentum_shift;   /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
+    const double *inverse_mass;   /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
+    const double *mass_matrix;    /* same shape */
+    const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
+    /* of M(q, t), for boxes (mech/mass_bounds.h); NULL: it is constant, a sum of squares,
+     * depends on v, or is large */
+    const struct dm_mass_bounds *mass_bounds;
     const uint8_t *cyclic;          /* [n]: 1 where L does not depend on q_i */
     struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */
     struct dm_work *work; /* forces beside L on a field (chain/virtual_work.h), DM_WANT_FORCE; NULL:

@@ -50,7 +50,8 @@ static size_t room(const dm_model *m) {
 }
 
 size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
-    return room(m) + 3 * (dm_state_size(m->n) + memory) + members * m->n;
+    return room(m) + 3 * (dm_state_size(m->n) + memory) + dm_inertia_boxes(m) +
+           members * 3 * (size_t)m->n;
 }
 
 void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *work) {
@@ -58,12 +59,15 @@ void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *wo
     x->state = work + room(m);
     x->memory = x->state + dm_state_size(m->n);
     x->aside = x->memory + memory;
-    x->scale = x->scales = x->aside + 2 * (dm_state_size(m->n) + memory);
+    x->boxes = x->aside + 2 * (dm_state_size(m->n) + memory);
+    x->members = x->boxes + dm_inertia_boxes(m);
+    x->scale = x->members, x->region = x->scale + m->n;
     memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);
 }
 
 void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen) {
-    x->scale = x->scales + member * x->model->n;
+    x->scale = x->members + member * 3 * x->model->n;
+    x->region = x->scale + x->model->n;
     x->seen = *seen;
 }
 
@@ -153,6 +157,17 @@ const double *dm_inertia_velocity(const dm_inertia *x, const double *state, doub
     return dm_legendre_inverse(m, v, state, state + n, t, work) == DM_OK ? v : NULL;
 }
 
+double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int surely) {
+    const uint32_t n = x->model->n;
+    const double *p = state + n, *v = surely ? dm_inertia_velocity(x, state, t) : p;
+    double out = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < n && v; i++) {
+        out = fmax(out, fabs(v[i]) / x->scale[i]);
+        squares += p[i] * x->scale[i] * (p[i] * x->scale[i]);
+    }
+    return !v ? INFINITY : surely ? out : sqrt(squares) / x->seen.least;
+}
+
 /* The size of the value next to zero one step on, if no force acted; *changed: and behind zero.
  * What depends on the velocity alone does not move. */
 static double look_ahead(const dm_inertia *x, const double *state, double t, double h,
@@ -185,6 +200,10 @@ void dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
     int changed = 0;
     const double ahead = look_ahead(x, state, t, h, &changed), falls = s->least - ahead;
     s->left = changed ? 0.0 : falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
+    s->at = t;
+    x->h = h;
+    dm_inertia_expect(x);
+    dm_inertia_foresee(x, state, t, 0);
 }
 
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t) {
@@ -219,7 +238,10 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     const double far = fmin(fmin(safe, MOST), 2.0 * (double)since);
     s->due = done + (found && far >= 1.0 ? (long)far : 1);
     s->least = least;
+    s->open = 0;
+    if (found && !changed) dm_inertia_foresee(x, state, t, done);
     s->looked = done;
+    s->at = t;
     return changed;
 }
 

@@ -14,15 +14,23 @@ typedef struct {
     double least;      /* size of the value next to zero, when it was looked at last */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
+    /* How much M can bend in a unit of time squared, over what it was at the start: for unit
+     * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
+    double anywhere, bend, speed, until;
+    long wide;     /* steps that a region is made for */
+    int wait;      /* looks until the next one is tried */
+    double credit; /* nodes whose bounds may be found yet: looks cost a part of the steps */
+    double at;     /* the time of the last look */
+    int open;      /* the next step may go over a place that looks do not see */
 } dm_inertia_seen;
 
 typedef struct {
     const dm_model *model;
     dm_inertia_seen seen;
-    double before; /* what was left before the last look */
-    double *scale; /* [n] of the velocities: the mass at the start has ones on its diagonal; in
-                      scales[members][n] */
-    double *scales;
+    double before;  /* what was left before the last look */
+    double *scale;  /* [n] of the velocities: the mass at the start has ones on its diagonal */
+    double *region; /* [2n] of coordinates: the least, then the largest; both in members[][3n] */
+    double *members;
     double *room; /* arguments and outputs of kernels, the matrix */
     /* a state that steps can be taken again from, what the engine remembered there, how many
      * steps and rows were done */
@@ -31,6 +39,9 @@ typedef struct {
     long done, rows;
     double t;      /* its time */
     double *aside; /* states and memories of parts of a step */
+    double h;      /* of the steps */
+    int own;       /* steps choose their length */
+    double *boxes; /* what inertia_step.c works on */
 } dm_inertia;
 
 /* Can the inertia of a model change? Not where its mass is constant. */
@@ -71,12 +82,35 @@ int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *
 const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t);
 
 /* After a look at its end: does a value vanish inside the step of h from the kept state, at time t,
- * and have the same sign at its end? The step is made again in parts, which leave nothing behind
- * but arrays of the engine (dm_stepper.goes_on). */
-int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, double t, double h);
+ * and have the same sign at its end, the state `to`? Before it a value fell steeply, or nothing was
+ * known of the way (`open`). The step is made again in parts, which leave nothing behind but arrays
+ * of the engine (dm_stepper.goes_on), unless its length is the rule's own business. */
+int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, const double *to, double t, double h,
+                        int steep, int open);
 
 /* The same of the step of h from another state, which takes up nothing of the steps before. */
-int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, double t, double h);
+int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, const double *to,
+                             double t, double h, int steep, int open);
+
+/* How fast values move there, in units of the scales; `surely`: by the velocity itself. */
+double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int surely);
+
+/* ---- between looks (inertia_step.c) ---- */
+
+/* Doubles of boxes for a model. */
+size_t dm_inertia_boxes(const dm_model *m);
+
+/* Of a start. */
+void dm_inertia_expect(dm_inertia *x);
+
+/* After a look: can values vanish unseen within steps from here? Lets the next look be due where
+ * the answer ends, and marks the next step as open where it may. */
+void dm_inertia_foresee(dm_inertia *x, const double *state, double t, long done);
+
+/* Does a value vanish and come back on the way between two states, one open step apart? 0, surely,
+ * or it has a place to do so where the motion need not come. */
+enum { DM_INERTIA_HIDDEN = 1, DM_INERTIA_NEAR = 2 };
+int dm_inertia_hides(dm_inertia *x, const double *from, double t0, const double *to, double t1);
 
 /* Keep a state, and go back to it. */
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state);

@@ -1,7 +1,8 @@
 /* inertia_parts.c - does d2L/dv2 lose a value inside a step that has the right inertia at both
  * ends? Where a mass M(q) goes to zero, M v^2 stays finite: v grows like 1/sqrt(M) and the place
  * is reached in no time, but a long step is thrown back by it or jumps over it. So a step before
- * which a value fell steeply is made again in parts, shorter ones as the value nears zero. */
+ * which a value fell steeply is made again in parts, shorter ones as the value nears zero, and so
+ * is an open one (inertia_step.c) with a place beside its way. */
 #include "run/inertia.h"
 
 #include <math.h>
@@ -156,10 +157,45 @@ static int walk(parts *w) {
     return 0;
 }
 
-int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, double t, double h) {
+/* ---- an open step ---- */
+
+enum { FIRST_PART = FINEST / 16, LAST_PART = 16 };
+/* Nodes that parts may take, and what of them counts: places beside the way are rare. */
+static const double OF_PARTS = 1e5, COUNTED = 1e3;
+
+/* Does the part that was made go over a place? DM_INERTIA_NEAR: or comes near to one. */
+static int part_hides(parts *w, int found, uint32_t negative) {
+    const double from = time_of(w), length = w->h * w->size / FINEST;
+    if (!found) return DM_INERTIA_NEAR;
+    if (negative != w->x->seen.negative) return DM_INERTIA_HIDDEN;
+    return dm_inertia_hides(w->x, w->state, from, w->next, from + length);
+}
+
+/* From the kept state on, shorter parts where one does not tell; the place is reached where the
+ * shortest does not, either. */
+static int walk_openly(parts *w) {
+    const double credit = w->x->seen.credit;
+    int hides = 0;
+    w->x->seen.credit = OF_PARTS;
+    for (w->size = FIRST_PART; w->done < FINEST && !hides && w->x->seen.credit > 0.0;) {
+        uint32_t negative = 0;
+        double least = 0.0;
+        hides = part_hides(w, make_part(w, &negative, &least), negative);
+        if (hides == DM_INERTIA_NEAR && w->size > LAST_PART) {
+            w->size /= 2, hides = 0;
+            copy_memory(w, NULL, w->memory);
+            continue;
+        }
+        const int size = w->size < FIRST_PART ? 2 * w->size : FIRST_PART;
+        go_on(w, least, INFINITY);
+        w->size = size < FINEST - w->done ? size : FINEST - w->done;
+    }
+    w->x->seen.credit = credit - COUNTED;
+    return hides;
+}
+
+static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
     const size_t size = dm_state_size(x->model->n), memory = x->memory_size;
-    const dm_report report = s->report;
-    double *kept = x->aside + 2 * size + memory;
     parts w = {.x = x,
                .s = s,
                .t = t,
@@ -167,28 +203,48 @@ int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, double t, double h) {
                .by_position = (x->model->structure & DM_QUADRATIC_IN_V) != 0,
                .size = FINEST / 2,
                .ahead = x->before * FINEST};
-    uint32_t negative;
     w.state = x->aside, w.next = w.state + size, w.memory = w.next + size;
     w.velocity = x->room + x->model->n; /* is written before it is read */
-    copy_memory(&w, kept, NULL);
     memcpy(w.state, x->state, size * sizeof *w.state);
     if (memory) memcpy(w.memory, x->memory, memory * sizeof *w.memory);
     copy_memory(&w, NULL, w.memory);
+    return w;
+}
+
+/* by one of both ways; what the engine has of the step behind it is kept */
+static int vanishes_in_parts(dm_inertia *x, dm_stepper *s, double t, double h,
+                             int (*way)(parts *)) {
+    const size_t size = dm_state_size(x->model->n);
+    const dm_report report = s->report;
+    double *kept = x->aside + 2 * size + x->memory_size;
+    uint32_t negative;
+    const parts here = {.x = x, .s = s};
+    copy_memory(&here, kept, NULL);
+    parts w = begin(x, s, t, h);
     int out = dm_inertia_at(x, w.state, t, &negative, &w.first);
     w.least = w.first;
-    out = out && walk(&w);
+    out = out && way(&w);
     copy_memory(&w, NULL, kept);
     s->report = report;
     return out;
 }
 
-int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, double t,
-                             double h) {
+int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, const double *to, double t, double h,
+                        int steep, int open) {
+    const int hides = open ? dm_inertia_hides(x, x->state, t, to, t + h) : 0;
+    const int in_parts = !(s->rule->method->traits & DM_OWN_TIME);
+    if (hides == DM_INERTIA_HIDDEN) return 1;
+    if (hides && in_parts && vanishes_in_parts(x, s, t, h, walk_openly)) return 1;
+    return steep && in_parts && vanishes_in_parts(x, s, t, h, walk);
+}
+
+int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, const double *to,
+                             double t, double h, int steep, int open) {
     const size_t pair = 2 * (size_t)x->model->n, own = dm_state_size(x->model->n) - pair;
     double *from = x->aside;
     memcpy(from, state, (pair + own) * sizeof *from);
     if (dm_stepper_start(s, from, t, h) != DM_OK) return 0;
     memcpy(from + pair, state + pair, own * sizeof *from);
     dm_inertia_keep(x, s, from);
-    return dm_inertia_vanishes(x, s, t, h);
+    return dm_inertia_vanishes(x, s, to, t, h, steep, open);
 }

@@ -1,3 +1,4 @@
+/* run.c - the loop over time. Long because steps, rows and looks go by one state of the loop. */
 #include "run/run.h"
 
 #include "base/largest.h"
@@ -26,6 +27,7 @@ typedef struct {
     double looked, told; /* s, time of the last look and of the last call of progress */
     double saved;        /* s, time of the last call of save */
     double cpu;          /* s of CPU when it began */
+    dm_control control;  /* as it was where the state was kept (plan->inertia) */
 } loop;
 
 long dm_run_rows(const dm_run_plan *plan) {
@@ -259,22 +261,30 @@ static void keep(loop *l) {
     dm_inertia *x = l->plan->inertia;
     dm_inertia_keep(x, l->s, l->state);
     x->done = l->done, x->rows = l->rows_done, x->t = time_now(l);
+    if (l->plan->control) l->control = *l->plan->control;
+}
+
+/* to the kept state */
+static void go_back(loop *l) {
+    dm_inertia *x = l->plan->inertia;
+    dm_inertia_go_back(x, l->s, l->state);
+    l->done = x->done;
+    if (l->plan->control) *l->plan->control = l->control;
 }
 
 /* from the kept state again, step by step up to the one that goes over, which is not taken */
 static dm_status stop_before(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     l->goes_on = 0;
-    dm_inertia_go_back(x, l->s, l->state);
     const int one = l->done == x->done + 1;
-    l->done = x->done, l->rows_done = x->rows;
+    go_back(l);
+    l->rows_done = x->rows;
     if (one) return DM_INERTIA;
     while (l->done < end) {
         keep(l);
         dm_status status = advance_plainly(l, l->done + 1);
         if (status == DM_OK && dm_inertia_has_changed(x, l->state, time_now(l))) {
-            dm_inertia_go_back(x, l->s, l->state);
-            l->done = x->done;
+            go_back(l);
             return DM_INERTIA;
         }
         if (status == DM_OK && l->done < end) status = record_due(l);
@@ -287,16 +297,17 @@ static dm_status stop_before(loop *l, long end) {
 static dm_status advance(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     while (x && l->done < end && !is_finished(l)) {
-        int one = dm_inertia_is_steep(x) && (!l->own || l->plan->control);
+        const int steep = dm_inertia_is_steep(x), open = x->seen.open;
         const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
         const long next = due > l->done ? dm_lesser(due, end) : end;
         if (l->done == x->seen.looked) keep(l);
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
         const int crossed = looks && dm_inertia_look(x, l->state, time_now(l), l->done);
-        one = one && status == DM_OK && l->done == x->done + 1;
+        const int one = status == DM_OK && l->done == x->done + 1 && (steep || open);
         l->goes_on = l->goes_on && !one;
-        if (crossed || (one && dm_inertia_vanishes(x, l->s, x->t, time_now(l) - x->t))) {
+        if (crossed || (one && dm_inertia_vanishes(x, l->s, l->state, x->t, time_now(l) - x->t,
+                                                   steep, open))) {
             const dm_status again = stop_before(l, next);
             if (status == DM_OK || again == DM_INERTIA) status = again;
         }
@@ -371,6 +382,7 @@ static dm_status begin(loop *l) {
     }
     if (status == DM_OK && l->plan->control)
         dm_control_begin(l->plan->control, l->s, l->state, l->plan->t0, l->plan->h);
+    if (l->plan->inertia) l->plan->inertia->own = l->own;
     if (status == DM_OK && l->plan->inertia)
         dm_inertia_begin(l->plan->inertia, l->state, time_now(l), l->plan->h);
     if (status == DM_OK && l->plan->events)

@@ -29,8 +29,9 @@ int dm_block_is_paced(const dm_block *b);
 void dm_block_keep(dm_block *b);
 
 /* The step of member i from the kept state to the time t, before which a value of d2L/dv2 fell
- * steeply: does it vanish inside? Not known of steps that choose their own length. */
-int dm_block_vanishes(dm_block *b, uint32_t i, double t);
+ * steeply, or which may hide one (`open`): does it vanish inside? Not known of steps that choose
+ * their own length. */
+int dm_block_vanishes(dm_block *b, uint32_t i, double t, int steep, int open);
 
 /* Who runs a member alone, and who is told of its steps (may be NULL). */
 typedef struct {

@@ -9,10 +9,14 @@ void dm_block_keep(dm_block *b) {
     memcpy(lanes->kept, lanes->state, all * dm_state_size(b->stepper->model->n) * sizeof(double));
 }
 
-int dm_block_vanishes(dm_block *b, uint32_t i, double t) {
+int dm_block_vanishes(dm_block *b, uint32_t i, double t, int steep, int open) {
+    const uint32_t n = b->stepper->model->n;
     dm_lanes kept = b->lanes;
+    double *to = b->inertia->aside + dm_state_size(n);
     if (b->stepper->rule->method->traits & DM_OWN_TIME) return 0;
+    memcpy(to, b->lanes.alone, dm_state_size(n) * sizeof *to);
     kept.state = kept.kept;
-    dm_lanes_get(&kept, b->stepper->model->n, i, kept.alone);
-    return dm_inertia_vanishes_anew(b->inertia, b->stepper, kept.alone, t - b->h[i], b->h[i]);
+    dm_lanes_get(&kept, n, i, kept.alone);
+    return dm_inertia_vanishes_anew(b->inertia, b->stepper, kept.alone, to, t - b->h[i], b->h[i],
+                                    steep, open);
 }

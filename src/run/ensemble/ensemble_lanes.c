@@ -108,17 +108,18 @@ static void run_alone(dm_hand *x, long i) {
 /* Has member i gone over a change of inertia? Then it runs again alone, up to that step. */
 static int has_crossed(dm_hand *x, long i) {
     dm_inertia *inertia = inertia_of(x, i);
-    const double *now = x->b->lanes.alone;
+    double *now = x->b->lanes.alone;
     if (!inertia || x->done == 0) return 0;
-    const int steep = dm_inertia_is_steep(inertia) && x->done == inertia->seen.looked + 1;
-    dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, x->b->lanes.alone);
+    const int one = x->done == inertia->seen.looked + 1;
+    const int steep = one && dm_inertia_is_steep(inertia), open = one && inertia->seen.open;
+    dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
     const double t = dm_hand_time(x, i, now, x->done);
-    const int crossed = dm_inertia_look(inertia, now, t, x->done);
-    x->seen[i] = inertia->seen;
+    int over = dm_inertia_look(inertia, now, t, x->done);
     dm_hand_choose(x, i);
-    if (!crossed && !(steep && dm_block_vanishes(x->b, (uint32_t)i, t))) return 0;
-    run_alone(x, i);
-    return 1;
+    over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));
+    x->seen[i] = inertia->seen;
+    if (over) run_alone(x, i);
+    return over;
 }
 
 /* member i is not finite after `count` steps: from the kept state alone, to the step that fails; if

@@ -1,5 +1,5 @@
-/* bounds of how fast an operation changes, and of what its operands count for, hold every slope in
- * a box, and close in on it */
+/* bounds of how fast an operation changes, how much it bends along a line, and of what its operands
+ * count for, hold every slope and second derivative in a box, and close in on them */
 #include "algebra/derive.h"
 #include "graph/bounds.h"
 
@@ -30,7 +30,8 @@ static const row rows[] = {
 };
 
 static dm_graph *g;
-static dm_node x[INPUTS], f, slope[INPUTS];
+static dm_node x[INPUTS], f, slope[INPUTS], second[INPUTS * INPUTS];
+static const double along[INPUTS] = {0.7, -1.1, 0.4}; /* a direction */
 
 /* between 0 and 1 */
 static double uniform(uint32_t k, uint32_t i) {
@@ -52,6 +53,35 @@ static void slopes_at(double d[INPUTS], const dm_interval *box, uint32_t k, uint
     for (uint32_t a = 0; a < INPUTS; a++) d[a] = slope[a] ? middle(value[slope[a]]) : 0.0;
 }
 
+/* the second derivative along the direction at a point of the box */
+static double second_at(const dm_interval *box, uint32_t k, uint32_t i) {
+    dm_interval in[INPUTS], value[MOST];
+    double sum = 0.0;
+    for (uint32_t a = 0; a < INPUTS; a++) {
+        const double at = box[a].lo + uniform(k + 7 * a, i) * (box[a].hi - box[a].lo);
+        in[a] = (dm_interval){at, at};
+    }
+    dm_bounds(g, in, value);
+    for (uint32_t a = 0; a < INPUTS * INPUTS; a++)
+        if (second[a]) sum += along[a / INPUTS] * along[a % INPUTS] * middle(value[second[a]]);
+    return sum;
+}
+
+/* of a line through the box; value[] of it */
+static void look_at_bend(const row *r, const dm_interval *box, const dm_interval *value, uint32_t k,
+                         double width) {
+    dm_interval in[INPUTS], rate[MOST], bend[MOST];
+    for (uint32_t a = 0; a < INPUTS; a++) in[a] = (dm_interval){along[a], along[a]};
+    dm_bounds_rate(g, in, value, rate);
+    dm_bounds_bend(g, value, rate, bend);
+    for (uint32_t i = 0; i < POINTS; i++) {
+        const double d = second_at(box, k, i), slack = 1e-11 * (1.0 + fabs(d));
+        CHECK(bend[f].lo <= d + slack && bend[f].hi >= d - slack);
+        if (r->bounded && width < 1e-6 && bend[f].hi < INFINITY)
+            CHECK_NEAR(middle(bend[f]), d, 1e-3 * (1.0 + fabs(d)));
+    }
+}
+
 /* in a box of that width */
 static void look(const row *r, uint32_t k, double width) {
     dm_interval box[INPUTS], value[MOST], rate[MOST], in[INPUTS];
@@ -63,6 +93,7 @@ static void look(const row *r, uint32_t k, double width) {
     dm_bounds(g, box, value);
     weight[f] = 1.0;
     dm_bounds_weight(g, value, weight);
+    look_at_bend(r, box, value, k, width);
     for (uint32_t a = 0; a < INPUTS; a++) {
         for (uint32_t b = 0; b < INPUTS; b++) in[b] = (dm_interval){a == b, a == b};
         dm_bounds_rate(g, in, value, rate);
@@ -89,7 +120,7 @@ static void operations(void) {
         f = r->op == DM_OP_POW ? dm_apply(g, r->op, x[0], dm_constant(g, r->power), 0)
                                : dm_apply(g, r->op, x[0], dm_op_operands(r->op) > 1 ? x[1] : 0,
                                           dm_op_operands(r->op) > 2 ? x[2] : 0);
-        dm_gradient(g, f, 0, INPUTS, slope);
+        dm_hessian(g, f, 0, INPUTS, slope, second);
         CHECK(dm_graph_status(g) == DM_OK && dm_graph_size(g) <= MOST);
         for (uint32_t i = 0; i < BOXES; i++)
             look(r, i, i % 2 ? 1e-7 : 0.4 * (r->hi - r->lo) * uniform(i, 9));
@@ -99,6 +130,6 @@ static void operations(void) {
 }
 
 int main(void) {
-    RUN(operations, "rates and weights of all operations hold their slopes");
+    RUN(operations, "rates, bends and weights of all operations hold their derivatives");
     return check_finish();
 }

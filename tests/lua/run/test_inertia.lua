@@ -168,6 +168,70 @@ for _, rule in ipairs { "gauss(2)", "gauss(8)", "verlet", "rk4" } do
   ok(run(cubed, rule, 0.05, { q = { 1 }, v = { 0.5 }, t = 9 }), rule .. ": p = v^3")
 end
 
+---- and unseen by looks, in a dip narrower than a step: sqrt M v = const on the way there ----
+
+local function dip(s, width) return 1 - 1.1 * math.exp(-(s / width) ^ 2) end
+-- 0 at s = -width sqrt(log 1.1)
+local dips = {
+  { "along q1", dm.R(2), function(q, v)
+    return dip(q[1] - 1, 3e-3) * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 - q[2] ^ 2 / 2 end },
+  { "narrower still", dm.R(2), function(q, v)
+    return dip(q[1] - 1, 1e-4) * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 - q[2] ^ 2 / 2 end },
+  { "of a rational mass, across both", dm.R(2), function(q, v)
+    local s = (q[1] + 0.3 * q[2] - 1) / 2e-3
+    return v[1] ^ 2 / 2 + 0.2 * v[1] * v[2] + v[2] ^ 2 / 2 - 1.5 / (1 + s ^ 2) * v[1] ^ 2 / 2 end },
+  { "in time", dm.R(2), function(q, v, t)
+    return dip(t - 1, 3e-3) * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 - q:dot(q) / 2 end },
+}
+for _, x in ipairs(dips) do
+  local name, Q, L = table.unpack(x)
+  local system = dm.system { Q = Q, L = L }
+  for _, rule in ipairs { "gauss(2)", "verlet", "midpoint", "rk4", "gauss(5)", "curve(rk4)" } do
+    local good, e = run(system, rule, 0.04, { q = { 0, 0.1 }, v = { 1, 0 }, t = 3, every = 9 })
+    ok(not good and (e.code == "inertia" or e.code == "no_convergence")
+      and abs(e.time + 0.02 - 1) < 0.05, ("a dip %s, %s"):format(name, rule), tostring(e))
+  end
+end
+local narrow = dm.system { Q = dm.R(2), L = dips[1][3] }
+for name, options in pairs { ["rows at times"] = { at = { 0.4, 1.13, 2 } },
+  ["chosen steps"] = { control = { tolerance = 1e-5 }, t = 3 },
+  ["events"] = { events = { x = function(q) return q[2] - 9 end }, t = 3 },
+  ["steps by energy"] = { rule = "sem(1, gauss(1))", steps = 60 } } do
+  options.q, options.v = { 0, 0.1 }, { 1, 0 }
+  local rule = options.rule or "gauss(2)"
+  options.rule = nil
+  local good, e = run(narrow, rule, 0.05, options)
+  local last = not good and e.path.q[#e.path][1]
+  ok(not good and e.code == "inertia" and e.time < 1 and (last < 1), "a dip and " .. name,
+    tostring(e))
+end
+for _, rule in ipairs { "gauss(2)", "midpoint", "rk4" } do
+  local function start(i) return { 0.01 * i, 0.1 }, { 0.9 + 0.01 * i, 0 } end
+  local solver, unlike = narrow:solver { rule = rule, h = 0.05 }, 0
+  local members = solver:ensemble { members = 9, steps = 40, threads = 1,
+    q = function(i) return (start(i)) end, v = function(i) return (select(2, start(i))) end }
+  for i = 1, 9 do
+    local q, v = start(i)
+    local good, e = pcall(solver.run, solver, { q = q, v = v, steps = 40 })
+    if good or members.status[i] ~= e.code or members.steps[i] ~= e.step - 1 then
+      unlike = unlike + 1
+    end
+  end
+  ok(unlike == 0, rule .. ": members with a dip", unlike)
+end
+-- a motion that turns before the dip, one beside it, and a mass that falls to 0.1 go on
+local turns = dm.system { Q = dm.R(1), L = function(q, v)
+  return dip(q[1] - 1, 0.02) * v[1] ^ 2 / 2 - math.exp(40 * (q[1] - 0.8)) - q[1] ^ 2 / 2 end }
+local beside = dm.system { Q = dm.R(2), L = function(q, v)
+  return (1 - 1.1 * math.exp(-((q[1] - 1) ^ 2 + q[2] ^ 2) / 1e-4)) * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 end }
+local shallow = dm.system { Q = dm.R(1), L = function(q, v)
+  return (1 - 0.9 * math.exp(-((q[1] - 1) / 2e-3) ^ 2)) * v[1] ^ 2 / 2 end }
+for _, rule in ipairs { "gauss(2)", "rk4", "midpoint" } do
+  ok(run(turns, rule, 0.02, { q = { 0 }, v = { 1 }, t = 20 }), rule .. ": turns before a dip")
+  ok(run(beside, rule, 0.05, { q = { 0, 0.05 }, v = { 1, 0 }, t = 2 }), rule .. ": beside a dip")
+  ok(run(shallow, rule, 0.05, { q = { 0 }, v = { 1 }, t = 2 }), rule .. ": a shallow dip")
+end
+
 ---- solver:singularities ----
 
 local report = folding:solver({ rule = "verlet", h = 0.01 }):singularities { q = { 0 }, v = { v0 },

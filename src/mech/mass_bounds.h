@@ -1,0 +1,33 @@
+/* mass_bounds.h - d2L/dv2 of a model as a graph of its own, to be enclosed in boxes
+ * (graph/bounds.h). */
+#ifndef DM_MASS_BOUNDS_H
+#define DM_MASS_BOUNDS_H
+
+#include "graph/bounds.h"
+
+typedef struct dm_mass_bounds {
+    const dm_graph *graph;    /* of M(q, t) alone; inputs q[n], v[n], t and parameters */
+    const dm_node *roots;     /* [n*n] */
+    uint32_t n, inputs, size; /* size: nodes of the graph */
+    int timed;                /* M depends on t, too */
+    int shifted;              /* p is not M v alone */
+    /* [n*n] how large |d2M/ds2| can be along straight lines with |dq_i/ds| <= 1 anywhere;
+     * infinite where that is not bounded */
+    const double *bend;
+} dm_mass_bounds;
+
+/* Is L(q, v, t) a sum of squares of what is linear in v, so that no value of M is negative
+ * anywhere? 0 also where it is not written as one. */
+int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena);
+
+/* Of the nodes L_v[n] and M[n*n] of g, where M does not depend on v; in the arena. NULL: no memory,
+ * or an M that takes more nodes than looks at it are worth. */
+const dm_mass_bounds *dm_mass_bounds_new(dm_graph *g, const dm_node *momentum, const dm_node *mass,
+                                         uint32_t n, dm_arena *arena);
+
+/* bend[n*n] = how large |d2M/ds2| can be along lines in the box in[inputs], straight ones, with
+ * rates in rate_in[inputs]; scratch: 3 intervals a node. */
+void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const dm_interval *rate_in,
+                         double *bend, dm_interval *scratch);
+
+#endif
