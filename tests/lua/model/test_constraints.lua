@@ -151,4 +151,14 @@ lost("constraint", 2, "lobatto(3)", { constraint = function(x) return { x[1] ^ 2
 -- one of each kind: a rolling condition that becomes one more holonomic one
 lost("rolling", 1, "gauss(2)", { constraint = function(x) return x[1] end,
   rolling = function(x, u) return { x[3] * u[2] - u[1] } end }, { 0, 0, 1 }, { 0, 0, -1 })
+
+-- rows of unequal length, also where they have as many numbers in all as are wanted
+for _, rows in ipairs { { { 1, 0, 0, 2 }, { 0, 1 } }, { { 1, 0 }, { 0, 1, 0, 0 } },
+  { 1, { 0, 1, 0, 0, 0 } } } do
+  raises("rows of different lengths were returned: row 1 has", function()
+    system { rolling = function(_, v) return { v[1], v[2] } end,
+      reaction = function() return rows end }
+      :solver { rule = "gauss(2)", h = 0.1 }:run { q = { 0, 0, 0 }, v = { 0, 0, 1 }, steps = 1 }
+  end)
+end
 tap.done()

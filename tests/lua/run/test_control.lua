@@ -94,4 +94,21 @@ raises("cannot be chosen", kepler:solver({ rule = "log-hamiltonian(verlet)", h =
 local pushed = dm.system { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 + q[1] * dm.where(t - 0.3, 1, 0) end }
 path = run(pushed, "rk8", 1, { q = { 0 }, v = { 0 } }, { tolerance = 1e-12, hidden = (forces.of(pushed)) })
 near(path.q[#path][1], 0.49 / 2, 1e-12, "a jump of the force becomes the end of a step")
+
+-- the step that follows one with the difference d of its halves: 0.9 (d/(2^p - 1))^(-1/(p + 1))
+local swing = dm.system { Q = dm.R(1), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end }
+local function verlet(q, p, h)
+  p = p - h / 2 * q
+  q = q + h * p
+  return q, p - h / 2 * q
+end
+for _, h in ipairs { 0.1, 0.07 } do
+  local steps = swing:solver({ rule = "verlet", h = h }):run { q = { 1 }, v = { 0.3 }, t = 3,
+    control = { tolerance = 1e-3 } }
+  local q, p = verlet(1, 0.3, h)
+  local a, b = verlet(1, 0.3, h / 2)
+  a, b = verlet(a, b, h / 2)
+  local d = math.max(math.abs(q - a), math.abs(p - b) / math.max(0.3, math.abs(b))) / 1e-3
+  near((steps.t[3] - steps.t[2]) / h, 0.9 * (d / 3) ^ (-1 / 3), 1e-12, "the second step, after " .. h)
+end
 tap.done()

@@ -109,4 +109,29 @@ for _, rule in ipairs { "log-hamiltonian(verlet)", "verlet" } do
   local fine, failure = pcall(function() edge:solver({ rule = rule, h = 1e-2 }):run { q = { 1 }, v = { 1 }, t0 = 5, steps = 1000 } end)
   tap.ok(not fine and failure.time == failure.path.t[#failure.path] and failure.time > 5.5, rule .. ": time of a failure", failure.time)
 end
+
+-- a run that ends at a zero ends behind it, and what goes on from there meets the next one
+local swing = dm.system { Q = dm.R(1), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end }
+local before, again = 0, 0
+for i = 1, 60 do
+  local solver, side = swing:solver { rule = "gauss(3)", h = 0.05 + 0.01 * i }, i % 2 * 2 - 1
+  local crossing = { x = { g = function(q) return q[1] end, stop = true } }
+  local first = solver:run { q = { -side }, v = { 0.1 * side }, t = 9, events = crossing }
+  local q, p = first.q[#first.q], first.p[#first.p]
+  if not (q[1] * side >= 0) then before = before + 1 end
+  local next = solver:run { q = q, p = p, t = 9, events = crossing }
+  if abs(next.t[#next.t] - pi) > 1e-2 then again = again + 1 end
+end
+ok(before == 0, "runs that end at a zero end behind it", before)
+ok(again == 0, "and do not meet it again", again)
+
+-- log-hamiltonian up a hill, x = 2 sin t: V = x^2/2 - 1 is 0 at t = pi/4, s = sin(2 t)/2 = 1/2,
+-- whether steps go alone or in bursts
+local hill = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 + 1 end }
+for _, every in ipairs { 1, 100, 100000 } do
+  local solver = hill:solver { rule = "log-hamiltonian", h = 1e-3 }
+  local fine, e = pcall(solver.run, solver, { q = { 0 }, v = { 2 }, steps = 100000, every = every })
+  ok(not fine and abs(e.step - 501) <= 1 and abs(e.path.q[#e.path][1] - sqrt(2)) < 1e-2,
+    "the last step before V = 0, every = " .. every, tostring(e))
+end
 tap.done()
