@@ -12,7 +12,8 @@ local max, min, ceil, huge = math.max, math.min, math.ceil, math.huge
 -- Unlike rules in the order of preference, with their steps in parts of those of a level. The first
 -- one makes the flow, the second confirms it. Splittings step many members at once for next to
 -- nothing where L separates; where they do not apply they are the last to be tried.
-local SEPARABLE = { { "kahan-li(8)", 1 }, { "gauss(6)", 0.61 }, { "rk8", 1.37 } }
+local SEPARABLE = { { "kahan-li(8)", 1 }, { "gauss(6)", 0.61 }, { "rk8", 1.37 },
+  { "blanes-moan(6)", 1.61 } }
 -- Fields with values on a sphere have compositions of rattle alone.
 local CONSTRAINED = { { "kahan-li(8, rattle)", 1 }, { "gauss(6)", 0.61 }, { "lobatto(6)", 1.13 },
   { "gauss(8)", 0.73 }, { "kahan-li(6, rattle)", 1.37 }, { "yoshida(6, rattle)", 1.61 } }
@@ -212,7 +213,7 @@ end
 -- on those of this system.
 function M.observe(map, system)
   local beside = map.beside
-  if beside and takes_all(map, system) and #beside.observed.names ~= system.Q.dimension then
+  if beside and takes_all(map, system) and beside.observed.of ~= system.Q.dimension then
     beside.observed = observables.read(map.options, system)
   end
 end

@@ -62,6 +62,20 @@ local function column_of(system, names, name)
   return name
 end
 
+local MOST = 48 -- values of a field on a mesh that are observed; a run watches 64 numbers
+
+-- what is observed where nothing is said: all names; of the values of a field that are not fixed so
+-- many, evenly
+local function names_to_observe(system, names)
+  local field = not system.place and system.field
+  if not field or field.n <= MOST then return names end
+  local free, out = {}, {}
+  for i = 1, field.n do if not field.held[i] then free[#free + 1] = i end end
+  local count = math.min(MOST, #free)
+  for k = 1, count do out[k] = "q" .. free[1 + (k - 1) * #free // count] end
+  return out
+end
+
 local function names_of(system)
   if system.place then return observed.names(system.place) end
   local out = {}
@@ -98,8 +112,9 @@ function M.read(options, system)
     return line_flows.observed(entries(options.observe or line_flows.names(system.line)),
       system.line)
   end
-  local names, out = names_of(system), { names = {}, columns = {}, watch = {} }
-  for i, entry in ipairs(entries(options.observe or names)) do
+  local names = names_of(system)
+  local out = { names = {}, columns = {}, watch = {}, of = system.Q.dimension }
+  for i, entry in ipairs(entries(options.observe or names_to_observe(system, names))) do
     local f = entry.f or system.place and on_group(system, entry.name)
     out.names[i] = entry.name
     if f then

@@ -14,6 +14,7 @@
 /* entries at once: forces, then kicks and drifts; passes of Newton's method; steps that are made
  * again where one fails, at most */
 enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 20, AGAIN = 32 };
+static const double SETTLED = 4e-16; /* of the largest value without mass: a change that is none */
 
 static size_t struct_size(void) {
     return (sizeof(struct dm_cells_split) + sizeof(double) - 1) / sizeof(double);
@@ -151,30 +152,41 @@ static void entries(const dm_cells_split *s, const dm_cells_move *given, int fre
 
 /* ---- steps ---- */
 
-/* Values without mass, no two of which meet in L: Newton's method for each, dL/dq_i = 0, and forces
- * anew. What L does not have at all (no slope, no second derivative) stays. One thread does it all,
- * with the bits of one. */
+/* Newton's change of a value without mass, dL/dq_i = 0: 0 where L does not have it at all (no
+ * slope, no second derivative) */
+static double change_of(const dm_cells_split *s, uint32_t i) {
+    const dm_sparse *A = &s->m->curvature->A;
+    const double slope = s->force[i];
+    double own = 0.0;
+    for (int32_t k = A->start[i]; k < A->start[i + 1]; k++)
+        if (A->row[k] == (int32_t)i) own = A->value[k];
+    return slope == 0.0 && own == 0.0 ? 0.0 : -slope / own;
+}
+
+/* Are all changes round-off? A NaN is one, which the value then takes. */
+static int are_settled(const dm_cells_split *s) {
+    double step = 0.0, size = 0.0;
+    for (uint32_t i = 0; i < s->m->n; i++) {
+        if (s->m->held[i] != DM_MASSLESS) continue;
+        const double change = fabs(change_of(s, i));
+        if (change != change) return 0;
+        step = fmax(step, change);
+        size = fmax(size, fabs(s->x[i]));
+    }
+    return step <= SETTLED * size;
+}
+
+/* Values without mass, no two of which meet in L, and forces anew; what is settled stays as it is,
+ * so that a run that is cut here has the bits of a whole one. One thread does it all, with the bits
+ * of one. */
 static void eliminate(dm_cells_split *s) {
     const dm_model *m = s->m;
-    const dm_sparse *A = &m->curvature->A;
     for (int pass = 0; pass < ELIMINATIONS; pass++) {
-        double step = 0.0, size = 0.0;
         dm_curvature_at(m->curvature, s->factor, s->x);
-        for (uint32_t i = 0; i < m->n; i++) {
-            if (m->held[i] != DM_MASSLESS) continue;
-            double own = 0.0;
-            for (int32_t k = A->start[i]; k < A->start[i + 1]; k++)
-                if (A->row[k] == (int32_t)i) own = A->value[k];
-            const double slope = s->force[i];
-            if (slope == 0.0 && own == 0.0) continue;
-            const double change = -slope / own;
-            s->x[i] += change;
-            step = fmax(step, fabs(change));
-            size = fmax(size, fabs(s->x[i]));
-            if (change != change) step = size = NAN;
-        }
+        if (are_settled(s)) return;
+        for (uint32_t i = 0; i < m->n; i++)
+            if (m->held[i] == DM_MASSLESS) s->x[i] += change_of(s, i);
         dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch);
-        if (!(step > 4e-16 * size)) return;
     }
 }
 

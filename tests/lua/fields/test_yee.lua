@@ -132,4 +132,19 @@ raises("a force acts on the cell {5}, which has no kinetic energy", function()
   plate:field { data = { rho = rho }, massless = "eliminate", L = heavy, force = function(_, v) return -1 * v end }
 end)
 raises("a force acts on the cell", function() plate:field { data = { rho = rho }, massless = "eliminate", L = heavy, absorbing = "boundary" } end)
+-- what is settled stays: bits of a run do not depend on where it is cut; rules that do not eliminate are refused
+local function q(x, y, z) return { sin(3 * y), x * z, sin(pi * x) } end
+local function still() return { 0, 0, 0 } end
+local solver = field:solver { rule = "verlet", h = 0.05 }
+local whole = solver:run { q = q, v = still, steps = 40 }
+local half = solver:run { q = q, v = still, steps = 15, every = 4 }
+ok(dm.resume(half, field):run { steps = 25 }.q[26] == whole.q[41], "a run that goes on has the bits of one that never stopped")
+ok(solver:ensemble { members = 2, steps = 40, q = function() return q end, v = function() return still end }.q[2] == whole.q[41], "so has a member")
+raises("eliminated by kicks and drifts alone", function() field:solver { rule = "rk8", h = 0.05 }:run { q = q, v = still, steps = 1 } end)
+local map = dm.stability { field, rule = "verlet", h = { 0.02, 0.2 }, t = 0.5, q = q, v = still }
+local right = map:limit(1, "right")
+ok(right and right > 0.02 and right < 0.2, "a map of more values than a run watches has a resolved flow, without mass too", right)
+raises("there is no 'q280'", function() dm.stability { field, rule = "verlet", h = 0.02, t = 0.5, q = q, v = still, observe = "q280" } end)
+map = dm.stability { field, rule = "verlet", h = { 0.02, 0.2 }, t = 0.5, q = q, v = still, observe = "q200" }
+ok(map:at(1, 2).observable == "q200" or map:at(1, 2).class == "bounded", "one of the last values, by name")
 tap.done()

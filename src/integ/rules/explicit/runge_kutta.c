@@ -24,6 +24,8 @@ typedef struct {
 /* Forces are evaluated at every stage, but controls are held for a whole step. */
 const char *dm_runge_kutta_fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
+    if (m->massless)
+        return "values without mass are eliminated by kicks and drifts alone; take verlet";
     return m->constraints && m->constraints->controls
                ? "it knows no controls; take midpoint or gauss"
                : NULL;
