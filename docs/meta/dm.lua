@@ -3577,7 +3577,7 @@ function dm_root_class:inverse(x, ...) end
 function dm_root_class:value(x, ...) end
 
 ---dm.rule: a rule with coefficients of its own, made by dm.galerkin and its like, for rule = in a solver
----fields: name, order, symmetric, symplectic, linear (false: curves by a method that is not linear in the values of f, or with substeps that are chosen)
+---fields: name, order, symmetric, symplectic, linear (false: curves by a method that is not linear in the values of f, or with substeps that are chosen), own (true: of the functions of a dm.step)
 ---@class dm.rule
 local dm_rule_class = {}
 

@@ -96,7 +96,7 @@ local function by_prolonging(solver, what)
     error(what .. ": this H has no Lagrangian; rules that go by the lift, gauss(s) and midpoint, "
       .. "do without", 0)
   end
-  if type(solver.rule) ~= "string" then
+  if type(solver.rule) ~= "string" and solver.rule.own then
     error(("%s: the functions of '%s' are for %s, and its tangent group is another one: no tangent "
       .. "map of it is known"):format(what, tostring(solver.rule), tostring(system.Q)), 0)
   end

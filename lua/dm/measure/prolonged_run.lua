@@ -12,6 +12,10 @@ end
 --- The solver of `system`, prolonged, that steps as `solver` does.
 function M.solver_of(solver, system, h)
   local rule = prolong.rule(solver.system, solver.rule)
+  if type(rule) ~= "string" and rule.own and system.Q.dimension ~= solver.system.Q.dimension then
+    error(("the functions of '%s' are for its system, and a tangent map is a run of another one, "
+      .. "of twice as many coordinates: none is known"):format(tostring(rule)), 0)
+  end
   return system:solver { rule = rule, h = h or solver.h, newton = newton(solver) }
 end
 

@@ -52,6 +52,8 @@ static int rule_field(lua_State *L) {
         lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMPLECTIC) != 0);
     } else if (strcmp(key, "linear") == 0) {
         lua_pushboolean(L, r->for_space == NULL);
+    } else if (strcmp(key, "own") == 0) {
+        lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_OF_FUNCTIONS) != 0);
     } else {
         return 0;
     }
@@ -65,7 +67,8 @@ const dml_class dml_class_rule = {
     .doc = "dm.rule: a rule with coefficients of its own, made by dm.galerkin and its like, for "
            "rule = in a solver\n"
            "fields: name, order, symmetric, symplectic, linear (false: curves by a method that is "
-           "not linear in the values of f, or with substeps that are chosen)",
+           "not linear in the values of f, or with substeps that are chosen), own (true: of the "
+           "functions of a dm.step)",
     .meta = meta,
     .field = rule_field,
 };
