@@ -1,6 +1,7 @@
 /* arena.c - chunks of memory that double in size, each with a header. `used` of `room` bytes of
- * the newest chunk are taken; older chunks are full as far as anybody cares. Nothing is given
- * back but all at once, so a Lua error or a refusal halfway through a computation leaks
+ * the newest chunk are taken; older chunks are full as far as anybody cares. Large blocks have
+ * chunks of their own, so that nothing is held in reserve for arrays of 10^6 entries. Nothing is
+ * given back but all at once, so a Lua error or a refusal halfway through a computation leaks
  * nothing.
  *
  * A scratch arena keeps its chunks when it is emptied: they wait in `spare`, the newest and
@@ -10,7 +11,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64, FIRST_CHUNK = 16384, LARGEST_STEP = 1 << 24 };
+enum { ALIGNMENT = 64, FIRST_CHUNK = 16384, LARGE = 1 << 18, LARGEST_STEP = 1 << 24 };
 
 /* the head of a block from the allocator; its data begin at the next multiple of ALIGNMENT */
 struct dm_arena_chunk {
@@ -52,36 +53,50 @@ static dm_arena_chunk *reuse(dm_arena *arena, size_t size) {
     return NULL;
 }
 
-/* chunks double with what is held, so that their number stays logarithmic */
+/* for so many bytes; NULL: refused */
+static dm_arena_chunk *new_chunk(dm_arena *arena, size_t room) {
+    const size_t whole = room + sizeof(dm_arena_chunk) + ALIGNMENT;
+    dm_arena_chunk *chunk = arena->allocate(arena->ud, NULL, 0, whole);
+    if (!chunk) return NULL;
+    *chunk = (dm_arena_chunk){.size = whole};
+    arena->total += whole;
+    return chunk;
+}
+
+/* chunks double, so that their number stays logarithmic */
 static int add_chunk(dm_arena *arena, size_t size) {
     const size_t around = sizeof(dm_arena_chunk) + ALIGNMENT;
-    dm_arena_chunk *old = reuse(arena, size + around);
-    if (old) {
-        old->next = arena->chunks;
-        arena->chunks = old;
-        arena->used = 0;
-        arena->room = old->size - around;
-        return 1;
-    }
-    size_t room = arena->total < FIRST_CHUNK ? FIRST_CHUNK : arena->total;
+    size_t room = arena->room < FIRST_CHUNK ? FIRST_CHUNK : 2 * arena->room;
     if (room > LARGEST_STEP) room = LARGEST_STEP;
     if (room < size || arena->exact) room = size;
-    const size_t whole = room + around;
-    dm_arena_chunk *chunk = arena->allocate(arena->ud, NULL, 0, whole);
+    dm_arena_chunk *chunk = reuse(arena, size + around);
+    if (!chunk) chunk = new_chunk(arena, room);
     if (!chunk) return 0;
-    *chunk = (dm_arena_chunk){.next = arena->chunks, .size = whole};
+    chunk->next = arena->chunks;
     arena->chunks = chunk;
     arena->used = 0;
-    arena->room = room;
-    arena->total += whole;
+    arena->room = chunk->size - around;
     return 1;
+}
+
+/* a block in a chunk of its own, behind the newest */
+static void *take_alone(dm_arena *arena, size_t size) {
+    dm_arena_chunk *chunk = reuse(arena, size + sizeof *chunk + ALIGNMENT);
+    if (!chunk) chunk = new_chunk(arena, size);
+    if (!chunk) return NULL;
+    chunk->next = arena->chunks->next;
+    arena->chunks->next = chunk;
+    return chunk_data(chunk);
 }
 
 /* A request for nothing gets a line of its own, so that pointers differ. */
 void *dm_arena_take(dm_arena *arena, size_t size) {
     if (size > SIZE_MAX / 2) return NULL;
     size = rounded(size ? size : 1);
-    if (arena->room - arena->used < size && !add_chunk(arena, size)) return NULL;
+    if (arena->room - arena->used < size) {
+        if (size >= LARGE && arena->chunks) return take_alone(arena, size);
+        if (!add_chunk(arena, size)) return NULL;
+    }
     unsigned char *block = chunk_data(arena->chunks) + arena->used;
     arena->used += size;
     return block;
@@ -150,7 +165,7 @@ static void release_scratch(dm_arena *arena) {
     arena->scratch = NULL;
 }
 
-/* one chunk stays: the newest, which is the largest */
+/* one chunk stays: the newest */
 void dm_arena_reset(dm_arena *arena) {
     release_scratch(arena);
     if (!arena->chunks) return;
