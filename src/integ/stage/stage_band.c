@@ -1,8 +1,9 @@
-/* stage_band.c - the matrix of Newton's method in the separable form where few coordinates meet, as
- * in a chain: a band, and where V is quadratic one of h alone, whose factors serve every step.
+/* stage_band.c - the matrix of Newton's method in the separable form: where few coordinates meet, as
+ * in a chain, a band, and where V is quadratic one of h alone, whose factors serve every step.
  * Speed: steps, chain of 30 beyond sweeps by gauss(8): 200x, against LU of the full matrix. */
 #include "integ/stage/stage_inside.h"
 
+#include "linalg/lu.h"
 #include "linalg/solve/newton.h"
 
 #include <math.h>
@@ -47,26 +48,27 @@ static int has_room(dm_stage *g, size_t room) {
     dm_stage_newton *w = &g->newton;
     const size_t m = w->matrix.band.n, n = g->n;
     const size_t before = dm_legendre_work(g->m) + n * n + n + 4 * m;
-    const size_t size = dm_band_size(&w->matrix.band);
+    const size_t size = w->matrix.banded ? dm_band_size(&w->matrix.band) : m * m;
     w->factors = g->scratch + before;
     w->pivot = (uint32_t *)(void *)(w->factors + size);
     return before + size + dm_stage_doubles(m * sizeof(uint32_t)) <= room;
 }
 
-void dm_stage_band_open(dm_stage *g) {
+void dm_stage_band_open(dm_stage *g, size_t room) {
     dm_stage_newton *w = &g->newton;
     const uint32_t points = solved_points(g, w->solved), m = points * g->n;
     w->points = points;
     w->linear = w->keeps = 0;
     w->factored = NAN;
     dm_step_matrix_open(&w->matrix, m, w->lists);
-    if (m < DM_STAGE_BAND_LEAST || !(g->m->structure & DM_DIAGONAL_MASS)) return;
-    mark(g, g->scratch);
-    dm_step_matrix_narrow_blocks(&w->matrix, g->scratch, g->n,
-                                 (uint32_t *)(void *)(g->scratch + (size_t)g->n * g->n));
-    if (!w->matrix.banded || !has_room(g, dm_newton_work(m))) return;
+    if (m >= DM_STAGE_BAND_LEAST && g->m->structure & DM_DIAGONAL_MASS) {
+        mark(g, g->scratch);
+        dm_step_matrix_narrow_blocks(&w->matrix, g->scratch, g->n,
+                                     (uint32_t *)(void *)(g->scratch + (size_t)g->n * g->n));
+    }
+    if (!has_room(g, room)) return;
     w->linear = is_linear(g);
-    w->keeps = !w->linear;
+    w->keeps = !w->linear && w->matrix.banded;
 }
 
 /* entry (i, m) of the blocks: delta_im - h^2 A_im M^-1 L_qq(m) */
@@ -92,8 +94,10 @@ void dm_stage_band_fill(const dm_stage *g, double *J) {
 dm_status dm_stage_band_factor(dm_stage *g) {
     dm_stage_newton *w = &g->newton;
     if (w->factored == g->weights.h) return DM_OK;
-    dm_stage_band_fill(g, w->factors);
-    const dm_status status = dm_band_factor(w->factors, w->pivot, &w->matrix.band);
+    dm_stage_matrix(g, w->factors);
+    const dm_status status = w->matrix.banded
+                                 ? dm_band_factor(w->factors, w->pivot, &w->matrix.band)
+                                 : dm_lu_factor(w->factors, w->pivot, w->matrix.band.n);
     w->factored = status == DM_OK ? g->weights.h : NAN;
     return status;
 }

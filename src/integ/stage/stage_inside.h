@@ -15,10 +15,11 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper);
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper);
 void dm_stage_separable_open(dm_stage *g);
 
-/* The matrix of the separable form as a band, once its kernel is there: opened, filled in (the
- * newton.matrix says where), and where V is quadratic its factors for the h of the weights, which
- * stay until Newton's method takes the room. */
-void dm_stage_band_open(dm_stage *g);
+/* The matrix of the separable form, once its kernel is there: opened with so many doubles of
+ * scratch, filled in (newton.matrix says where), as a band alone, and where V is quadratic its
+ * factors for the h of the weights, which stay until Newton's method takes the room. */
+void dm_stage_band_open(dm_stage *g, size_t room);
+void dm_stage_matrix(dm_stage *g, double *J);
 void dm_stage_band_fill(const dm_stage *g, double *J);
 dm_status dm_stage_band_factor(dm_stage *g);
 

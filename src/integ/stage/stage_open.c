@@ -22,10 +22,11 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
-/* Newton's method and the first guess take turns in it; the guess lays M and its pivots there */
+/* The first guess, which lays M and its pivots there, then Newton's method; factors that stay from
+ * step to step lie behind the guess. */
 static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, unknowns = larger(s, r) * n;
-    return larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m) + n * n + n);
+    return dm_newton_work((uint32_t)unknowns) + dm_legendre_work(m) + n * n + n;
 }
 
 /* struct, table, weights and arrays of Newton's method, then room for each of the other roads */
@@ -63,7 +64,8 @@ static double *lay_out(dm_stage *g, double *memory) {
     w->solved = (uint32_t *)(void *)take(&memory, dm_stage_doubles(r * sizeof(uint32_t)));
     w->place = take(&memory, n + 1);
     w->lists = take(&memory, dm_step_matrix_work((uint32_t)(larger(s, r) * n)));
-    g->scratch = take(&memory, scratch_size(s, r, g->m));
+    g->room = scratch_size(s, r, g->m);
+    g->scratch = take(&memory, g->room);
     g->before.root = take(&memory, larger(s, r) * n);
     w->missed = g->before.root; /* which continuation has done with */
     return memory;

@@ -54,7 +54,7 @@ typedef struct {
     double *lists;    /* room for those of `matrix` */
     uint32_t *solved; /* [points] that are solved for */
     uint32_t points;  /* how many */
-    int linear;       /* V is quadratic and the matrix a band: its factors are kept */
+    int linear;       /* V is quadratic: the factors are kept */
     int keeps;        /* it is not, but they are tried in further steps (stage_kept.c) */
     double factored;  /* the h that they are of; NaN: there are none */
     double *place;    /* [n + 1] q, t that they are of, where V is not quadratic */
@@ -91,6 +91,7 @@ typedef struct dm_stage {
     dm_stage_points points;
     dm_stage_continuation before;
     double *scratch;  /* of dm_newton and of dm_legendre_inverse; [s][n] of it the last increment */
+    size_t room;      /* doubles of it */
     double size;      /* of the terms of the residual that was evaluated last */
     long evaluations; /* of kernels, in the step in hand */
     double *ahead;    /* [s*s] stage_warm.h: velocities of the next step from those of the last */
