@@ -104,6 +104,11 @@ midpoint(K, "Maxwell", 1, wave)
 midpoint(K, "sine-Gordon", 0, function(u, v)
   return wave(u, v) - K:sum(0, function(a, cell) return cell.star * (1 - dm.cos(a)) end, u)
 end)
+for _, quartic in ipairs { 1e-3, 1 } do
+  midpoint(K, ("wave - %g u^4"):format(quartic), 0, function(u, v)
+    return wave(u, v) - K:sum(0, function(a, cell) return cell.star * quartic * a ^ 4 end, u)
+  end)
+end
 leapfrog(K, 0)
 leapfrog(K, 1)
 asynchronous(K)

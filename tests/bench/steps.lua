@@ -38,6 +38,19 @@ do
     end } }
 end
 
+-- the same with quartic forces of 1e-3 of the linear ones; six of them, and few unknowns: 24
+for _, case in ipairs { { 30, 1e-3, "gauss(8)" }, { 6, 0, "gauss(4)" } } do
+  local BODIES, quartic, rule = table.unpack(case)
+  local q, v = {}, {}
+  for i = 1, BODIES do q[i], v[i] = 0.1 * math.sin(i * i), 0 end
+  models[#models + 1] = { name = ("chain of %d, quartic %g"):format(BODIES, quartic), q = q, v = v, h = 2.35, rules = { rule },
+    system = dm.system { Q = dm.R(BODIES), L = function(x, u)
+      local U = x[1] ^ 2 + x[BODIES] ^ 2
+      for i = 1, BODIES - 1 do U = U + (x[i + 1] - x[i]) ^ 2 + quartic * (x[i + 1] - x[i]) ^ 4 end
+      return (u:dot(u) - U) / 2
+    end } }
+end
+
 -- rods of length 1 hanging in a plane, unit masses at their ends, pushed at the lowest
 do
   local RODS = 20

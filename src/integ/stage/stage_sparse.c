@@ -43,12 +43,17 @@ static size_t entries(const dm_model *m, size_t r) {
     return (size_t)m->curvature->A.start[m->n] * r * r;
 }
 
+/* numbers that a matrix is made of */
+static size_t place_of(const dm_model *m) {
+    return m->curvature && !m->curvature->constant ? m->n + (size_t)1 : 0;
+}
+
 static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     basis_of(&g, rule, m);
     const size_t n = m->n, r = (size_t)g.q.r, all = m->curvature ? entries(m, r) : 0;
     return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 3 * r * n + 7 * r * n + all +
-           (all + r * n + 4) / 2 + 4 + (all + 1) / 2 + 8;
+           (all + r * n + 4) / 2 + 4 + (all + 1) / 2 + 8 + dm_stage_place_room(place_of(m));
 }
 
 static int row_is_zero(const dm_stage_table *t, uint32_t m, int column) {
@@ -88,7 +93,8 @@ static dm_status open(dm_stepper *s) {
     l->dx = l->R + k * n;
     l->cg = l->dx + k * n;
     l->root = l->cg + 4 * k * n;
-    l->S.value = l->root + k * n;
+    l->S.value = l->root + k * n + dm_stage_place_room(place_of(m));
+    dm_stage_place_open(&l->kept, l->root + k * n, place_of(m));
     l->S.row = (int32_t *)(void *)(l->S.value + all + 1);
     l->S.start = (int32_t *)(void *)(l->S.value + all + 1 + (all + 1) / 2 + 1);
     dm_stage_sparse_pattern(l, &m->curvature->A);
@@ -149,10 +155,23 @@ static dm_status find_points(dm_stepper *s, const double *state, double t, doubl
     begin(s, l, state, state + n, t, h);
     for (uint32_t a = 0; a < l->solved && ratio > 0.0; a++)
         for (size_t i = 0; i < n; i++) l->Z[l->at[a] * n + i] = ratio * l->root[a * n + i];
-    const dm_status status = dm_stage_sparse_newton(s, state, t, h);
+    const dm_status status = dm_stage_sparse_newton(s, state, t, h, ratio == 0.0);
     for (uint32_t a = 0; a < l->solved && !l->constant && status == DM_OK; a++)
         memcpy(l->root + a * n, l->Z + l->at[a] * n, n * sizeof *l->root);
     return status;
+}
+
+/* where its matrix was made is what a step leaves */
+static size_t memory(dm_stepper *s, double **place) {
+    const layout *l = dm_stage_sparse_of(s);
+    *place = l->kept.memory;
+    return l->solved ? dm_stage_place_memory(&l->kept) : 0;
+}
+
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    (void)state, (void)t;
+    dm_stage_place_clear(&dm_stage_sparse_of(s)->kept, h);
+    return DM_OK;
 }
 
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
@@ -179,6 +198,8 @@ const dm_engine dm_engine_stage_sparse = {
     .wants = wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
+    .memory = memory,
     .close = close,
 };

@@ -3,6 +3,7 @@
 #define DM_STAGE_SPARSE_INSIDE_H
 
 #include "integ/stage/stage_factor.h"
+#include "integ/stage/stage_place.h"
 #include "integ/stage/stage_sparse.h"
 
 /* How a point is found: explicit, by Newton's method, or read off when all others are known. */
@@ -16,6 +17,7 @@ typedef struct {
     uint8_t kind[DM_QUADRATURE_NODES];
     dm_sparse S; /* [n solved]^2: unknown k of solved point i is k solved + i */
     dm_stage_factor factors;
+    dm_stage_place kept;      /* (q, t) that S may be of, where it is not constant */
     double h;                 /* that S was made for; 0: none */
     int fresh;                /* forces at the solved Z are there, all of them finite */
     int constant;             /* second derivatives are numbers, and so are factors */
@@ -46,7 +48,8 @@ void dm_stage_sparse_force(dm_stepper *s, const double *q, uint32_t m, double t,
 /* out[n] += h^2 sum of A_im M^-1 F_m over the points of one kind */
 void dm_stage_sparse_add(const dm_stepper *s, double *out, uint32_t i, int kind, double h);
 
-/* Z of the points that are solved for, from what stands there. */
-dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, double h);
+/* Z of the points that are solved for, from what stands there; from `base`, where it is 1, with a
+ * matrix that is kept. */
+dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, double h, int from_base);
 
 #endif

@@ -62,6 +62,7 @@ dm_status dm_stage_sparse_matrix(dm_stepper *s, const double *q, double t, doubl
     const dm_model *m = s->model;
     if (l->h == h && l->constant && at == DM_SPARSE_AT_START) return DM_OK;
     l->h = 0.0;
+    l->kept.is_made = 0;
     for (uint32_t b = 0; b < l->solved; b++) {
         if (b == 0 || at == DM_SPARSE_AT_OWN) {
             place(l, q, m->n, t, h, b, at);

@@ -7,6 +7,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum { MOST = 40 /* iterations */ };
 static const double NOISE = 4.0; /* of the rounding of a residual: so large may one be */
@@ -115,11 +116,13 @@ static dm_status advance(dm_stage_sparse *l, uint32_t n, double *step, double *s
     return numbers && isfinite(most) ? DM_OK : DM_NOT_FINITE;
 }
 
-dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, double h) {
+/* iterations with the matrix that stands, which is made anew where they are slow; one that is kept
+ * is not */
+static dm_status iterate(dm_stepper *s, const double *q, double t, double h, int kept) {
     dm_stage_sparse *l = dm_stage_sparse_of(s);
     dm_sparse_place at = DM_SPARSE_AT_START;
     double step, size = 0.0, last = INFINITY;
-    dm_status status = dm_stage_sparse_matrix(s, q, t, h, at);
+    dm_status status = DM_OK;
     for (int pass = 1; status == DM_OK; pass++) {
         for (uint32_t a = 0; a < l->solved; a++) dm_stage_sparse_force(s, q, l->at[a], t, h);
         residual(s, h);
@@ -133,6 +136,7 @@ dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, doubl
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-12 * size)) break;
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
+        if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;
         if (step > SLOW * last) {
             at = at == DM_SPARSE_AT_START ? DM_SPARSE_AT_MEAN : DM_SPARSE_AT_OWN;
             status = dm_stage_sparse_matrix(s, q, t, h, at);
@@ -141,4 +145,47 @@ dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, doubl
     }
     s->report.solves++;
     return status;
+}
+
+/* with the matrix of an earlier step; where that does not serve Z is `base` again */
+static dm_status iterate_kept(dm_stepper *s, const double *q, double t, double h) {
+    dm_stage_sparse *l = dm_stage_sparse_of(s);
+    const double *place = dm_stage_place_of(&l->kept);
+    const size_t n = s->model->n;
+    dm_status status = DM_OK;
+    if (l->h != h || !dm_stage_place_has(&l->kept)) {
+        status = dm_stage_sparse_matrix(s, place, place[n], h, DM_SPARSE_AT_START);
+        if (status == DM_OK) dm_stage_place_make(&l->kept);
+    }
+    if (status == DM_OK) status = iterate(s, q, t, h, 1);
+    for (uint32_t a = 0; a < l->solved && status != DM_OK; a++)
+        memcpy(l->Z + l->at[a] * n, l->base + l->at[a] * n, n * sizeof *l->Z);
+    return status;
+}
+
+/* with the matrix of its own start, which is kept where it serves */
+static dm_status iterate_own(dm_stepper *s, const double *q, double t, double h, int first) {
+    dm_stage_sparse *l = dm_stage_sparse_of(s);
+    dm_status status = dm_stage_sparse_matrix(s, q, t, h, DM_SPARSE_AT_START);
+    if (status == DM_OK && first) dm_stage_place_make(&l->kept);
+    if (status == DM_OK) status = iterate(s, q, t, h, 0);
+    if (first && (status != DM_OK || !l->kept.is_made)) dm_stage_place_leave(&l->kept);
+    return status;
+}
+
+dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, double h,
+                                 int from_base) {
+    dm_stage_sparse *l = dm_stage_sparse_of(s);
+    dm_place_use use = DM_PLACE_OWN;
+    if (!l->constant && from_base) use = dm_stage_place_ask(&l->kept, q, t, h);
+    if (use == DM_PLACE_KEPT) {
+        const dm_status status = iterate_kept(s, q, t, h);
+        if (status == DM_STOPPED) return status;
+        if (status == DM_OK) {
+            dm_stage_place_ended(&l->kept, s->report.iterations);
+            return DM_OK;
+        }
+        use = dm_stage_place_failed(&l->kept, q, t);
+    }
+    return iterate_own(s, q, t, h, use == DM_PLACE_NEW);
 }

@@ -8,6 +8,7 @@
 #include "integ/method/stage_table.h"
 #include "integ/stage/stage_continue.h"
 #include "integ/stage/stage_factor.h"
+#include "integ/stage/stage_place.h"
 #include "linalg/sparse/conjugate_gradient.h"
 #include "numbers/compensated.h"
 
@@ -20,6 +21,7 @@ typedef struct {
     dm_stage_table table;
     dm_sparse S; /* [n r]^2: unknown k of point m is k r + m */
     dm_stage_factor factors;
+    dm_stage_place kept;     /* (q, p, t) that S may be of, where it is not constant */
     double h;                /* that S was made for; 0: none */
     int constant, symmetric; /* S is made of numbers; it is symmetric */
     double *x, *u, *F;       /* (q, v, t); [r][n] each */
@@ -56,6 +58,12 @@ static size_t entries(const dm_model *m, size_t r) {
     return ((size_t)m->curvature->A.start[m->n] + (size_t)m->n * m->work->values) * r * r;
 }
 
+/* numbers that a matrix is made of */
+static size_t place_of(const dm_model *m) {
+    const int constant = !m->curvature || !m->work || (m->curvature->constant && m->work->constant);
+    return constant ? 0 : 2 * (size_t)m->n + 1;
+}
+
 /* In doubles; the pattern of S are integers, two of which go into one. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
@@ -64,7 +72,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t all = m->curvature && m->work ? entries(m, r) : 0;
     return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 2 * r * n + n +
            2 * r * n * v + 7 * r * n + (m->work ? m->work->room : 0) + all + (all + r * n + 4) / 2 +
-           8;
+           8 + dm_stage_place_room(place_of(m));
 }
 
 /* ---- the pattern of S ---- */
@@ -127,7 +135,8 @@ static dm_status open(dm_stepper *s) {
     l->cg = l->dx + r * n;
     l->root = l->cg + 4 * r * n;
     l->scratch = l->root + r * n;
-    l->S.value = l->scratch + m->work->room;
+    dm_stage_place_open(&l->kept, l->scratch + m->work->room, place_of(m));
+    l->S.value = l->scratch + m->work->room + dm_stage_place_room(place_of(m));
     l->S.start = (int32_t *)(void *)(l->S.value + all);
     l->S.row = l->S.start + r * n + 1;
     lay_pattern(l, m);
@@ -214,6 +223,7 @@ static dm_status prepare(dm_stepper *s, layout *l, const double *q, const double
     const uint32_t r = l->table.r;
     if (l->h == h && l->constant && !anew) return DM_OK;
     l->h = 0.0;
+    l->kept.is_made = 0;
     for (uint32_t a = 0; a < r; a++) {
         const uint32_t from = anew ? a : r / 2;
         if (anew || a == 0) {
@@ -253,12 +263,12 @@ static void residual(dm_stepper *s, layout *l, const double *q, const double *p,
 }
 
 /* Accelerations from those in u on, until a change is below the tolerance or no longer gets
- * smaller; the matrix is made anew where that goes slowly. */
-static dm_status newton(dm_stepper *s, layout *l, const double *q, const double *p, double t,
-                        double h) {
+ * smaller; the matrix is made anew where that goes slowly, but one that is kept. */
+static dm_status iterate(dm_stepper *s, layout *l, const double *q, double t, double h, int kept) {
     const uint32_t n = s->model->n, r = l->table.r;
+    const double *p = q + n; /* behind q in the state */
     double last = INFINITY;
-    dm_status status = prepare(s, l, q, p, t, h, 0);
+    dm_status status = DM_OK;
     for (int pass = 1; status == DM_OK; pass++) {
         double step = 0.0, size = 0.0;
         residual(s, l, q, p, t, h);
@@ -278,11 +288,52 @@ static dm_status newton(dm_stepper *s, layout *l, const double *q, const double 
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-11 * size)) break;
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
+        if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;
         if (step > 0.3 * last) status = prepare(s, l, q, p, t, h, 1);
         last = step;
     }
     s->report.solves++;
     return status;
+}
+
+/* with the matrix of an earlier step; where that does not serve u is 0 again */
+static dm_status newton_kept(dm_stepper *s, layout *l, const double *q, double t, double h) {
+    const double *place = dm_stage_place_of(&l->kept);
+    const size_t n = s->model->n;
+    dm_status status = DM_OK;
+    if (l->h != h || !dm_stage_place_has(&l->kept)) {
+        status = prepare(s, l, place, place + n, place[2 * n], h, 0);
+        if (status == DM_OK) dm_stage_place_make(&l->kept);
+    }
+    if (status == DM_OK) status = iterate(s, l, q, t, h, 1);
+    if (status != DM_OK) memset(l->u, 0, l->table.r * n * sizeof *l->u);
+    return status;
+}
+
+/* with the matrix of its own start */
+static dm_status newton_own(dm_stepper *s, layout *l, const double *q, double t, double h,
+                            int first) {
+    dm_status status = prepare(s, l, q, q + s->model->n, t, h, 0);
+    if (status == DM_OK && first) dm_stage_place_make(&l->kept);
+    if (status == DM_OK) status = iterate(s, l, q, t, h, 0);
+    if (first && (status != DM_OK || !l->kept.is_made)) dm_stage_place_leave(&l->kept);
+    return status;
+}
+
+static dm_status newton(dm_stepper *s, layout *l, const double *q, double t, double h,
+                        int from_rest) {
+    dm_place_use use = DM_PLACE_OWN;
+    if (!l->constant && from_rest) use = dm_stage_place_ask(&l->kept, q, t, h);
+    if (use == DM_PLACE_KEPT) {
+        const dm_status status = newton_kept(s, l, q, t, h);
+        if (status == DM_STOPPED) return status;
+        if (status == DM_OK) {
+            dm_stage_place_ended(&l->kept, s->report.iterations);
+            return DM_OK;
+        }
+        use = dm_stage_place_failed(&l->kept, q, t);
+    }
+    return newton_own(s, l, q, t, h, use == DM_PLACE_NEW);
 }
 
 /* a dm_stage_try: of a shorter step accelerations are the same */
@@ -294,9 +345,22 @@ static dm_status find_accelerations(dm_stepper *s, const double *state, double t
         memcpy(l->u, l->root, all);
     else
         memset(l->u, 0, all);
-    const dm_status status = newton(s, l, state, state + n, t, h);
+    const dm_status status = newton(s, l, state, t, h, ratio == 0.0);
     if (status == DM_OK && !l->constant) memcpy(l->root, l->u, all);
     return status;
+}
+
+/* where its matrix was made is what a step leaves */
+static size_t memory(dm_stepper *s, double **place) {
+    const layout *l = (const layout *)(const void *)s->work;
+    *place = l->kept.memory;
+    return dm_stage_place_memory(&l->kept);
+}
+
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    (void)state, (void)t;
+    dm_stage_place_clear(&((layout *)(void *)s->work)->kept, h);
+    return DM_OK;
 }
 
 /* q1 and p1 of the forces at the accelerations that were found, into the compensated state */
@@ -333,6 +397,8 @@ const dm_engine dm_engine_stage_worked = {
     .wants = wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
+    .memory = memory,
     .close = close,
 };
