@@ -1,5 +1,5 @@
-/* stage_band.c - the matrix of Newton's method in the separable form: where few coordinates meet, as
- * in a chain, a band, and where V is quadratic one of h alone, whose factors serve every step.
+/* stage_band.c - the matrix of Newton's method in the separable form: where few coordinates meet,
+ * as in a chain, a band, and where V is quadratic one of h alone, whose factors serve every step.
  * Speed: steps, chain of 30 beyond sweeps by gauss(8): 200x, against LU of the full matrix. */
 #include "integ/stage/stage_inside.h"
 

@@ -180,11 +180,8 @@ dm_status dm_stage_sparse_newton(dm_stepper *s, const double *q, double t, doubl
     if (!l->constant && from_base) use = dm_stage_place_ask(&l->kept, q, t, h);
     if (use == DM_PLACE_KEPT) {
         const dm_status status = iterate_kept(s, q, t, h);
-        if (status == DM_STOPPED) return status;
-        if (status == DM_OK) {
-            dm_stage_place_ended(&l->kept, s->report.iterations);
-            return DM_OK;
-        }
+        if (status == DM_OK) dm_stage_place_ended(&l->kept, s->report.iterations);
+        if (status == DM_OK || status == DM_STOPPED) return status;
         use = dm_stage_place_failed(&l->kept, q, t);
     }
     return iterate_own(s, q, t, h, use == DM_PLACE_NEW);

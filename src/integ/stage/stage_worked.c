@@ -266,12 +266,11 @@ static void residual(dm_stepper *s, layout *l, const double *q, const double *p,
  * smaller; the matrix is made anew where that goes slowly, but one that is kept. */
 static dm_status iterate(dm_stepper *s, layout *l, const double *q, double t, double h, int kept) {
     const uint32_t n = s->model->n, r = l->table.r;
-    const double *p = q + n; /* behind q in the state */
     double last = INFINITY;
     dm_status status = DM_OK;
     for (int pass = 1; status == DM_OK; pass++) {
         double step = 0.0, size = 0.0;
-        residual(s, l, q, p, t, h);
+        residual(s, l, q, q + n, t, h);
         status = solve(s, l);
         if (status != DM_OK) return status;
         for (uint32_t i = 0; i < r; i++)
@@ -289,7 +288,7 @@ static dm_status iterate(dm_stepper *s, layout *l, const double *q, double t, do
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-11 * size)) break;
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
         if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;
-        if (step > 0.3 * last) status = prepare(s, l, q, p, t, h, 1);
+        if (step > 0.3 * last) status = prepare(s, l, q, q + n, t, h, 1);
         last = step;
     }
     s->report.solves++;
@@ -326,11 +325,8 @@ static dm_status newton(dm_stepper *s, layout *l, const double *q, double t, dou
     if (!l->constant && from_rest) use = dm_stage_place_ask(&l->kept, q, t, h);
     if (use == DM_PLACE_KEPT) {
         const dm_status status = newton_kept(s, l, q, t, h);
-        if (status == DM_STOPPED) return status;
-        if (status == DM_OK) {
-            dm_stage_place_ended(&l->kept, s->report.iterations);
-            return DM_OK;
-        }
+        if (status == DM_OK) dm_stage_place_ended(&l->kept, s->report.iterations);
+        if (status == DM_OK || status == DM_STOPPED) return status;
         use = dm_stage_place_failed(&l->kept, q, t);
     }
     return newton_own(s, l, q, t, h, use == DM_PLACE_NEW);
@@ -340,7 +336,7 @@ static dm_status newton(dm_stepper *s, layout *l, const double *q, double t, dou
 static dm_status find_accelerations(dm_stepper *s, const double *state, double t, double h,
                                     double ratio) {
     layout *l = (layout *)(void *)s->work;
-    const size_t n = s->model->n, all = l->table.r * n * sizeof *l->u;
+    const size_t all = l->table.r * (size_t)s->model->n * sizeof *l->u;
     if (ratio > 0.0)
         memcpy(l->u, l->root, all);
     else
