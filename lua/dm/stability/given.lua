@@ -12,12 +12,12 @@ local fail = require "dm.base.options".failing "dm.stability"
 -- a copy of the system with these numbers among its params
 local function with_params(system, values, names)
   if system.line then return lines.with_params(system, values, names) end
-  local given, params = {}, {}
-  for key, value in pairs(system.given) do given[key] = value end
+  local given, params, field = {}, {}, system.field
+  for key, value in pairs(field and field.options or system.given) do given[key] = value end
   for key, value in pairs(system.params) do params[key] = value end
   for _, name in ipairs(names) do params[name] = values[name] end
   given.params = params
-  return core.system(given)
+  return field and field.mesh:field(given) or core.system(given)
 end
 
 local function is_system(x)

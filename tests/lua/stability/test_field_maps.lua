@@ -146,6 +146,13 @@ for what, options in pairs { friction = { fixed = "boundary", force = function(_
   ok(limit and limit > 0.01 and limit < 0.16, "with a resolved flow", limit)
 end
 
+-- params of a field on a mesh
+local stiff = plate:field { fixed = "boundary", params = { k = 1 }, L = function(u, v, _, p) return waves(u, v) - p.k * u:dot(u) / 2 end }
+local by_k = dm.stability { stiff, rule = "verlet", h = { 0.05, 0.3 }, k = { 1, 400 }, steps = 400, q = middle, v = still }
+local square = (2 / stiff:stability_limit "verlet") ^ 2 - 1
+for i, k in ipairs { 1, 400 } do near(by_k:theory(i), 2 / sqrt(square + k), 1e-9, "theory over a parameter of a field") end
+near(by_k:limit(2), 2 / sqrt(square + 400), 1e-3, "and the map")
+
 -- what rows say is said by one function, of members of ensembles and of runs on lines; numbers that are none too
 local core = require "dm.core"
 local s = core.summary({ 0, 1, 2, 3, 4, 5, 6, 7 }, { 2, 3, 1, 4, 4, 6, 5, 9 })
