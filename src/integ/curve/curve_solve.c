@@ -9,10 +9,10 @@
 #include <math.h>
 #include <string.h>
 
-static const double SLOW = 0.1;          /* rate of increments that one matrix must beat */
-static const double STALE = 3e-2;        /* rate from which the next step takes its own matrix */
-static const double ROUND_OFF = 1e-12;   /* an increment that small may stall */
-static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not worth a step */
+static const double SLOW = 0.1;        /* rate of increments that one matrix must beat */
+static const double STALE = 3e-2;      /* rate from which the next step takes its own matrix */
+static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
+static const double NEGLIGIBLE = 6e-9; /* of the tolerance: an increment not worth a step */
 enum { CHORDS = 10 };
 /* Parts of a step from which one is drawn out, how little longer a part may become, and below which
  * factor it grows again. */

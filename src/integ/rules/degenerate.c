@@ -6,7 +6,8 @@
  * sigma = (-1)^s, q~ = q0 + h l,  p~ = alpha(q0) + h K(q0) l,   (q^, p^) = one Gauss step from
  * (q~, p~), q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l, solved for the stage
  * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
- * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. */
+ * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. Long because
+ * it is one step equation, from its workspace to its Newton method. */
 #include "integ/method/stage_table.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
@@ -22,8 +23,11 @@ typedef struct {
     uint32_t n, unknowns;
     int projected;
     double h, t, sigma, size;
+    double scaled; /* the h of these: h a[s*s], h b_i (a_ij - b_j)[s*s], h b[s] */
+    dm_weight *ha, *hw, *hb;
     const double *state;
-    double *x; /* [2n+1] arguments */
+    double *x;    /* [2n+1] arguments */
+    double *rest; /* [n] what rounding took from the positions there */
     /* [width] outputs of the stage kernel: at a point, at (q0, 0), at (q1, l) */
     double *at, *begin, *end;
     double *still; /* [width] at (q1, 0) */
@@ -90,8 +94,8 @@ static size_t unknowns_of(const dm_rule *rule, const dm_model *m) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, s = (size_t)stages(rule), width = 2 * n + 3 * n * n;
     const size_t z = unknowns_of(rule, m);
-    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * n + 1 + 4 * width + 2 * n +
-           2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
+    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * (2 * s * s + s) + 3 * n +
+           1 + 4 * width + 2 * n + 2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
 }
 
 /* The next block of doubles. */
@@ -99,6 +103,24 @@ static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;
     return block;
+}
+
+/* A product of h and a coefficient in two parts: h times one has roundings with a mean by a decimal
+ * h, and momentum maps drifted. */
+static void scale(degenerate *g, double h) {
+    const dm_stage_table *t = &g->table;
+    const uint32_t s = t->s;
+    if (g->scaled == h) return;
+    for (uint32_t i = 0; i < s; i++) {
+        const long double hb = h * dm_weight_exact(t->b[i]);
+        g->hb[i] = dm_weight_of(hb);
+        for (uint32_t j = 0; j < s; j++) {
+            const long double a = dm_weight_exact(t->a[i * s + j]);
+            g->ha[i * s + j] = dm_weight_of(h * a);
+            g->hw[i * s + j] = dm_weight_of(hb * (a - dm_weight_exact(t->b[j])));
+        }
+    }
+    g->scaled = h;
 }
 
 /* sigma = (-1)^s makes the projection symmetric: the stability function of Gauss collocation at
@@ -117,7 +139,13 @@ static dm_status open(dm_stepper *stepper) {
     g->sigma = basis.s % 2 ? -1.0 : 1.0;
     dm_stage_table_fill(&g->table, &basis, memory);
     memory += dm_stage_table_size(g->table.s, g->table.r);
+    const size_t s = g->table.s;
+    g->scaled = NAN;
+    g->ha = (dm_weight *)(void *)take(&memory, 2 * s * s);
+    g->hw = (dm_weight *)(void *)take(&memory, 2 * s * s);
+    g->hb = (dm_weight *)(void *)take(&memory, 2 * s);
     g->x = take(&memory, 2 * n + 1);
+    g->rest = take(&memory, n);
     g->at = take(&memory, width);
     g->begin = take(&memory, width);
     g->end = take(&memory, width);
@@ -133,26 +161,42 @@ static dm_status open(dm_stepper *stepper) {
     return DM_OK;
 }
 
-/* the stage kernel at (q0 + shift, v, t + after) */
-static void evaluate(degenerate *g, double *out, const double *shift, const double *v,
-                     double after) {
-    const uint32_t n = g->n;
-    const double *low = g->state + 2 * n;
-    for (uint32_t k = 0; k < n; k++) {
-        g->x[k] = g->state[k] + (shift ? low[k] + shift[k] : low[k]);
-        g->x[n + k] = v ? v[k] : 0.0;
-    }
-    g->x[2 * n] = g->t + after;
-    dm_kernel_eval(&g->m->stage, g->x, out);
-    g->evaluations++;
-}
-
 /* parts of the outputs */
 static const double *qq_of(const degenerate *g, const double *out) {
     return out + 2 * g->n;
 }
 static const double *K_of(const degenerate *g, const double *out) { /* row q, column v */
     return out + 2 * g->n + (size_t)g->n * g->n;
+}
+
+/* The kernel sees positions that are rounded, and Newton's method would stop up to half a unit of
+ * the last place of q1 from the root, on the side that it comes from: momentum maps and the energy
+ * drifted. L_q and L_v become those at x + rest, to first order. */
+static void add_rounded(const degenerate *g, double *out, const double *rest) {
+    const uint32_t n = g->n;
+    const double *qq = qq_of(g, out), *K = K_of(g, out);
+    for (uint32_t k = 0; k < n; k++)
+        for (uint32_t i = 0; i < n && rest[k] != 0.0; i++) {
+            out[i] += qq[i * (size_t)n + k] * rest[k];
+            out[n + i] += K[k * (size_t)n + i] * rest[k];
+        }
+}
+
+/* the stage kernel at (q0 + shift, v, t + after) */
+static void evaluate(degenerate *g, double *out, const double *shift, const double *v,
+                     double after) {
+    const uint32_t n = g->n;
+    const double *low = g->state + 2 * n;
+    for (uint32_t k = 0; k < n; k++) {
+        const double d = shift ? low[k] + shift[k] : low[k];
+        g->x[k] = g->state[k] + d;
+        g->rest[k] = d - (g->x[k] - g->state[k]);
+        g->x[n + k] = v ? v[k] : 0.0;
+    }
+    g->x[2 * n] = g->t + after;
+    dm_kernel_eval(&g->m->stage, g->x, out);
+    add_rounded(g, out, g->rest);
+    g->evaluations++;
 }
 
 /* out += w B x, or w B^T x */
@@ -186,20 +230,18 @@ static void place(degenerate *g, uint32_t i, const double *z) {
     for (uint32_t k = 0; k < n; k++) shift[k] = g->projected ? g->h * l[k] : 0.0;
     for (uint32_t j = 0; j < s; j++)
         for (uint32_t k = 0; k < n; k++)
-            shift[k] += g->h * dm_weighted(g->table.a[i * s + j], z[j * (size_t)n + k]);
+            shift[k] += dm_weighted(g->ha[i * s + j], z[j * (size_t)n + k]);
     evaluate(g, g->at, shift, z + i * (size_t)n, g->h * dm_weight_double(g->table.c[i]));
 }
 
 /* b_i [h (a_ij - b_j) L_q(i) + delta_ij L_v(i)] and h b_i L_q(i) */
 static void add_values(degenerate *g, double *r, uint32_t i) {
     const uint32_t n = g->n, s = g->table.s;
-    const double b = dm_weight_double(g->table.b[i]);
-    for (uint32_t k = 0; k < n; k++) g->dp[k] += g->h * dm_weighted(g->table.b[i], g->at[k]);
+    for (uint32_t k = 0; k < n; k++) g->dp[k] += dm_weighted(g->hb[i], g->at[k]);
     for (uint32_t j = 0; j < s; j++) {
-        const double a = dm_weight_double(g->table.a[i * s + j]);
-        const double w = b * g->h * (a - dm_weight_double(g->table.b[j]));
         for (uint32_t k = 0; k < n; k++) {
-            const double term = w * g->at[k] + (i == j ? b * g->at[n + k] : 0.0);
+            const double alpha = i == j ? dm_weighted(g->table.b[i], g->at[n + k]) : 0.0;
+            const double term = dm_weighted(g->hw[i * s + j], g->at[k]) + alpha;
             r[j * (size_t)n + k] += term;
             g->size = fmax(g->size, fabs(term));
         }
@@ -235,7 +277,7 @@ static void take_start(degenerate *g, double *r, double *J, const double *z) {
     if (g->projected) multiply(p, g->h, K_of(g, g->begin), l, n, 0);
     for (uint32_t j = 0; j < s; j++) {
         const double b = dm_weight_double(g->table.b[j]);
-        for (uint32_t k = 0; k < n; k++) r[j * (size_t)n + k] -= b * p[k];
+        for (uint32_t k = 0; k < n; k++) r[j * (size_t)n + k] -= dm_weighted(g->table.b[j], p[k]);
         if (J && g->projected) add(g, block(g, J, j, s), -b * g->h, K_of(g, g->begin), 0);
     }
 }
@@ -247,8 +289,7 @@ static void find_shift(degenerate *g, const double *z) {
     for (uint32_t k = 0; k < n; k++)
         g->shift[k] = g->projected ? g->h * (1.0 + g->sigma) * l[k] : 0.0;
     for (uint32_t j = 0; j < s; j++)
-        for (uint32_t k = 0; k < n; k++)
-            g->shift[k] += g->h * dm_weighted(g->table.b[j], z[j * (size_t)n + k]);
+        for (uint32_t k = 0; k < n; k++) g->shift[k] += dm_weighted(g->hb[j], z[j * (size_t)n + k]);
 }
 
 /* p^ + h sigma K(q1) l - alpha(q1), in row s; p^ = alpha(q0) + h K(q0) l + dp */
@@ -343,6 +384,7 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     g->state = state;
     g->t = t;
     g->h = h;
+    scale(g, h);
     g->evaluations = 0;
     dm_status status = guess(g);
     if (status == DM_OK) status = dm_newton(g->z, &problem, g->scratch, &report);

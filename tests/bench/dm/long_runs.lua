@@ -45,7 +45,14 @@ local function vortices(random)
 end
 local G = { 1, 0.7, 1.3 }
 
+-- a top's axis anywhere, turning
+local SO3 = dm.SO(3)
+local function turning(random)
+  return SO3:exp { 2 * random() - 1, 2 * random() - 1, 2 * random() - 1 }, { random(), random(), 1 + random() }
+end
+
 local function angular(q, p) return q[1] * p[2] - q[2] * p[1] end
+local function vertical(R, p) return R[3][1] * p[1] + R[3][2] * p[2] + R[3][3] * p[3] end
 local function impulse(q)
   local sum = 0
   for i = 1, 3 do sum = sum + G[i] * (q[2 * i - 1] ^ 2 + q[2 * i] ^ 2) / 2 end
@@ -57,6 +64,8 @@ local explicit = { "verlet", "symplectic-euler", "yoshida(4)", "yoshida(6)", "su
 local implicit = { "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "gauss(6)", "gauss(8)", "lobatto(3)", "lobatto(4)",
   "galerkin(2, gauss(3))", "galerkin(3, radau(3))", "sprk(radau-2a, 2)", "sprk(lobatto-3b-3a, 3)",
   "yoshida(4, midpoint)", "del", "curve(rk4)", "curve(euler, 0.5)" }
+-- rules that have no name: curves in a space of functions
+local own = { trial = dm.galerkin { functions = function(t) return { 1, t, dm.cos(t), dm.sin(t) } end, quadrature = "gauss(3)" } }
 
 local function joined(...)
   local out = {}
@@ -65,11 +74,17 @@ local function joined(...)
 end
 
 local systems = {
-  { name = "Kepler", h = 0.05, start = ellipse, J = angular, rules = joined(explicit, implicit, { "log-hamiltonian" }),
+  { name = "Kepler", h = 0.05, start = ellipse, J = angular, rules = joined(explicit, implicit, { "log-hamiltonian", "trial", "sem(1, gauss(1))" }),
     system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end } },
   { name = "moving mass", h = 0.05, start = around, J = angular,
     rules = joined({ "verlet", "symplectic-euler", "yoshida(4)" }, implicit),
     system = dm.system { Q = dm.R(2), L = function(q, v) return (1 + q:dot(q) / 4) * v:dot(v) / 2 - q:dot(q) / 2 end } },
+  { name = "by its H", h = 0.05, start = around, J = angular, by_p = true,
+    rules = { "verlet", "symplectic-euler", "yoshida(4)", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "lobatto(3)" },
+    system = dm.system { Q = dm.R(2), H = function(q, p) return p:dot(p) / (2 + q:dot(q) / 2) + q:dot(q) / 2 end } },
+  { name = "top", h = 0.05, start = turning, J = vertical, by_p = true,
+    rules = { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "rotations(2)", "rotations(4)", "verlet", "gauss(2)", "lobatto(3)" },
+    system = dm.system { Q = SO3, L = function(R, w) return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 - R[3][3] end } },
   { name = "on a sphere", h = 0.02, start = on_sphere, J = angular,
     rules = { "rattle", "shake", "yoshida(4, rattle)", "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" },
     system = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end,
@@ -86,13 +101,13 @@ local systems = {
     end } },
 }
 
--- rules whose theory says nothing of the energy (of the time-transformed one it does, at fixed s)
-local moment_alone = { ["log-hamiltonian"] = true }
+-- rules whose theory says nothing of the energy (of the time-transformed one it does, at fixed s; of sem it is that of a step)
+local moment_alone = { ["log-hamiltonian"] = true, ["sem(1, gauss(1))"] = true }
 
 ---- runs ----
 
 local function solver_of(case, rule)
-  if rule ~= "del" then return case.system:solver { rule = rule, h = case.h } end
+  if rule ~= "del" then return case.system:solver { rule = own[rule] or rule, h = case.h } end
   local L = case.system.given.L
   return dm.solver { dm.discrete_lagrangian { Q = case.system.Q, h = case.h, Ld = function(a, b, h)
     return h * (L(a, (b - a) / h) + L(b, (b - a) / h)) / 2
@@ -123,7 +138,7 @@ local function slopes(case, rule, solver, steps, seed)
     if rule == "del" then v[i] = case.system:momentum(q[i], v[i]):totable() end
   end
   local options = { members = STARTS, steps = steps, every = math.max(1, steps // ROWS), threads = 1, q = q }
-  options[rule == "del" and "p" or "v"] = v
+  options[(rule == "del" or case.by_p) and "p" or "v"] = v
   local members = solver:ensemble(options)
   for i = 1, STARTS do
     local path, moments = members:path(i), {}
@@ -147,7 +162,7 @@ local function row(case, rule)
   local begun, path_steps = os.clock(), 20000
   math.randomseed(1)
   local q, v = case.start(math.random)
-  local one = rule == "del" and { q = q, p = case.system:momentum(q, v) } or { q = q, v = v }
+  local one = rule == "del" and { q = q, p = case.system:momentum(q, v) } or case.by_p and { q = q, p = v } or { q = q, v = v }
   one.steps, one.every = path_steps, path_steps
   solver:run(one)
   local cost = (os.clock() - begun) / path_steps * 1e9
