@@ -135,6 +135,7 @@ DRIFTS =
 drifts: all
 	@for level in plain fma avx512; do \
 	  DMLUA_PROCESSOR=$$level nice $(B)/dmlua tests/bench/dm/long_runs.lua $(DRIFTS); done
+	@$(CC) -O2 -o $(B)/drifts tests/bench/c/by_hand/drifts.c -lm && nice $(B)/drifts
 
 format:
 	clang-format -i $(foreach tree,src tests,$(call below,$(tree),*.[ch]))

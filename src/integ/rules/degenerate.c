@@ -28,11 +28,13 @@ typedef struct {
     const double *state;
     double *x;    /* [2n+1] arguments */
     double *rest; /* [n] what rounding took from the positions there */
-    /* [width] outputs of the stage kernel: at a point, at (q0, 0), at (q1, l) */
+    /* [width] outputs of the stage kernel, and what L_v lacks[n]: at a point, at (q0, 0), at (q1,
+     * l) */
     double *at, *begin, *end;
     double *still; /* [width] at (q1, 0) */
     double *shift; /* [n] q^ - q0 */
     double *dp;    /* [n] h sum b_i L_q(i) */
+    double *turn;  /* [n] h K(q0) l */
     double *W, *U; /* [n*n] */
     double *z, *next, *scratch;
     long evaluations;
@@ -92,9 +94,9 @@ static size_t unknowns_of(const dm_rule *rule, const dm_model *m) {
 
 /* The arrays of the struct in its order, Newton's method at the end. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
-    const size_t n = m->n, s = (size_t)stages(rule), width = 2 * n + 3 * n * n;
+    const size_t n = m->n, s = (size_t)stages(rule), width = 3 * n + 3 * n * n;
     const size_t z = unknowns_of(rule, m);
-    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * (2 * s * s + s) + 3 * n +
+    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * (2 * s * s + s) + 4 * n +
            1 + 4 * width + 2 * n + 2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
 }
 
@@ -128,7 +130,7 @@ static void scale(degenerate *g, double h) {
 static dm_status open(dm_stepper *stepper) {
     degenerate *g = (degenerate *)(void *)stepper->work;
     const dm_model *m = stepper->model;
-    const size_t n = m->n, width = 2 * n + 3 * n * n;
+    const size_t n = m->n, width = 3 * n + 3 * n * n;
     double *memory = stepper->work + doubles(sizeof *g);
     dm_quadrature q;
     dm_galerkin basis;
@@ -152,6 +154,7 @@ static dm_status open(dm_stepper *stepper) {
     g->still = take(&memory, width);
     g->shift = take(&memory, n);
     g->dp = take(&memory, n);
+    g->turn = take(&memory, n);
     g->W = take(&memory, n * n);
     g->U = take(&memory, n * n);
     g->z = take(&memory, g->unknowns);
@@ -169,16 +172,23 @@ static const double *K_of(const degenerate *g, const double *out) { /* row q, co
     return out + 2 * g->n + (size_t)g->n * g->n;
 }
 
+/* what L_v lacks */
+static double *low_of(const degenerate *g, double *out) {
+    return out + 2 * g->n + 3 * (size_t)g->n * g->n;
+}
+
 /* The kernel sees positions that are rounded, and Newton's method would stop up to half a unit of
- * the last place of q1 from the root, on the side that it comes from: momentum maps and the energy
- * drifted. L_q and L_v become those at x + rest, to first order. */
+ * the last place of q1 from the root, on the side that it comes from. L_q becomes that at x + rest,
+ * to first order, and what L_v lacks is kept beside it. */
 static void add_rounded(const degenerate *g, double *out, const double *rest) {
     const uint32_t n = g->n;
     const double *qq = qq_of(g, out), *K = K_of(g, out);
+    double *low = low_of(g, out);
+    memset(low, 0, n * sizeof *low);
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t i = 0; i < n && rest[k] != 0.0; i++) {
             out[i] += qq[i * (size_t)n + k] * rest[k];
-            out[n + i] += K[k * (size_t)n + i] * rest[k];
+            low[i] += K[k * (size_t)n + i] * rest[k];
         }
 }
 
@@ -234,18 +244,27 @@ static void place(degenerate *g, uint32_t i, const double *z) {
     evaluate(g, g->at, shift, z + i * (size_t)n, g->h * dm_weight_double(g->table.c[i]));
 }
 
-/* b_i [h (a_ij - b_j) L_q(i) + delta_ij L_v(i)] and h b_i L_q(i) */
+/* entry k of L_v - p~ at the point in hand, p~ = p0 + h K(q0) l: what is large is subtracted first,
+ * before anything is rounded */
+static double momentum(const degenerate *g, uint32_t k) {
+    const uint32_t n = g->n;
+    const double *p0 = g->state + n, *low = g->state + 3 * n, L_v = g->at[n + k];
+    const double rest = low_of(g, g->at)[k];
+    if (!g->projected) return (L_v - p0[k]) + (rest - low[k]);
+    return (L_v - g->begin[n + k]) + (rest - low_of(g, g->begin)[k] - g->turn[k]);
+}
+
+/* b_i [h (a_ij - b_j) L_q(i) + delta_ij (L_v(i) - p~)] and h b_i L_q(i) */
 static void add_values(degenerate *g, double *r, uint32_t i) {
     const uint32_t n = g->n, s = g->table.s;
+    const double b = dm_weight_double(g->table.b[i]);
     for (uint32_t k = 0; k < n; k++) g->dp[k] += dm_weighted(g->hb[i], g->at[k]);
-    for (uint32_t j = 0; j < s; j++) {
+    for (uint32_t j = 0; j < s; j++)
         for (uint32_t k = 0; k < n; k++) {
-            const double alpha = i == j ? dm_weighted(g->table.b[i], g->at[n + k]) : 0.0;
-            const double term = dm_weighted(g->hw[i * s + j], g->at[k]) + alpha;
-            r[j * (size_t)n + k] += term;
-            g->size = fmax(g->size, fabs(term));
+            const double force = dm_weighted(g->hw[i * s + j], g->at[k]);
+            r[j * (size_t)n + k] += i == j ? force + b * momentum(g, k) : force;
+            g->size = fmax(g->size, fabs(force) + (i == j ? fabs(b * g->at[n + k]) : 0.0));
         }
-    }
 }
 
 /* rows j and, in row s, h b_i L_q(i); columns V_k through a_ik and V_i, l through q~ */
@@ -268,18 +287,14 @@ static void add_slopes(degenerate *g, double *J, uint32_t i) {
 
 /* ---- the ends ---- */
 
-/* p~ = p0 + h K(q0) l, taken from every stage equation */
-static void take_start(degenerate *g, double *r, double *J, const double *z) {
+/* h K(q0) l, which the stage equations have in p~ */
+static void take_start(degenerate *g, double *J, const double *z) {
     const uint32_t n = g->n, s = g->table.s;
-    const double *l = z + s * (size_t)n, *p0 = g->state + n, *low = g->state + 3 * n;
-    double *p = g->next;
-    for (uint32_t k = 0; k < n; k++) p[k] = g->projected ? g->begin[n + k] : p0[k] + low[k];
-    if (g->projected) multiply(p, g->h, K_of(g, g->begin), l, n, 0);
-    for (uint32_t j = 0; j < s; j++) {
-        const double b = dm_weight_double(g->table.b[j]);
-        for (uint32_t k = 0; k < n; k++) r[j * (size_t)n + k] -= dm_weighted(g->table.b[j], p[k]);
-        if (J && g->projected) add(g, block(g, J, j, s), -b * g->h, K_of(g, g->begin), 0);
-    }
+    if (!g->projected) return;
+    memset(g->turn, 0, n * sizeof *g->turn);
+    multiply(g->turn, g->h, K_of(g, g->begin), z + s * (size_t)n, n, 0);
+    for (uint32_t j = 0; J && j < s; j++)
+        add(g, block(g, J, j, s), -dm_weight_double(g->hb[j]), K_of(g, g->begin), 0);
 }
 
 /* q1 - q0 = h sum b_j V_j + h (1 + sigma) l */
@@ -301,8 +316,9 @@ static void close_end(degenerate *g, double *r, double *J, const double *z) {
     evaluate(g, g->end, g->shift, l, g->h);
     evaluate(g, g->still, g->shift, NULL, g->h);
     for (uint32_t k = 0; k < n; k++)
-        end[k] = g->begin[n + k] + g->dp[k] + hs * (g->end[k] - g->still[k]) - g->still[n + k];
-    multiply(end, g->h, K_of(g, g->begin), l, n, 0);
+        end[k] = (g->begin[n + k] - g->still[n + k]) +
+                 (low_of(g, g->begin)[k] - low_of(g, g->still)[k] + g->dp[k] + g->turn[k] +
+                  hs * (g->end[k] - g->still[k]));
     if (!J) return;
     add(g, block(g, J, s, s), g->h, K_of(g, g->begin), 0);
     add(g, block(g, J, s, s), hs, K_of(g, g->still), 0);
@@ -321,12 +337,12 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     memset(r, 0, g->unknowns * sizeof *r);
     memset(g->dp, 0, g->n * sizeof *g->dp);
     if (J) memset(J, 0, (size_t)g->unknowns * g->unknowns * sizeof *J);
+    take_start(g, J, z);
     for (uint32_t i = 0; i < g->table.s; i++) {
         place(g, i, z);
         add_values(g, r, i);
         if (J) add_slopes(g, J, i);
     }
-    take_start(g, r, J, z);
     if (g->projected) close_end(g, r, J, z);
     return DM_OK;
 }
@@ -358,7 +374,7 @@ static dm_status finish(degenerate *g) {
     if (g->projected) {
         evaluate(g, g->still, g->shift, NULL, g->h);
         memcpy(g->next + n, g->still + n, n * sizeof *g->next);
-        memset(g->next + 3 * n, 0, n * sizeof *g->next);
+        memcpy(g->next + 3 * n, low_of(g, g->still), n * sizeof *g->next);
     } else {
         dm_sum_add_n(g->next + n, g->next + 3 * n, g->dp, n);
     }

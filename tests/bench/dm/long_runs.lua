@@ -129,7 +129,23 @@ local function energies(case, rule, path)
   return dm.vector(out)
 end
 
--- slopes of J and of the energy of ten starts
+-- The bits of all rows as one number: levels of the processor with the same one have the same slopes.
+local function fingerprint(members)
+  local sum = 0
+  for i = 1, STARTS do
+    local path = members:path(i)
+    for k = 1, path and #path or 0 do
+      for _, list in ipairs { path.q[k]:totable(), path.p[k]:totable() } do
+        for _, x in ipairs(list) do
+          for _, y in ipairs(type(x) == "table" and x or { x }) do sum = sum * 31 + string.unpack("i8", string.pack("d", y)) end
+        end
+      end
+    end
+  end
+  return ("%08x"):format(sum >> 32 ~ sum & 0xffffffff)
+end
+
+-- slopes of J and of the energy of ten starts, and the fingerprint of their rows
 local function slopes(case, rule, solver, steps, seed)
   math.randomseed(seed)
   local q, v, J, E = {}, {}, {}, {}
@@ -146,7 +162,7 @@ local function slopes(case, rule, solver, steps, seed)
     for k = 1, #path do moments[k] = case.J(path.q[k], path.p[k]) end
     J[i], E[i] = path:drift(dm.vector(moments)).per_time, path:drift(energies(case, rule, path)).per_time
   end
-  return J, E
+  return J, E, fingerprint(members)
 end
 
 -- "mean +- error" of slopes, and whether they miss
@@ -158,7 +174,7 @@ end
 local function row(case, rule)
   local solver = solver_of(case, rule)
   local clock = os.clock()
-  slopes(case, rule, solver, 1000, 0)
+  local _, _, bits = slopes(case, rule, solver, 5000, 0)
   local begun, path_steps = os.clock(), 20000
   math.randomseed(1)
   local q, v = case.start(math.random)
@@ -179,7 +195,7 @@ local function row(case, rule)
     local what = (missed and "J" or "") .. (also and "E" or "")
     if try == 2 then out = out .. " DRIFTS: " .. what else print(out .. " again: " .. what) end
   end
-  print(out .. (" (%.0f s)"):format(os.clock() - clock))
+  print(out .. (" %s (%.0f s)"):format(bits or "", os.clock() - clock))
   io.stdout:flush()
 end
 
