@@ -6,8 +6,8 @@
  * sigma = (-1)^s, q~ = q0 + h l,  p~ = alpha(q0) + h K(q0) l,   (q^, p^) = one Gauss step from
  * (q~, p~), q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l, solved for the stage
  * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
- * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. Long because
- * it is one step equation, from its workspace to its Newton method. */
+ * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison.
+ * Long because it is one step equation, from its workspace to its Newton method. */
 #include "integ/method/stage_table.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
