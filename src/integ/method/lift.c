@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+static const double LARGE = 8.0; /* |p|^2 over the least one that is regauged */
+
 /* the struct, in doubles */
 static size_t head(void) {
     return (sizeof(dm_lift) + sizeof(double) - 1) / sizeof(double);
@@ -193,13 +195,14 @@ dm_status dm_lift_enter(dm_lift *l, const double *state) {
         return DM_OK;
     }
     const dm_status status = rise(l, state);
-    l->memory[DM_LIFT_BOUND] = 4.0 * square(l->lifted + n, n);
+    l->memory[DM_LIFT_BOUND] = LARGE * square(l->lifted + n, n);
     l->memory[DM_LIFT_SINCE] = 0.0;
     return status;
 }
 
 /* What p has beside the least one with its momentum moves nothing on the group, but grows, and J
- * loses digits by it: it is taken away where p has become large. Much of it in few steps: later. */
+ * loses digits by it: it is taken away where |p|^2 is LARGE times that of the least one. Much of it
+ * in few steps: later. */
 static dm_status regauge(dm_lift *l) {
     enum { FEW = 16 };
     const size_t n = l->n;
@@ -211,7 +214,7 @@ static dm_status regauge(dm_lift *l) {
     const dm_status status = lift_momentum(l, l->lifted, l->J);
     for (size_t i = 0; i < n; i++) beside += (l->in[n + i] - p[i]) * (l->in[n + i] - p[i]);
     l->memory[DM_LIFT_BOUND] =
-        4.0 * square(p, n) + (l->memory[DM_LIFT_SINCE] < FEW ? 64.0 : 1.0) * beside;
+        LARGE * square(p, n) + (l->memory[DM_LIFT_SINCE] < FEW ? 64.0 * beside : 0.0);
     l->memory[DM_LIFT_SINCE] = 0.0;
     return status;
 }
