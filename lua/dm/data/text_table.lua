@@ -47,8 +47,9 @@ local function fields_of(line, separator)
   return fields
 end
 
+local huge = math.huge
 local NAN = math.abs(0 / 0)  -- without a sign, which would be printed
-local WORDS = { nan = NAN, ["-nan"] = NAN, inf = math.huge, ["-inf"] = -math.huge }
+local WORDS = { nan = NAN, ["-nan"] = NAN, inf = huge, ["-inf"] = -huge }
 
 local function number_of(field, comma)
   if comma then field = field:gsub(",", ".", 1) end
@@ -219,8 +220,13 @@ function M.read(handle, where, given)
     if #fields ~= #names then fail_ragged(at, fields, names, fail) end
     rows = rows + 1
     for c, field in ipairs(fields) do
-      columns[c][rows] = number_of(field, r.comma)
+      local x = number_of(field, r.comma)
         or fail("line %d, column %s: not a number: %q", at, names[c], field)
+      if (x == huge or x == -huge) and not field:lower():find("inf", 1, true) then
+        fail("line %d, column %s: %s is beyond the largest number, 1.8e308 (infinity is written "
+          .. "inf)", at, names[c], field)
+      end
+      columns[c][rows] = x
     end
   end
   for c in ipairs(names) do columns[c] = {} end

@@ -74,6 +74,8 @@ ok(slurp(npy):sub(1, 8) == "\147NUMPY\3\0" and (12 + ("<I4"):unpack(slurp(npy), 
 local data = dm.load(spit(csv, "t,x\r\n1,2.5\r\n\r\n3, nan\r\n-inf,1e3\r\n"))
 ok(#data.t == 3 and data.x[1] == 2.5 and data.x[2] ~= data.x[2] and data.t[3] == -math.huge,
   "csv with carriage returns, an empty line, nan and inf")
+raises("line 3, column x: -1e400 is beyond the largest number", dm.load,
+  spit(csv, "t,x\n1,1e308\n2,-1e400\n"))
 for _, text in ipairs { "t\tx\n1\t2\n3\t4\n", "t x\n1 2\n3 4\n", "t;x\n1;2\n3;4\n", "# by hand\nt,x\n1,2\n\n3,4\n",
   "\239\187\191t,x\n1,2\n3,4\n", "# t x\n1 2\n3 4\n", "  t    x \n  1    2 \n# between\n  3 4\n", "#\n# t, x\n1,2\n3,4",
   "\"t\" x\r\n1\t2\r\n3\t4\r\n", "\239\187\191# t;x\n1;2\n3;4\n" } do
