@@ -145,6 +145,7 @@ static void repeat_alone(dm_hand *x, long i, double t, long count) {
         return;
     }
     x->alive--;
+    dm_hand_look_beside(x, i, state, m->steps);
     dm_hand_keep_last_row(x, i);
 }
 
@@ -160,6 +161,7 @@ static void leave(dm_hand *x, long i) {
     dm_lanes_get(lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     x->alive--;
     dm_hand_choose(x, i);
+    dm_hand_look_beside(x, i, dm_hand_state(x, i), dm_hand_member(x, i)->steps);
     dm_hand_keep_last_row(x, i);
 }
 
