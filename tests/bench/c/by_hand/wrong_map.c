@@ -51,8 +51,11 @@ static double now(void) {
 }
 
 /* kahan-li(8): symmetric composition of 17 stages (Kahan & Li 1997) */
-static const double half[9] = {0.13020248308889008088, 0.56116298177510838456, -0.38947496264484728641, 0.15884190655515560089,
-    -0.39590389413323757734, 0.18453964097831570709, 0.25837438768632204729, 0.29501172360931029887, -0.60550853383003451170};
+static const double half[9] = {0.13020248308889008088,  0.56116298177510838456,
+                               -0.38947496264484728641, 0.15884190655515560089,
+                               -0.39590389413323757734, 0.18453964097831570709,
+                               0.25837438768632204729,  0.29501172360931029887,
+                               -0.60550853383003451170};
 
 static void steps_of(const problem *x, V *q, V *p, const V *k, double h, int stages, int count) {
     V f[MOST];
@@ -107,8 +110,8 @@ static void look(const problem *x, looks *s, const V *flow, const V *q, double t
     int first = (int)place - 3, all = 1;
     first = first < 0 ? 0 : first > x->level - 7 ? x->level - 7 : first;
     double weight[NODES], left = 1.0, right = 1.0;
-    static const double below[NODES] = {-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 240.0, 1.0 / 144.0, -1.0 / 144.0, 1.0 / 240.0, -1.0 / 720.0,
-        1.0 / 5040.0};
+    static const double below[NODES] = {-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 240.0, 1.0 / 144.0,
+                                        -1.0 / 144.0,  1.0 / 240.0, -1.0 / 720.0, 1.0 / 5040.0};
     for (int i = 0; i < NODES; i++) weight[i] = left * below[i], left *= place - first - i;
     for (int i = NODES; i-- > 0;) weight[i] *= right, right *= place - first - i;
     for (int i = 0; i < x->n; i++) {
@@ -157,7 +160,8 @@ static double run(const problem *x, double h, int row, const V *flow) {
 static double map(const problem *x, int beside) {
     double sum = 0.0;
     for (int row = 0; row < x->rows; row += W) {
-        V *flow = beside ? aligned_alloc(64, (size_t)(x->level + 1) * (size_t)x->n * sizeof *flow) : NULL;
+        V *flow =
+            beside ? aligned_alloc(64, (size_t)(x->level + 1) * (size_t)x->n * sizeof *flow) : NULL;
         if (flow) make_flows(x, flow, row);
         for (int c = 0; c < x->steps; c++)
             sum += run(x, x->least * pow(x->largest / x->least, c / (x->steps - 1.0)), row, flow);
@@ -167,9 +171,13 @@ static double map(const problem *x, int beside) {
 }
 
 int main(void) {
-    const struct { const char *name; problem x; } all[] = {
-        {"Henon-Heiles", {2, 10, 160, 1024, 512, 0.01, 2.5, 200.0, henon_force, henon_start}},
-        {"quartic chain of 12", {12, 6, 120, 1024, 512, 0.005, 0.3, 60.0, chain_force, chain_start}}};
+    const struct {
+        const char *name;
+        problem x;
+    } all[] = {{"Henon-Heiles",
+                {2, 10, 160, 1024, 512, 0.01, 2.5, 200.0, henon_force, henon_start}},
+               {"quartic chain of 12",
+                {12, 6, 120, 1024, 512, 0.005, 0.3, 60.0, chain_force, chain_start}}};
     volatile double sink = 0.0;
     for (int i = 0; i < 2; i++) {
         double best[2] = {INFINITY, INFINITY};
@@ -178,7 +186,8 @@ int main(void) {
             sink += map(&all[i].x, k % 2);
             best[k % 2] = fmin(best[k % 2], now() - start);
         }
-        printf("%-28s by hand in C: %.2f -> %.2f ms, %.2f times\n", all[i].name, 1e3 * best[0], 1e3 * best[1], best[1] / best[0]);
+        printf("%-28s by hand in C: %.2f -> %.2f ms, %.2f times\n", all[i].name, 1e3 * best[0],
+               1e3 * best[1], best[1] / best[0]);
     }
     return 0;
 }
