@@ -5,7 +5,7 @@
 #include "graph/graph.h"
 
 /* out[m] = roots of g in a graph of its own, in the same arena and verbatim, where c x is top x +
- * rest x for a number c of more than 24 bits (numbers/weight.h), each added by itself.
+ * rest x for a number c of more than 24 bits (numbers/weight.h), three roundings in place of one.
  * That of c x alone has a mean where c is near a ratio of small numbers, as h = 0.05 is. And
  * x^(-3/2) is the cube of x^(-1/2): kernels of the same function then err by the same mean. NULL
  * without memory. */

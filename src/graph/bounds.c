@@ -48,6 +48,8 @@ void dm_bounds(const dm_graph *g, const dm_interval *in, dm_interval *value) {
             value[n] = isnan(e->as.value) ? ALL : (dm_interval){e->as.value, e->as.value};
         else if (e->op == DM_OP_INPUT)
             value[n] = in[e->as.input];
+        else if (!operands)
+            value[n] = ALL; /* the number of a function that only an equation defines */
         else
             value[n] =
                 operands == 1 ? dm_interval_of(e->op, value[e->as.arg[0]]) : of_more(e, value);
@@ -167,11 +169,12 @@ void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_inte
     const uint32_t size = dm_graph_size(g);
     for (dm_node n = 0; n < size; n++) {
         const dm_expr *e = dm_graph_at(g, n);
-        if (e->op == DM_OP_CONSTANT)
-            rate[n] = (dm_interval){0.0, 0.0};
-        else if (e->op == DM_OP_INPUT)
+        const int operands = dm_op_operands(e->op);
+        if (e->op == DM_OP_INPUT)
             rate[n] = rate_in[e->as.input];
-        else if (dm_op_operands(e->op) == 1)
+        else if (!operands)
+            rate[n] = (dm_interval){0.0, 0.0};
+        else if (operands == 1)
             rate[n] = dm_interval_multiply(dm_bounds_slope(e->op, value[e->as.arg[0]], value[n]),
                                            rate[e->as.arg[0]]);
         else

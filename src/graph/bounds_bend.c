@@ -135,9 +135,10 @@ void dm_bounds_bend(const dm_graph *g, const dm_interval *value, const dm_interv
     for (dm_node n = 0; n < size; n++) {
         const dm_expr *e = dm_graph_at(g, n);
         const line x = {value, rate, bend, value[n], rate[n]};
-        if (e->op == DM_OP_CONSTANT || e->op == DM_OP_INPUT)
+        const int operands = dm_op_operands(e->op);
+        if (!operands)
             bend[n] = (dm_interval){0.0, 0.0};
-        else if (dm_op_operands(e->op) == 1)
+        else if (operands == 1)
             bend[n] = of_one(e->op, &x, e->as.arg[0]);
         else
             bend[n] = of_more(e, &x);

@@ -53,7 +53,8 @@ static int rule_field(lua_State *L) {
     } else if (strcmp(key, "linear") == 0) {
         lua_pushboolean(L, r->for_space == NULL);
     } else if (strcmp(key, "own") == 0) {
-        lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_OF_FUNCTIONS) != 0);
+        const unsigned step = DM_OF_FUNCTIONS | DM_ON_GROUPS; /* trial spaces are for R^n */
+        lua_pushboolean(L, (dm_rule_traits(&r->rule) & step) == step);
     } else {
         return 0;
     }

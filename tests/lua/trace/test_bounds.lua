@@ -61,4 +61,10 @@ raises("lo must be at most hi", pulse.bounds, pulse, 0 / 0, 1)
 raises("must be a number", pulse.bounds, pulse, {}, 1)
 raises("list of 3 arguments", f.bounds, f, 1, 2)
 raises("2 numbers", f.bounds, f, { { 1 }, { 0, 0 }, 0 }, { { 1, 2 }, { 0, 0 }, 0 })
+-- a value that only an equation defines can be anything; what does not hang on it is bounded
+local depth = dm.root { name = "depth", start = 0, equations = function(z, x) return z + 0.2 * dm.sin(z) - 0.3 * x end }
+low, high = dm.trace(function(x) return depth(x[1]) end, 1):bounds({ 0 }, { 1 })
+ok(low == -math.huge and high == math.huge, "a root of an equation", ("%s %s"):format(low, high))
+low, high = dm.trace(function(x) return dm.vector { depth(x[1]), x[1] + 1 } end, 1):bounds({ 0 }, { 1 })
+ok(low[1] == -math.huge and low[2] <= 1 and high[2] >= 2 and high[2] < 2 + 1e-14, "beside one that is none")
 tap.done()
