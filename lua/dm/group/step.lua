@@ -164,6 +164,9 @@ function M.options(options)
   return out, total
 end
 
+--- The options that a rule was made of: what M.options gave.
+function M.options_of(rule) return debug.getuservalue(debug.getuservalue(rule, 1), 1) end
+
 -- parts as fields of y, of their numbers one after the other
 local function spread(y, parts, list)
   local first = 0

@@ -6,6 +6,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local on_group = require "dm.measure.on_group"
+local own_step = require "dm.measure.own_step"
 local option = require "dm.base.options"
 local prolong = require "dm.measure.prolong"
 local prolonged = require "dm.measure.prolonged_run"
@@ -210,7 +211,7 @@ local function follow_all(lifted, s, steps, every, h)
   return record
 end
 
----- on a group, by its own tangent map ----
+---- on a group or with a dm.step, by its own tangent map ----
 
 local SHORT = 8  -- steps at most that vectors are followed before they are made orthonormal again
 
@@ -266,7 +267,7 @@ M.lyapunov = blame.caller(function(solver, options)
     { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp", "exponents" })
   prolonged.refuse(solver, WHERE)
   local own = solver.system.place
-  if not own and not prolonged.prolongs(solver) then
+  if not own and not own_step.is(solver) and not prolonged.prolongs(solver) then
     option.fail(WHERE, "the method of these curves is not linear in the values of f, so that the "
       .. "prolonged system has other steps; solver:tangent knows their derivative")
   end
@@ -279,8 +280,9 @@ M.lyapunov = blame.caller(function(solver, options)
   local function all(x) return x end
   s.vectors = frame(first, k, own and on_group.allowed(solver.system, s) or all)
   for j = 1, k do s.sums[j] = 0 end
-  if own then
-    record = follow_on_group(on_group.map(solver, WHERE), s, steps, every, solver.h)
+  if own or own_step.is(solver) then
+    local along = own and on_group.map(solver, WHERE) or own_step.map(solver, WHERE)
+    record = follow_on_group(along, s, steps, every, solver.h)
   else
     local lifted = prolonged.solver_of(solver, prolong.system(solver.system))
     record = follow_all(lifted, s, steps, every, solver.h)

@@ -6,6 +6,7 @@ local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
 local left = require "dm.measure.left"
 local lifts = require "dm.measure.lifts"
+local own_step = require "dm.measure.own_step"
 local tangent_group = require "dm.measure.tangent_group"
 local tangent_space = require "dm.measure.tangent_space"
 
@@ -96,10 +97,6 @@ local function by_prolonging(solver, what)
     error(what .. ": this H has no Lagrangian; rules that go by the lift, gauss(s) and midpoint, "
       .. "do without", 0)
   end
-  if type(solver.rule) ~= "string" and solver.rule.own then
-    error(("%s: the functions of '%s' are for %s, and its tangent group is another one: no tangent "
-      .. "map of it is known"):format(what, tostring(solver.rule), tostring(system.Q)), 0)
-  end
   local lifted = tangent_group.system(system)
     :solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
   return function(s, steps, vectors)
@@ -167,6 +164,7 @@ end
 
 --- The tangent map of a solver on a group, along(s, steps, vectors).
 function M.map(solver, what)
+  if own_step.is(solver) then return own_step.map(solver, what) end
   if steps_groups(solver.rule) then return chart_map(solver, what) end
   return lifts.map(solver, newton(solver))
 end

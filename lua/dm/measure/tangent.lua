@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local on_group = require "dm.measure.on_group"
+local own_step = require "dm.measure.own_step"
 local prolong = require "dm.measure.prolong"
 local prolonged = require "dm.measure.prolonged_run"
 local starts = require "dm.base.start"
@@ -15,6 +16,16 @@ local check_options, is_constrained, refuse = prolonged.check_options, prolonged
   prolonged.refuse
 local solver_of, start_of, steps_of = prolonged.solver_of, prolonged.start_of, prolonged.steps_of
 
+-- unit vectors of n entries
+local function units(n)
+  local out = {}
+  for k = 1, n do
+    local unit = lists.zeros(n)
+    unit[k], out[k] = 1, unit
+  end
+  return out
+end
+
 -- the same from the derivatives of the steps, one by one
 local function columns_of_steps(solver, options)
   local q, p, t0 = start_of(solver, options)
@@ -22,12 +33,8 @@ local function columns_of_steps(solver, options)
     error(("%s is curves by a method that is not linear in the values of f: its tangent is not "
       .. "known with constraints"):format(tostring(solver.rule)), 0)
   end
-  local out, first = {}, {}
-  for k = 1, 2 * #q do
-    local unit = lists.zeros(2 * #q)
-    unit[k] = 1
-    first[k], out[k] = unit, core.vector(unit)
-  end
+  local out, first = {}, units(2 * #q)
+  for k, unit in ipairs(first) do out[k] = core.vector(unit) end
   for i = 1, steps_of(solver, options) do
     local D
     D, q, p = solver:step_tangent { q = q, p = p, t0 = t0 + (i - 1) * solver.h }
@@ -36,9 +43,18 @@ local function columns_of_steps(solver, options)
   return out, first, q, p
 end
 
+-- the same of a dm.step, by the derivatives of its functions
+local function columns_of_own(solver, options)
+  local q, p, t0 = start_of(solver, options)
+  local s, first = { q = q, p = p, t = t0 }, units(2 * #q)
+  local along = own_step.map(solver, "solver:tangent")
+  return along(s, steps_of(solver, options), first), first, s.q, s.p
+end
+
 -- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these;
 -- and the end of the run
 local function columns(solver, options)
+  if own_step.is(solver) then return columns_of_own(solver, options) end
   if not prolonged.prolongs(solver) then return columns_of_steps(solver, options) end
   local q, p, t0 = start_of(solver, options)
   local n, steps = #q, steps_of(solver, options)

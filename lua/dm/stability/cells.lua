@@ -7,6 +7,7 @@ local flows = require "dm.stability.flows"
 local jobs = require "dm.stability.jobs"
 local observables = require "dm.stability.observables"
 local on_group = require "dm.measure.on_group"
+local own_step = require "dm.measure.own_step"
 local prolong = require "dm.measure.prolong"
 
 local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
@@ -280,6 +281,10 @@ end
 -- an ensemble of tangent vectors in the cells, up to the time T where it is given
 local function run_tangents(job, cells, T)
   local its, o = job, nil
+  if own_step.is(job) then
+    error(("tangent vectors of '%s' go with single runs (solver:lyapunov)"):format(
+      tostring(job.rule)), 0)
+  end
   if job.system.place then
     job.beside = job.beside or on_group.beside(job.system, job.rule)
     its = { map = job.map, rule = job.beside.rule, system = job.beside.system }

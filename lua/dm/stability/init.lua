@@ -14,6 +14,7 @@ local given_ = require "dm.stability.given"
 local maps = require "dm.stability.map"
 local observables = require "dm.stability.observables"
 local option = require "dm.base.options"
+local own_step = require "dm.measure.own_step"
 local ranks = require "dm.sweep.ranks"
 local starts = require "dm.base.start"
 
@@ -213,18 +214,19 @@ local function is_costly(map, system)
 end
 
 -- has the system of a cell a prolonged one? On a group tangent vectors are run for a step, by each
--- rule; where that is refused the map says so
+-- rule, and by a dm.step everywhere; where that is refused the map says so
 local function is_prolonged(map, cell, system)
-  if not system.place then return (blame.try(prolong.system, system)) end
   for _, rule in ipairs(map.rule_list) do
     local job = { map = map, rule = rule, system = system }
-    local fine, why = blame.try(cells.try_tangents, job, cell)
+    local asked = system.place or own_step.is(job)
+    local fine, why = true, nil
+    if asked then fine, why = blame.try(cells.try_tangents, job, cell) end
     if not fine then
       map.notes[#map.notes + 1] = "chaos is not told: " .. blame.bare(why):match "^[^\n]*"
       return false
     end
   end
-  return true
+  return system.place ~= nil or (blame.try(prolong.system, system))
 end
 
 -- exponents need the prolonged system

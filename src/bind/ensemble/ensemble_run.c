@@ -4,6 +4,7 @@
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/model_sums.h"
 #include "bind/model/space_group.h"
+#include "bind/rule/bind_step.h"
 #include "bind/run/observables.h"
 #include "integ/method/lanes.h"
 #include "run/run.h"
@@ -285,6 +286,7 @@ int dml_solver_ensemble(lua_State *L) {
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
+    dml_step_order(L, solver->method, 1);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     dml_carried(L, 3);
     dml_place_options(L, 3, 2, "starts");

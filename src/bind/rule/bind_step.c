@@ -108,17 +108,36 @@ const dm_method *dml_step_method(lua_State *L, int object, int arg) {
     return timed ? &dm_method_step_timed : &dm_method_step;
 }
 
-/* lua/dm/measure/declared_order.lua does. */
-void dml_step_order(lua_State *L) {
-    const int top = lua_gettop(L);
+/* push function `name` of lua/dm/measure/declared_order.lua */
+static void push_measure(lua_State *L, const char *name) {
     lua_getglobal(L, "require");
     lua_pushliteral(L, "dm.measure.declared_order");
     lua_call(L, 1, 1);
-    lua_getfield(L, -1, "check");
+    lua_getfield(L, -1, name);
+    lua_remove(L, -2);
+}
+
+void dml_step_order(lua_State *L, const dm_method *method, int members) {
+    if (method != &dm_method_step) return;
+    push_measure(L, "check");
     lua_pushvalue(L, 1);
     lua_pushvalue(L, 2);
-    lua_call(L, 2, 0);
-    lua_settop(L, top);
+    lua_pushboolean(L, members);
+    lua_call(L, 3, 0);
+}
+
+void dml_step_said(lua_State *L, const dm_method *method) {
+    if (method == &dm_method_step) {
+        push_measure(L, "said");
+        lua_insert(L, -3);
+        lua_call(L, 2, 1);
+        lua_pushfstring(L, " (%s)", lua_tostring(L, -1));
+        lua_remove(L, -2);
+    } else {
+        lua_pop(L, 2);
+        lua_pushstring(L,
+                       method == &dm_method_step_timed ? " (declared; its time is its own)" : "");
+    }
 }
 
 /* The list is made once, with the step. */
@@ -217,8 +236,12 @@ static const dml_row functions[] =
       "sizes of what the unknowns are added to, where x is a small difference. With sums = true "
       "next gives what the step adds to q (on a group: to `flat`, the coordinates of y.q that y "
       "has too) and to p, and runs sum it to twice the digits. The declared order "
-      "is measured in the first run on a system, which raises where it is less. Such a rule runs, "
-      "looks for events, fills ensembles and goes on from checkpoints as any other."},
+      "is measured in the first run on a system, which raises where it is less; print(solver) says "
+      "what was found, or why nothing can be told (ends that differ by round-off, steps that do "
+      "not resolve the motion). It is that of steps of h, h/2 ... beside each other: that they "
+      "tend to the motion of the system, and no other, is what a chart shows. Such a rule runs, "
+      "looks for events, fills ensembles, goes on from checkpoints and "
+      "has a tangent map as any other."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_step = {

@@ -8,9 +8,14 @@
 /* The row of the dm.rule at `object` on the system at `arg`: has its `next` a time of its own? */
 const dm_method *dml_step_method(lua_State *L, int object, int arg);
 
-/* Raise where the rule of the solver at 1 has not the order that it declares, in the first run on
- * its system, whose options are at 2. A time of its own has no order in h. */
-void dml_step_order(lua_State *L);
+/* Raise where the rule of the solver at 1, of this method, has not the order that it declares, in
+ * the first run on its system, whose options are at 2; members: those of an ensemble. A time of its
+ * own has no order in h. */
+void dml_step_order(lua_State *L, const dm_method *method, int members);
+
+/* Pop the dm.rule of a solver, or nil, and its system; push what is known of its order, in
+ * brackets; nothing of other methods than dm.step. */
+void dml_step_said(lua_State *L, const dm_method *method);
 
 /* Push the list of parts of the dm.rule at `object`, { name, count } each, or nil. */
 void dml_step_parts(lua_State *L, int object);

@@ -1,6 +1,7 @@
 /* bind_solver.c - `dm.solver`: a system, a rule and a step; runs end in a path or a
  * dm.failure. */
 #include "bind/model/space_group.h"
+#include "bind/rule/bind_step.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
 #include "bind/run/stepping.h"
@@ -176,6 +177,15 @@ static int solver_report(lua_State *L) {
     return 1;
 }
 
+/* With what is known of the order of a step of one's own. */
+static void push_ordered(lua_State *L, const solver *s, const char *rule, const char *system) {
+    lua_getiuservalue(L, 1, DML_SOLVER_OBJECT);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_step_said(L, s->method);
+    lua_pushfstring(L, "solver '%s', order %d%s, h = %f, for %s", rule, dm_rule_order(s->nodes),
+                    lua_tostring(L, -1), s->h, system);
+}
+
 static int solver_tostring(lua_State *L) {
     const solver *s = check(L);
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
@@ -185,8 +195,7 @@ static int solver_tostring(lua_State *L) {
     if (s->pair) /* its order is that of Ld, which Ld:order measures */
         lua_pushfstring(L, "solver '%s', h = %f, for %s", rule, s->h, system);
     else
-        lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule, dm_rule_order(s->nodes),
-                        s->h, system);
+        push_ordered(L, s, rule, system);
     return 1;
 }
 

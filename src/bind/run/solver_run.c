@@ -371,9 +371,9 @@ int dml_solver_run(lua_State *L) {
         luaL_error(L, "a run takes a table of options: solver:run { q =, v =, t = } (got %s)",
                    luaL_typename(L, 2));
     dml_options(L, 2, known);
+    dml_step_order(L, u.r.solver->method, 0);
     dml_stepping_names(L);
     read_plan(L, &u);
-    if (u.r.solver->method == &dm_method_step && !u.from) dml_step_order(L);
     dml_stepping_prepare(L, &u.r, u.r.t0);
     if (dml_stepping_energy(L, u.r.solver, &u.energy)) u.r.stepper.energy = &u.energy;
     dml_path *path = make_path(L, &u);

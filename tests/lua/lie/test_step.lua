@@ -132,17 +132,5 @@ raises("must return", finish, free, with("equation", function() return { 1 } end
 raises("breaks a condition", finish, free, with("inside", function(_, x)
   return { 0.01 - x[3] }
 end), 0.1, 5, spin)
--- tangent maps are runs of another system, for which the functions are not
-raises("its tangent group is another one", function()
-  free:solver { rule = with("name", "mine"), h = 0.1 }:tangent { q = one, p = spin.p, steps = 1 }
-end)
-raises("of twice as many coordinates", function()
-  local euler = dm.step { name = "euler", unknowns = 1, order = 1,
-    start = function(y) return { y.p[1] } end,
-    equation = function(y, x) return { x[1] - y.p[1] } end,
-    next = function(y, x, h) return { q = { y.q[1] + h * x[1] }, p = { x[1] } } end }
-  dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
-    :solver { rule = euler, h = 0.1 }:symplecticity { q = { 1 }, p = { 1 }, steps = 1 }
-end)
 
 tap.done()
