@@ -164,7 +164,8 @@ local OF_GROUPS = { "Ad", "ad", "bonds", "cayley", "cayleyinv", "coAd", "coad", 
 local WRAPPED = { ["dm.solver"] = { run = "dm.reduce.methods", ensemble = "dm.reduce.methods" },
   ["dm.system"] = { solver = "dm.reduce.methods" },
   ["dm.ensemble"] = { failures = "dm.reduce.methods" },
-  ["dm.path"] = { momentum = "dm.group" }, ["dm.discrete_lagrangian"] = { momentum = "dm.group" } }
+  ["dm.path"] = { momentum = "dm.group.methods.momentum" },
+  ["dm.discrete_lagrangian"] = { momentum = "dm.group.methods.momentum" } }
 
 local dm = {}
 
@@ -195,7 +196,7 @@ for name, module in pairs(rows) do
   local owner, method = name:match "^([%w_]+):([%w_]+)$"
   if owner then class.later("dm." .. owner, method, module) else M.lazy[name] = module end
 end
-for _, name in ipairs(OF_GROUPS) do class.later("dm.space", name, "dm.group") end
+for _, name in ipairs(OF_GROUPS) do class.later("dm.space", name, "dm.group.methods") end
 for owner, methods in pairs(WRAPPED) do
   for name, module in pairs(methods) do class.wrapped_later(owner, name, module) end
 end

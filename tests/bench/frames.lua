@@ -1,6 +1,12 @@
 -- make bench: what a moving frame costs a step of a discrete Lagrangian, solved for and by its
 -- formula, and what it costs to derive it. The plain side is the same Ld without frame; all sides
 -- take turns, best of many short runs (the plain one fails later on).
+--
+--   build/dmlua tests/bench/frames.lua first
+--
+-- is about an action and its first frame in a process of their own, with the modules that are read
+-- for them, and about the next one of the same: ms of CPU time, least of many processes that take
+-- turns; behind a number and a name, "first 1 SO(2)" does it once in this process.
 local dm = require "dm"
 local cos, sin, sqrt, pi = math.cos, math.sin, math.sqrt, math.pi
 
@@ -23,6 +29,58 @@ local function well(dimension, step)
     return (b - a):dot(b - a) / (2 * step) - step / 2 * (a:dot(a) + b:dot(b)) / 2
       - step / 8 * (a:dot(a) ^ 2 + b:dot(b) ^ 2)
   end
+end
+
+-- points, space, section, branch
+local firsts = {
+  { "SO(2)", dm.SO(2), 1, 2, function(a) return { a[2] } end, function(a) return a[1] end },
+  { "SE(2)", dm.SE(2), 2, 2, function(a, b) return { a[1], a[2], b[2] } end,
+    function(_, b) return b[1] end },
+  { "SO(3)", dm.SO(3), 2, 3, function(a, b) return { a[1], a[2], b[2] } end,
+    function(a, b) return { a[3], b[1] } end },
+  { "SE(3)", dm.SE(3), 3, 3,
+    function(a, b, c) return { a[1], a[2], a[3], b[2], b[3], c[3] } end,
+    function(_, b, c) return { b[1], c[2] } end },
+  { "SL(2)", dm.SL(2), 3, 1, function(a, b, c) return { a[1] + 1, b[1], c[1] - 1 } end },
+}
+
+-- ms for an action and its frame, `times` times
+local function make(row, times)
+  local out = {}
+  for i = 1, times do
+    local began = dm.cpu()
+    dm.moving_frame { action = dm.action { group = row[2], on = dm.R(row[4]) }, points = row[3],
+      cross_section = row[5], branch = row[6] }
+    out[i] = 1e3 * (dm.cpu() - began)
+  end
+  return out
+end
+
+local PROCESSES = 24
+
+local function in_fresh_processes()
+  local least = {}
+  for _ = 1, PROCESSES do
+    for _, row in ipairs(firsts) do
+      local pipe = assert(io.popen(("'%s' '%s' first 1 '%s'"):format(arg[-1], arg[0], row[1])))
+      local best = least[row[1]] or { math.huge, math.huge }
+      for i = 1, 2 do best[i] = math.min(best[i], pipe:read "n") end
+      pipe:close()
+      least[row[1]] = best
+    end
+  end
+  print(("%-8s %6s %8s %8s"):format("group", "points", "first ms", "next ms"))
+  for _, row in ipairs(firsts) do
+    print(("%-8s %6d %8.2f %8.2f"):format(row[1], row[3], table.unpack(least[row[1]])))
+  end
+end
+
+if arg[1] == "first" then
+  for _, row in ipairs(arg[2] and firsts or {}) do
+    if row[1] == arg[3] then print(table.concat(make(row, 1 + arg[2]), " ")) end
+  end
+  if not arg[2] then in_fresh_processes() end
+  return
 end
 
 local function lagrangian(n, step, Ld)

@@ -63,8 +63,8 @@ local function check_composition(action, kit, z, g, h)
   return 1
 end
 
-local function check_inverse(action, kit, z, g)
-  local w = moved(action, g, z)
+-- w: the moved point, or nothing
+local function check_inverse(action, kit, z, g, w)
   local back = w and moved(action, kit.inverse(g), w)
   if not back then return nil end
   local defect = points.apart(action, back, z)
@@ -76,8 +76,8 @@ local function check_inverse(action, kit, z, g)
 end
 
 -- on a sphere and the like: does the image lie there?
-local function check_place(action, z, g)
-  local kit, w = groups.kit(action.on), moved(action, g, z)
+local function check_place(action, z, g, w)
+  local kit = groups.kit(action.on)
   if not w or not kit.bonds then return end
   for _, x in ipairs(kit.bonds(kits.list_of(w))) do
     if not (abs(x) <= TOLERANCE) then
@@ -100,8 +100,9 @@ function M.check(action)
     if points.is_inside(action, z) then
       local g, h = M.element(kit, stream, 3 * i + 1), M.element(kit, stream, 3 * i + 5)
       local first, second = check_identity(action, kit, z), check_composition(action, kit, z, g, h)
-      local third = check_inverse(action, kit, z, g)
-      check_place(action, z, g)
+      local w = moved(action, g, z)
+      local third = check_inverse(action, kit, z, g, w)
+      check_place(action, z, g, w)
       if first and second and third then tested = tested + 1 end
       if tested == POINTS then return end
     end

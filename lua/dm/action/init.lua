@@ -169,11 +169,8 @@ end
 function M.generator_rows(action, z)
   local r = action.group.dimension
   if action.generator_by then return action.generator_by(z) end
-  local J, rows = slope(action)(core.zeros(r), z), {}
-  for i = 1, action.dimension do
-    rows[i] = {}
-    for a = 1, r do rows[i][a] = J[i][a] end
-  end
+  local rows = slope(action)(core.zeros(r), z):totable()
+  for i = 1, action.dimension do rows[i] = { table.unpack(rows[i], 1, r) } end
   return rows
 end
 

@@ -1,9 +1,10 @@
 --- The points that groups act on, as vectors, and the map of an action at them: shared by what
 -- makes, tests and lifts actions.
+local class = require "dm.base.class"
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
-local lists = require "dm.base.lists"
+local lists = class.module(function() return require "dm.base.lists" end)
 
 local M = {}
 

@@ -10,6 +10,19 @@ function M.method(class, name, f, doc)
   core.method(class, name, blame.is_caller(f) and f or blame.caller(f), doc)
 end
 
+---- modules that are read when something of them is needed ----
+
+--- Stands for the module that load() requires, which is read when it is first asked for an entry:
+-- for what messages and rarer calls need. An action and its first frame take 40 million
+-- instructions so, not 53 (SO(2) on the plane; `build/dmlua tests/bench/frames.lua first`).
+function M.module(load)
+  return setmetatable({}, { __index = function(stand_in, name)
+    local value = load()[name]
+    rawset(stand_in, name, value)
+    return value
+  end })
+end
+
 ---- methods whose modules are not loaded yet ----
 
 local unloaded = setmetatable({}, { __mode = "k" })  -- stand-in -> class, name and module

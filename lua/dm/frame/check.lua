@@ -4,6 +4,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local options = require "dm.base.options"
 local points = require "dm.frame.points"
+local derivatives = require "dm.frame.derivatives"
 local tangent = require "dm.frame.tangent"
 
 local M = {}
@@ -85,7 +86,7 @@ local function sample(frame, seed)
   out.replacement = abs(f - again) / (1 + abs(f))
   if P and type(P) ~= "string" and not frame.basis then
     local velocities = points.sample(frame, seed + 700, #list)
-    local fine, s = blame.try(tangent.syzygies, frame, list, velocities)
+    local fine, s = blame.try(derivatives.syzygies, frame, list, velocities)
     if fine then out.shift, out.derivative = s.shift / 20, s.derivative / 20 end
   end
   return out

@@ -13,7 +13,7 @@ local core = require "dm.core"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
-local partial = require "dm.frame.partial"
+local partial = class_methods.module(function() return require "dm.frame.partial" end)
 local points = require "dm.frame.points"
 local text = require "dm.frame.text"
 local trial = require "dm.frame.trial"
@@ -56,9 +56,7 @@ end
 
 local function moved(self, g, list)
   local out = {}
-  for i, z in ipairs(list) do
-    out[i] = point(actions.move(self.action, g, z), self.m, "what the action gives")
-  end
+  for i, z in ipairs(list) do out[i] = actions.move(self.action, g, z) end
   return out
 end
 
@@ -68,7 +66,7 @@ local function section(self, list)
 end
 
 M.point, M.flat, M.split, M.list = point, flat, split, points.list
-M.points_of, M.moved, M.section = points_of, moved, section
+M.points_of, M.listed, M.moved, M.section = points_of, listed, moved, section
 
 ---- making one ----
 
@@ -159,17 +157,17 @@ local begun = setmetatable({}, { __mode = "k" }) -- by the kit of the group
 local function beginnings(G, r)
   local kit = kits.of(G)
   if begun[kit] then return begun[kit] end
-  local out = { points.entries(G:flat(G:identity())) }
+  local out = { kits.list_of(kit.flat(kit.identity())) }
   for _, angle in ipairs(TURNS) do
     for j = 1, r do
       local xi = {}
       for i = 1, r do xi[i] = i == j and angle or 0 end
-      out[#out + 1] = points.entries(kit.flat(kit.exp(core.vector(xi))))
+      out[#out + 1] = kits.list_of(kit.flat(kit.exp(core.vector(xi))))
     end
   end
   local stream = core.random(5)
   for i = 1, r > 3 and SPREAD or 0 do
-    out[#out + 1] = points.entries(G:flat(G:random(stream, i, 1)))
+    out[#out + 1] = kits.list_of(kit.flat(kit.exp(kits.normals(stream, i, r, 1))))
   end
   begun[kit] = out
   return out
@@ -191,19 +189,25 @@ local function angles_of(G)
   return out
 end
 
+--- The element that a root y stands for.
+function M.of_root(self, y)
+  if self.chart then return partial.element(self, y) end
+  return kits.of(self.group).unflat(kits.list_of(y))
+end
+
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
 local function solved(self, start)
   local G, k, m = self.group, self.k, self.m
   if self.chart then
     return partial.root(self, start, moved, section, branch_values, least)
   end
-  local begin = start_of(self, start)
-  local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
+  local begin, bonds = start_of(self, start), kits.of(G).bonds
+  local function at(y, z) return moved(self, M.of_root(self, y), split(z, k, m)) end
   return core.root {
     name = text.name(self), start = begin, failure = text.advice, angles = angles_of(G),
     equations = function(y, z)
       local out = section(self, at(y, z))
-      for _, bond in ipairs(points.entries(G:bonds(y))) do out[#out + 1] = bond end
+      for _, bond in ipairs(bonds(kits.list_of(y))) do out[#out + 1] = bond end
       return out
     end,
     branch = self.branch and function(y, z) return least(branch_values(self, at(y, z))) end or nil,
@@ -230,6 +234,13 @@ dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is
 exactly. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent,
 correction, derivative_correction, syzygies, check.]]
 
+-- is the root found in the flat coordinates of the group?
+local function is_flat(self)
+  local kit = kits.of(self.group)
+  local y = kit.flat(kit.identity())
+  return not self.basis and #y - #kit.bonds(y) == self.r
+end
+
 -- a frame from checked options, not tried yet
 local function assembled(o)
   local action, k = base_of(o)
@@ -238,7 +249,7 @@ local function assembled(o)
     branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name,
     invariants_named = o.invariants }, class)
   if o.partial then partial.prepare(self, section) end
-  self.chart = partial.chart(self)
+  self.chart = not is_flat(self) and partial.chart(self) or nil
   check_section(self)
   check_branch(self)
   if not self.solution then self.root = solved(self, o.start) end
@@ -283,7 +294,7 @@ local function element(self, list)
   local k = self.k
   if points.symbolic(list) then
     if self.solution then return self.solution(table.unpack(list, 1, k)) end
-    return partial.element(self, self.root(flat({ table.unpack(list, 1, k) })))
+    return M.of_root(self, self.root(flat({ table.unpack(list, 1, k) })))
   end
   local first = { table.unpack(list, 1, k) }
   local g
@@ -292,7 +303,7 @@ local function element(self, list)
   else
     local fine, y = blame.try(self.root, flat(first))
     if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end
-    g = partial.element(self, y)
+    g = M.of_root(self, y)
   end
   verify(self, g, first)
   return g
@@ -317,47 +328,13 @@ M.invariants = invariants
 method("invariants", function(self, ...) return invariants(self, listed(self, ...)) end,
   doc_invariants)
 
----- derivatives ----
+---- what has modules of its own ----
 
-method("transversality", function(self, ...)
-  return tangent.transversality(self, points_of(self, listed(self, ...), self.k))
-end, tangent.docs.transversality)
-method("tangent", function(self, ...)
-  partial.refuse(self, "rho:tangent")
-  return tangent.tangent(self, points_of(self, listed(self, ...), self.k))
-end, tangent.docs.tangent)
-method("correction", function(self, ...)
-  partial.refuse(self, "rho:correction")
-  local given = listed(self, ...)
-  if #given == self.k then
-    error(("rho:correction compares the frame of points 1 to %d with that of points 2 to %d, so "
-      .. "it takes %d points (got %d)"):format(self.k, self.k + 1, self.k + 1, self.k), 0)
-  end
-  local z = points_of(self, given, self.k + 1)
-  local there = moved(self, element(self, z), z)
-  return element(self, { table.unpack(there, 2, self.k + 1) })
-end, tangent.docs.correction)
-method("derivative_correction", function(self, points, velocities)
-  partial.refuse(self, "rho:derivative_correction")
-  local z = points_of(self, points, self.k)
-  local C, changes, there = tangent.derivative_correction(self, z, points_of(self, velocities, #z))
-  return C, core.result(changes), core.result(there)
-end, tangent.docs.derivative_correction)
-method("syzygies", function(self, points, velocities)
-  partial.refuse(self, "rho:syzygies")
-  local z = points_of(self, points, self.k + 1)
-  return tangent.syzygies(self, z, velocities and points_of(self, velocities, #z))
-end, tangent.docs.syzygies)
-method("phantom", function(self, count)
-  count = count or self.k
-  if not math.tointeger(count) or count < 1 or count > 100 then
-    error("rho:phantom: the number of points must be a whole number from 1 to 100", 0)
-  end
-  return core.result(tangent.phantom(self, count))
-end, tangent.docs.phantom)
-
-class_methods.later("dm.frame", "check", "dm.frame.check")
-class_methods.later("dm.frame", "invariantize", "dm.frame.invariantize")
+for name, module in pairs { check = "check", invariantize = "invariantize",
+  transversality = "derivatives", tangent = "derivatives", correction = "derivatives",
+  derivative_correction = "derivatives", syzygies = "derivatives", phantom = "derivatives" } do
+  class_methods.later("dm.frame", name, "dm.frame." .. module)
+end
 
 core.docs[M.moving_frame] = doc_new
 

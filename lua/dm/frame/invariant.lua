@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local boundary = require "dm.frame.invariant_boundary"
 local curves = require "dm.frame.invariant_curve"
 local core = require "dm.core"
+local derivatives = require "dm.frame.derivatives"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
 local options = require "dm.base.options"
@@ -219,7 +220,7 @@ M.invariant_problem = blame.caller(function(o)
   left_action(p)
   functions_of_windows(p, o)
   p.may_reduce = p.N - 1 >= p.k and (p.N - 1) * p.d >= p.r
-  p.fixed = tangent.phantom(frame, math.max(p.N - 1, p.k))
+  p.fixed = derivatives.phantom(frame, math.max(p.N - 1, p.k))
   function p.section_points()
     local out = {}
     for i = 1, p.N - 1 do

@@ -131,13 +131,10 @@ function M.prepare(frame, section)
 end
 
 --- The directions in which the root is looked for by exp: frame.basis, or all of the algebra where
--- the flat coordinates of the group have relations that it cannot name (groups of one's own);
--- nothing where the root is found in flat coordinates.
+-- the flat coordinates of the group have relations that it cannot name (groups of one's own).
 function M.chart(frame)
   if frame.basis then return frame.basis end
-  local G, out = frame.group, {}
-  local y = points.entries(G:flat(G:identity()))
-  if #y - #points.entries(G:bonds(y)) == frame.r then return nil end
+  local out = {}
   for i = 1, frame.r do out[i] = linear.unit(frame.r, i) end
   return out
 end
@@ -150,10 +147,7 @@ local function algebra(chart, y)
 end
 
 --- The element that a root y stands for.
-function M.element(frame, y)
-  if frame.chart then return frame.group:exp(algebra(frame.chart, y)) end
-  return frame.group:unflat(y)
-end
+function M.element(frame, y) return frame.group:exp(algebra(frame.chart, y)) end
 
 local TURNS = { 1.6, -1.6, 0.7, -0.7, 2.8, -2.8 }
 

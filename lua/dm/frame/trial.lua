@@ -106,7 +106,7 @@ end
 -- branch or start.
 local function by_root(frame, list)
   local fine, y = blame.try(frame.root, points.flat(list))
-  if fine then return require("dm.frame.partial").element(frame, y) end
+  if fine then return require "dm.frame".of_root(frame, y) end
   if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
   return nil, y
 end

@@ -5,15 +5,11 @@ local kits = require "dm.group.kit"
 
 local M = {}
 
-local function head(z, m)
-  local out = {}
-  for i = 1, m do out[i] = z[i] end
-  return core.vector(out)
-end
+local function head(z, m) return core.vector(z):slice(1, m) end
 
 -- (z, 1)
 local function with_one(z)
-  local out = kits.list_of(z)
+  local out = core.vector(z):totable()
   out[#out + 1] = 1
   return core.vector(out)
 end
@@ -57,6 +53,13 @@ function M.stereographic(turn)
       return head(Y, m) * (1 / (1 + n - Y[m + 1]))
     end
   end
+end
+
+--- The standard actions of n x n rotations: on R^n, and on S^(n-1) seen from its pole.
+function M.rotations(kit, n)
+  return { linear = M.linear(kit, n), stereographic = M.stereographic(function(m)
+    if m == n - 1 then return function(g, Y) return kit.matrix(g) * core.vector(Y) end end
+  end) }
 end
 
 --- The group on itself from the left, where its elements are vectors.

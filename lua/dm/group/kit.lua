@@ -25,9 +25,10 @@
 --                           its inverse; nothing where it always is
 --   manifold                true where it is none: a space without a product of its points
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
-local linear = require "dm.base.linear"
-local matrix_functions = require "dm.group.matrix_functions"
+local linear = class.module(function() return require "dm.base.linear" end)
+local matrix_functions = class.module(function() return require "dm.group.matrix_functions" end)
 
 local M = {}
 
@@ -37,6 +38,9 @@ local abs = math.abs
 
 local of_space, of_name = setmetatable({}, { __mode = "k" }), {}
 
+-- dimensions that have closed forms in a file of their own
+local SMALL = { ["SO(2)"] = "so2", ["SO(3)"] = "so3", ["SE(2)"] = "se2" }
+
 --- The kit of a space, from the file in lua/dm/group that its row in geom/spaces.def names. Spaces
 -- with factors have one of their own, others share it by name.
 function M.of(space)
@@ -45,7 +49,7 @@ function M.of(space)
   local name = not space.parts and tostring(space)
   local kit = name and of_name[name]
   if not kit then
-    kit = require("dm.group." .. space.kit).kit(space.n, space)
+    kit = require("dm.group." .. (SMALL[name] or space.kit)).kit(space.n, space)
     if name then of_name[name] = kit end
   end
   of_space[space] = kit
@@ -182,14 +186,17 @@ local UNREACHED = 1e12  -- entries of 2 (g - 1)(g + 1)^-1 that are nothing but r
 -- (1 - x/2)^-1 y (1 + x/2)^-1
 local function cayley_of_matrices(kit)
   if not (kit.hat and kit.vee) or kit.no_cayley then return end
-  local one = core.identity(kit.hat(core.zeros(kit.dimension)).rows)
-  local function half(xi) return kit.hat(xi) * 0.5 end
+  local function half(xi)
+    local x = kit.hat(xi) * 0.5
+    return x, core.identity(x.rows)
+  end
   kit.cayley = kit.cayley or function(xi)
-    local x = half(xi)
+    local x, one = half(xi)
     return kit.from_matrix((one - x):solve(one + x))
   end
   kit.cayleyinv = kit.cayleyinv or function(g)
     local m = kit.matrix(g)
+    local one = core.identity(m.rows)
     local fine, x = blame.try(m.solve, m + one, m - one)
     if not fine or linear.is_plain(x) and linear.size(x) > UNREACHED then
       error("the Cayley map does not reach this element: -1 is one of its eigenvalues", 0)
@@ -197,11 +204,11 @@ local function cayley_of_matrices(kit)
     return kit.vee(x * 2)
   end
   kit.dcay = kit.dcay or function(xi, eta)
-    local x = half(xi)
+    local x, one = half(xi)
     return kit.vee((one - x):solve(kit.hat(eta)) * (one + x):inverse())
   end
   kit.dcayinv = kit.dcayinv or function(xi, eta)
-    local x = half(xi)
+    local x, one = half(xi)
     return kit.vee((one - x) * kit.hat(eta) * (one + x))
   end
 end
@@ -259,6 +266,8 @@ end
 
 --- Is every entry of the list a finite number (or a symbol)?
 function M.is_finite(list)
+  local size = class_of(list) == "dm.vector" and list:norm()
+  if type(size) == "number" and size < math.huge then return true end
   for i = 1, #list do
     local x = list[i]
     if type(x) == "number" and not (abs(x) < math.huge) then return false end

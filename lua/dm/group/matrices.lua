@@ -1,8 +1,8 @@
 --- Groups of n x n matrices: what they share, given hat, vee and what is special about them.
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.base.linear"
-local matrix_functions = require "dm.group.matrix_functions"
+local matrix_functions = class.module(function() return require "dm.group.matrix_functions" end)
 
 local M = {}
 
@@ -53,7 +53,9 @@ function M.complete(kit, n)
   kit.matrix = kit.matrix or function(g) return g end
   kit.entries = entries
   kit.rebuild = function(list)
-    return linear.fill(n, n, function(i, j) return list[(i - 1) * n + j] end)
+    local rows = {}
+    for i = 1, n do rows[i] = { table.unpack(list, (i - 1) * n + 1, i * n) } end
+    return core.matrix(rows)
   end
   kit.left_tangent = function(g, _, w) return g * w end
   kit.right_tangent = function(g, _, w) return w * g end

@@ -1,8 +1,9 @@
 --- R(n): translations; elements are vectors.
 local acts = require "dm.group.acts"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.base.linear"
+local linear = class.module(function() return require "dm.base.linear" end)
 
 local M = {}
 

@@ -1,14 +1,15 @@
 --- SE(n): matrices {{R, a}, {0, 1}}, for n >= 3. Algebra: n translations, then the rotations of
 -- SO(n). Flat coordinates: those of R in SO(n), then a. SE(2), vectors, has a file of its own.
 local acts = require "dm.group.acts"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.base.linear"
-local lists = require "dm.base.lists"
+local linear = class.module(function() return require "dm.base.linear" end)
+local lists = class.module(function() return require "dm.base.lists" end)
 local matrices = require "dm.group.matrices"
-local matrix_functions = require "dm.group.matrix_functions"
+local matrix_functions = class.module(function() return require "dm.group.matrix_functions" end)
 local smooth = require "dm.group.smooth"
-local rotations = require "dm.group.son"
+local rotations = class.module(function() return require "dm.group.son" end)
 local so3 = require "dm.group.so3"
 
 local M = {}
@@ -44,11 +45,15 @@ local function common(n, turns)
   local kit = { dimension = n + turns.dimension, liftable = true }
   kit.acts = { affine = acts.affine(kit, n) }
   function kit.hat(xi)
-    local out = rotations.hat(xi, n, n + 1, n)
-    for i = 1, n do out[i][n + 1] = xi[i] end
+    local omega = {}
+    for a = 1, turns.dimension do omega[a] = xi[n + a] end
+    local out, last = turns.hat(core.vector(omega)):totable(), {}
+    for i = 1, n do out[i][n + 1], last[i] = xi[i], 0 end
+    last[n + 1] = 0
+    out[n + 1] = last
     return core.matrix(out)
   end
-  function kit.vee(m) return core.vector(sequence(shift(m, n), rotations.vee(m, n))) end
+  function kit.vee(m) return core.vector(sequence(shift(m, n), turns.vee(m))) end
   function kit.inverse(g)
     local R = rotation(g, n):transpose()
     return joined(R, -(R * shift(g, n)))
@@ -83,7 +88,8 @@ end
 
 -- (v, omega) of an algebra vector of SE(3)
 local function parts(xi)
-  return core.vector { xi[1], xi[2], xi[3] }, core.vector { xi[4], xi[5], xi[6] }
+  xi = core.vector(xi)
+  return xi:slice(1, 3), xi:slice(4, 6)
 end
 
 -- the blocks of phi(ad xi) = {{P, Q}, {0, P}}, P = 1 + c2 W + c3 W^2, and Q its derivative along
@@ -190,7 +196,6 @@ local function three()
 end
 
 function M.kit(n)
-  if n == 2 then return require "dm.group.se2".kit() end
   if n == 3 then return three() end
   local turns = rotations.kit(n)
   local kit = common(n, turns)

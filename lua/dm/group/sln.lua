@@ -1,8 +1,9 @@
 --- SL(n): flat coordinates are the entries of the matrix.
 local acts = require "dm.group.acts"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.base.linear"
+local linear = class.module(function() return require "dm.base.linear" end)
 local matrices = require "dm.group.matrices"
 local smooth = require "dm.group.smooth"
 
@@ -113,7 +114,7 @@ function M.kit(n)
     return abs(det - 1) / math.max(1, linear.largest(g)) ^ n,
       ("its determinant is %.9g, not 1"):format(det)
   end
-  if n == 2 then kit.exp, kit.log, kit.inverse = exp2, M.log2, adjugate end
+  if n == 2 then kit.hat, kit.exp, kit.log, kit.inverse = hat2, exp2, M.log2, adjugate end
   kit.sample = matrices.from_exponentials(kit)
   kit.smooth = M.homogeneous(kit, n)
   return matrices.complete(kit, n)

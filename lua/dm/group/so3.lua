@@ -1,10 +1,12 @@
 --- SO(3): rotation matrices; flat coordinates are a unit quaternion (w, x, y, z), w >= 0.
+local acts = require "dm.group.acts"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local matrices = require "dm.group.matrices"
-local matrix_functions = require "dm.group.matrix_functions"
+local matrix_functions = class.module(function() return require "dm.group.matrix_functions" end)
 local smooth = require "dm.group.smooth"
-local rotations = require "dm.group.son"
+local rotations = class.module(function() return require "dm.group.son" end)
 
 local M = {}
 
@@ -184,9 +186,9 @@ function M.kit()
   local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee,
     liftable = true, mean = mean, body = { pose = function(g) return g end, turning = 0 },
     flat = M.quaternion, unflat = M.rotation, bonds = M.norm_bond, sample = M.sample,
-    project = matrix_functions.nearest_rotation, smooth = M.smooth }
+    project = function(m) return matrix_functions.nearest_rotation(m) end, smooth = M.smooth }
   cayley_maps(kit)
-  kit.acts = rotations.acts(kit, 3)
+  kit.acts = acts.rotations(kit, 3)
   function kit.inverse(g) return g:transpose() end
   function kit.arcs(xi) return { xi:dot(xi) } end
   function kit.Ad(g, xi) return g * xi end

@@ -20,14 +20,14 @@ function M.planes(n)
   return out
 end
 
---- The skew matrix of xi, entries `first + 1` on, as the corner of a matrix of `size` rows.
-function M.hat(xi, n, size, first)
-  local out = core.zeros(size, size):totable()
+--- The skew matrix of xi.
+function M.hat(xi, n)
+  local out = core.zeros(n, n):totable()
   for a, plane in ipairs(M.planes(n)) do
     local i, j = plane[1], plane[2]
-    out[j][i], out[i][j] = xi[first + a], -xi[first + a]
+    out[j][i], out[i][j] = xi[a], -xi[a]
   end
-  return out
+  return core.matrix(out)
 end
 
 --- The entries of the skew part of the corner of m.
@@ -144,13 +144,6 @@ local function angle_norm(R)
   return math.sqrt(sum / 2)
 end
 
---- The standard actions of n x n rotations: on R^n, and on S^(n-1) seen from its pole.
-function M.acts(kit, n)
-  return { linear = acts.linear(kit, n), stereographic = acts.stereographic(function(m)
-    if m == n - 1 then return function(g, Y) return kit.matrix(g) * core.vector(Y) end end
-  end) }
-end
-
 -- the square of the larger angle of exp of a skew matrix of two planes, by the traces of X^2, X^4
 local function larger_turn(X)
   local square = X * X
@@ -164,11 +157,11 @@ end
 
 local TWO_PLANES = { [4] = true, [5] = true }
 
---- SO(n) by its matrices, n >= 3.
-function M.general(n)
+--- SO(n) by its matrices, n >= 4.
+function M.kit(n)
   local kit = { dimension = n * (n - 1) // 2, liftable = true }
-  kit.acts = M.acts(kit, n)
-  function kit.hat(xi) return core.matrix(M.hat(xi, n, n, 0)) end
+  kit.acts = acts.rotations(kit, n)
+  function kit.hat(xi) return M.hat(xi, n) end
   function kit.vee(m) return core.vector(M.vee(m, n)) end
   function kit.inverse(g) return g:transpose() end
   if TWO_PLANES[n] then function kit.arcs(xi) return { larger_turn(kit.hat(xi)) } end end
@@ -181,11 +174,6 @@ function M.general(n)
   function kit.sample(stream, i) return M.sample(n, stream, i) end
   function kit.distance(a, b) return angle_norm(a:transpose() * b) end
   return matrices.complete(kit, n)
-end
-
-function M.kit(n)
-  if n <= 3 then return require("dm.group.so" .. n).kit() end
-  return M.general(n)
 end
 
 return M

@@ -1,0 +1,60 @@
+--- Momentum maps of a dm.action on paths and discrete Lagrangians, beside those of a group's
+-- standard action.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+
+require "dm.base.class".unwrap "dm.group.methods.momentum"
+
+-- the method `momentum` of a class, which asks `other` when its argument is a dm.action
+local function also_of_actions(class, other, signature)
+  local momentum, doc = core.method(class, "momentum")
+  doc = doc:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
+  core.method(class, "momentum", blame.relay(function(object, action, ...)
+    if type(action) == "string" then
+      error("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got a "
+        .. "string)", 0)
+    end
+    local meta = type(action) == "table" and getmetatable(action)
+    if not meta or meta.__name ~= "dm.action" or kits.class_of(object) ~= class then
+      return momentum(object, action, ...)
+    end
+    return other(object, action, ...)
+  end, "momentum"), doc)
+end
+
+-- J of a point of one or several blocks of the size the action has
+local function blockwise(action, q, p)
+  local m, n = action.dimension, #q
+  if n % m ~= 0 then
+    error(("%s moves points of %d numbers, but there are %d coordinates")
+      :format(tostring(action), m, n), 0)
+  end
+  local J = core.zeros(action.group.dimension)
+  for first = 1, n, m do
+    J = J + action:momentum(q:slice(first, first + m - 1), p:slice(first, first + m - 1))
+  end
+  return J
+end
+
+also_of_actions("dm.path", blame.caller(function(path, action)
+  if path.watched then error("a path of watched numbers has no momentum map: record states", 0) end
+  if path.system.place then
+    error(("path:momentum: on %s give the group, and how it moves elements: path:momentum(%s, "
+      .. "{ action = function(k, g) ... end })")
+      :format(tostring(path.system.Q), tostring(action.group)), 0)
+  end
+  local q, p, rows, first = path.q, path.p, {}, {}
+  for i = 1, #path do
+    rows[i] = blockwise(action, q[i], p[i])
+    first[i] = rows[i][1]
+  end
+  return action.group.dimension == 1 and core.vector(first) or core.matrix(rows)
+end), "path:momentum(action)")
+
+also_of_actions("dm.discrete_lagrangian", blame.caller(function(Ld, action, q0, q1)
+  local p1 = Ld:legendre_plus(q0, q1)  -- checks the points
+  return blockwise(action, core.vector(q1), p1)
+end), "Ld:momentum(action, q0, q1)")
+
+return {}
