@@ -218,16 +218,21 @@ end
 
 local STATE, NOTHING = { q = true, flat = true, p = true, t = true }, {}
 
--- the numbers of what `next` returned: q, near those before, or its coordinates `flat`; p, t,
--- parts; sums: q and p are what is added to the coordinates and to the momentum
+-- Coordinates of an element that `next` returned, near those before. y.q of coordinates that are
+-- Coordinates of an element that `next` gave, near those before. y.q of coordinates that are off
+local function coordinates_of(own, q, before)
+  return own.follow(own.tidy(own.flat(own.kit.element(q))), before)
+end
+
+-- the numbers of what `next` returned: q, or its coordinates `flat`; p, t, parts; sums: q and p are
+-- what is added to the coordinates and to the momentum
 local function flattened(system, parts, before, value, h, sums)
   if type(value) ~= "table" or (value.q or value.flat) == nil or value.p == nil then
     error("'next' must return a table { q =, p = }", 0)
   end
   check_fields(value, STATE, parts, "'next'")
   local own, out = not sums and system.place, {}
-  local q = value.flat or own and own.follow(own.flat(own.kit.element(value.q)), before.q)
-    or core.vector(value.q)
+  local q = value.flat or own and coordinates_of(own, value.q, before.q) or core.vector(value.q)
   for i = 1, #q do out[i] = q[i] end
   local p = core.vector(value.p)
   for i = 1, #p do out[#out + 1] = p[i] end

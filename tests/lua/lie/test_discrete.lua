@@ -54,6 +54,10 @@ local path = mine:solver():run { q = start.q, p = start.p, steps = 200 }
 local drift = path:drift(path:momentum(dm.SO(2)))
 -- its terms are of size 1/h: their round-off, 200 times
 ok(drift.largest < 4e-12, "vertical momentum of a formula", drift.largest)
+local long = mine:solver():run { q = start.q, p = start.p, steps = 1e5, every = 1e5 }
+near(long:momentum(dm.SO(2))[2], long:momentum(dm.SO(2))[1], 3e-11, "and after 10^5 steps")
+local R = long.q[2]:transpose() * long.q[2]
+for i = 1, 3 do near(R[i][i], 1, 1e-14, "on the group") end
 near((mine:legendre_plus(path.q[10], path.q[11]) - path.p[11]):norm(), 0, 1e-13, "D2 Ld is p1")
 near((mine:legendre_minus(path.q[11], path.q[12]) - path.p[11]):norm(), 0, 1e-13, "and -D1 Ld")
 local same = dm.system { Q = G, L = function(R, W)
