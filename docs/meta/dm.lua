@@ -521,6 +521,13 @@ function dm_calculus_class:syzygies() end
 ---@class dm.cell_action
 local dm_cell_action_class = {}
 
+---action:check(f, x)
+---
+---Compare the function f(x) that the action is of, called with a vector of numbers, with what it was with symbols; raises where they differ.
+---@param f? any
+---@param x? any
+function dm_cell_action_class:check(f, x) end
+
 ---action:gradient(x) -> dm.vector
 ---
 ---Its derivatives by x; 0 where x is held.
@@ -4753,13 +4760,14 @@ function dm_system_class:mass(q, v, t) end
 ---@return dm.connection
 function dm_system_class:mechanical_connection(options) end
 
----field:modes(n, {q=, above=, near=}) -> { values, forms, residuals, solver }
+---field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
 ---
 ---n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 ---omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
----beyond x, with near = x nearest to x. Cells that are fixed or without mass stay at 0. Of unit
----vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
----constraint's force is that of q.
+---beyond x, with near = x nearest to x. t: the time of L, needed where it depends on it. Cells that
+---are fixed or without mass stay at 0. Of unit vectors (on = dm.S(m)) q must be given; forms are
+---tangent there, and where q is no equilibrium the constraint's
+---force is that of q.
 ---@param n? any
 ---@param options? table
 ---@return table
@@ -4915,11 +4923,11 @@ function dm_system_class:solver(options) end
 ---@return dm.stability_map
 function dm_system_class:stability(options) end
 
----field:stability_limit(rule, {q=}) -> number
+---field:stability_limit(rule, {q=, t=}) -> number
 ---
 ---The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
 ---which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
----Infinite where no step is too large.
+---Infinite where no step is too large. t: the time of L, needed where it depends on it.
 ---@param rule? any
 ---@param options? table
 ---@return number

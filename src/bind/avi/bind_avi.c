@@ -44,8 +44,8 @@ static void read_sums(lua_State *L, avi *k, const dml_model *m) {
     if (!k->sums || !k->factor) luaL_error(L, "not enough memory");
     for (uint32_t i = 0; i < k->count; i++)
         if (!dm_is_constant(m->graph, node[i], k->factor + i))
-            luaL_error(L, "rule 'avi': a sum over cells is multiplied by a function of t: write it "
-                          "inside of the sum");
+            luaL_error(L, "rule 'avi': a sum over cells is multiplied by what is no number: write "
+                          "a function of t inside of the sum");
 }
 
 /* core.avi(system, q, t): its cells */

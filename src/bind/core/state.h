@@ -55,15 +55,18 @@ typedef struct dml_frame {
     struct dml_frame *next; /* the trace that this one is nested in */
 } dml_frame;
 
-/* While a function is compared with its trace: dm.sum_over gives these numbers where the trace
- * has a sum, instead of a loop over all bodies, and compares two rounds of it with the term that
- * was traced. */
+/* While a function is compared with its trace: dm.sum_over and K:sum give these numbers where the
+ * trace has a sum, instead of a loop over all bodies, and compare rounds of it with the term that
+ * was traced (trace/given.h). */
 typedef struct dml_given {
     const dm_graph *graph; /* of the trace */
     const double *values;  /* of its sums; NULL: not now */
-    uint32_t calls;        /* of dm.sum_over in this call of the function */
-    int differs;           /* a term did */
+    uint32_t calls;        /* of sums in this call of the function */
+    uint32_t looked;       /* sums, in their order, that many rounds of were compared */
+    int differs;           /* a term did: in this round of so many of this function */
     double plain, traced;
+    const char *what;
+    uint32_t round, rounds;
     const dml_frame *within;  /* the newest trace then: later ones sum themselves */
     struct dml_given *before; /* the comparison that this one is nested in */
 } dml_given;

@@ -3,12 +3,14 @@
 #include "algebra/derive.h"
 #include "bind/core/state.h"
 #include "bind/dec/bind_sparse.h"
+#include "bind/model/model_sums.h"
 #include "bind/trace/backend.h"
 #include "bind/trace/trace.h"
 #include "bind/value/array.h"
 #include "chain/curvature.h"
 #include "chain/loops.h"
 
+#include <math.h>
 #include <string.h>
 
 #define ACTION "dm.cell_action"
@@ -55,15 +57,20 @@ static void read_sums(lua_State *L, action *a) {
     }
 }
 
+/* of the function f(x) */
+static dml_signature signature(lua_Integer n) {
+    return (dml_signature){.what = "the term",
+                           .arguments = 1,
+                           .length = {(int)n},
+                           .outputs = DML_SCALAR_ARGUMENT,
+                           .keeps_sums = 1,
+                           .lazy = 1};
+}
+
 /* core.cell_action(n, f): f() is called with symbols */
 static int action_new(lua_State *L) {
     const lua_Integer n = luaL_checkinteger(L, 1);
-    const dml_signature sig = {.what = "the term",
-                               .arguments = 1,
-                               .length = {(int)n},
-                               .outputs = DML_SCALAR_ARGUMENT,
-                               .keeps_sums = 1,
-                               .lazy = 1};
+    const dml_signature sig = signature(n);
     dml_traced traced;
     luaL_argcheck(L, n >= 1 && n < INT32_MAX / 4, 1, "a number of entries, 1 at least, is needed");
     luaL_checktype(L, 2, LUA_TFUNCTION);
@@ -81,6 +88,24 @@ static int action_new(lua_State *L) {
     need(L, dm_loops_value(&a->value, a->g, a->root, compile, a->arena));
     need(L, dm_loops_gradient(&a->gradient, a->g, a->root, NULL, a->n, compile, a->arena));
     return 1;
+}
+
+/* a:check(f, x): f is called with numbers, where the trace has symbols */
+static int action_check(lua_State *L) {
+    const action *a = check(L);
+    const dml_signature sig = signature(a->n);
+    const double *x = dml_numbersat(L, 3, "x", (int32_t)a->n), *with = x;
+    double value = 0.0;
+    luaL_checktype(L, 2, LUA_TFUNCTION);
+    lua_settop(L, 3);
+    dm_kernel_prepare(&a->value, &value);
+    dm_kernel_eval(&a->value, x, &value);
+    if (!isfinite(value)) return 0;
+    const dm_kernel *outer = a->sums ? dm_loops_outer(&a->value, &with) : &a->value;
+    dml_pushgiven(L, a->g, 0);
+    dml_trace_check_start(L, 2, &sig, outer, with);
+    dml_cut(L, 3);
+    return 0;
 }
 
 /* a:value(x) */
@@ -127,7 +152,11 @@ static int action_hessian(lua_State *L) {
 }
 
 static const dml_row methods[] =
-    {{"value", action_value, "action:value(x) -> number\nThe sum at x, as many numbers as it has."},
+    {{"check", action_check,
+      "action:check(f, x)\n"
+      "Compare the function f(x) that the action is of, called with a vector of numbers, with what "
+      "it was with symbols; raises where they differ."},
+     {"value", action_value, "action:value(x) -> number\nThe sum at x, as many numbers as it has."},
      {"gradient", action_gradient,
       "action:gradient(x) -> dm.vector\nIts derivatives by x; 0 where x is held."},
      {"hessian", action_hessian,

@@ -1,9 +1,10 @@
 /* bind_cells.c - sums over the cells of a mesh. While a Lagrangian is traced the term is called
  * once, with symbols of its own for what it asks of a cell, and the sum stays a loop
- * (algebra/body_sum.h). While the trace is compared with the function two cells are. Lua
+ * (algebra/body_sum.h). While the trace is compared with the function some cells are. Lua
  * (dm.dec.fields) says what a cell has; here is what a column of the loop is. */
 #include "bind/dec/bind_mesh.h"
 #include "bind/model/bind_system.h"
+#include "bind/trace/given.h"
 #include "bind/trace/traced_call.h"
 #include "bind/value/array.h"
 #include "bind/value/trace_log.h"
@@ -18,6 +19,7 @@
  * vector is data */
 enum { OF_Q = 1, OF_V = 2, VARIED = 3 };
 
+enum { KINDS = 8 };
 enum { DATA = 16 }; /* vectors of data in one sum that may change: others are copied again */
 
 /* one call of core.cell_sum */
@@ -278,7 +280,6 @@ static const dm_sum *find_given(const dml_given *given, uint32_t cells) {
 /* one cell, plain and as it was traced; x: the inputs of the trace */
 static void compare_cell(lua_State *L, request *r, dml_given *given, const dm_sum *s,
                          const double *x, int fn, uint32_t round) {
-    static const double tolerance = 1e-8;
     double in[DM_SUM_COLUMNS] = {0};
     const double a = call_on(L, r, fn, round);
     for (uint32_t c = 0, own = 0; c < s->columns; c++) {
@@ -289,12 +290,22 @@ static void compare_cell(lua_State *L, request *r, dml_given *given, const dm_su
     double *work = lua_newuserdatauv(L, (s->value + 1) * sizeof *work, 0);
     const double traced = dm_sum_term(s, in, work);
     lua_pop(L, 1);
-    const double size = fmax(1.0, fmax(fabs(a), fabs(traced)));
-    if (!isfinite(a) || !isfinite(traced) || given->differs) return;
-    if (fabs(a - traced) <= tolerance * size) return;
-    given->differs = 1;
-    given->plain = a;
-    given->traced = traced;
+    dml_given_compare(given, "K:sum", round, r->cells, a, traced);
+}
+
+/* the first cells with each of a few different numbers in a column of data */
+static void compare_kinds(lua_State *L, request *r, dml_given *given, const dm_sum *s,
+                          const double *x, int fn, const dm_column *c) {
+    double seen[KINDS];
+    uint32_t kinds = 0;
+    for (uint32_t i = 0; i < r->cells && kinds < KINDS; i++) {
+        const double y = c->data[c->first + (size_t)c->step * (c->index ? c->index[i] : i)];
+        uint32_t k = 0;
+        while (k < kinds && seen[k] != y) k++;
+        if (k < kinds) continue;
+        seen[kinds++] = y;
+        compare_cell(L, r, given, s, x, fn, i);
+    }
 }
 
 /* the number that stands in the comparison */
@@ -302,8 +313,11 @@ static int give(lua_State *L, request *r, dml_given *given, const dm_sum *s, int
     const double *values = given->values;
     given->values = NULL;
     const double *x = values - dm_sum_first(given->graph);
-    compare_cell(L, r, given, s, x, fn, 0);
+    const uint32_t stride = dml_given_stride(given, r->cells);
+    for (uint32_t i = 0; i + 1 < r->cells; i += stride) compare_cell(L, r, given, s, x, fn, i);
     compare_cell(L, r, given, s, x, fn, r->cells - 1);
+    for (uint32_t c = 0; stride > 1 && stride < r->cells && c < s->columns; c++)
+        if (s->column[c].data) compare_kinds(L, r, given, s, x, fn, s->column + c);
     given->values = values;
     lua_pushnumber(L, values[s->input - dm_sum_first(given->graph)]);
     return 1;

@@ -6,7 +6,9 @@
 #include "bind/value/array.h"
 #include "chain/curvature.h"
 #include "code/tape/tape.h"
+#include "graph/analyse.h"
 
+#include <math.h>
 #include <string.h>
 
 /* core.field_system{...}: dm.system whose L reads q and v by sums over cells */
@@ -45,6 +47,22 @@ static int field_force(lua_State *L) {
     return 1;
 }
 
+/* core.field_check(system, q, t) */
+static int field_check(lua_State *L) {
+    const dml_system *s = dml_checksystem(L, 1);
+    const double t = luaL_optnumber(L, 3, 0.0);
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0), value;
+    memset(x, 0, (2 * (size_t)s->n + 1) * sizeof *x);
+    dml_vectorarg(L, 2, "q", x, s->n);
+    x[2 * (size_t)s->n] = t;
+    dml_want(L, m, DM_WANT_VALUE, NULL);
+    dm_kernel_prepare(&m->model.value, &value);
+    dm_kernel_eval(&m->model.value, x, &value);
+    if (isfinite(value)) dml_checkmodel(L, 1, m, x);
+    return 0;
+}
+
 /* factors of the sums over cells in L: numbers at time t */
 static void read_factors(lua_State *L, const dml_model *m, const dm_node *node, uint32_t count,
                          double t, double *out) {
@@ -59,6 +77,15 @@ static void read_factors(lua_State *L, const dml_model *m, const dm_node *node, 
     dm_kernel_prepare(&k, out);
     dm_kernel_eval(&k, x, out);
     lua_pop(L, 1);
+}
+
+/* Second derivatives of a function of sums are a full matrix: every cell meets every other one. */
+static void need_linear(lua_State *L, const dml_model *m, const dm_node *factor, uint32_t count) {
+    const uint32_t first = dm_sum_first(m->graph);
+    if (dm_depends(m->graph, factor, count, first, dm_graph_inputs(m->graph) - first))
+        luaL_error(L, "L is a function of sums over cells that is not linear in them, as the "
+                      "product of two sums is: its second derivatives couple all cells, and modes, "
+                      "limits of stability and values without mass are not had of it");
 }
 
 /* core.field_hessian(system, q, t): d2L/dq2 at v = 0 */
@@ -77,6 +104,7 @@ static int field_hessian(lua_State *L) {
     double *factor = lua_newuserdatauv(L, (count + 1) * sizeof *factor, 0);
     const dm_sum **sums = dm_cells_sums(m->graph, m->lagrangian, node, &count, m->arena);
     dm_curvature c;
+    if (sums) need_linear(L, m, node, count);
     if (!sums || dm_curvature_open(&c, sums, count, s->n, dml_findbackend(L, NULL)->compile,
                                    m->arena) != DM_OK)
         return luaL_error(L, "not enough memory");
@@ -95,20 +123,24 @@ static int field_hessian(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] =
-    {{"field_system", field_system,
-      "core.field_system{Q=, L=, field=, params=, name=} -> dm.system\n"
-      "A system on R^Q whose L(q, v, t, params) gets nil for q and v while it is traced: sums over "
-      "cells "
-      "read them."},
-     {"field_masses", field_masses,
-      "core.field_masses(system) -> dm.vector or nil\n"
-      "The mass of every value; nil where the kinetic energy is no sum of m v^2 / 2."},
-     {"field_force", field_force,
-      "core.field_force(system, q [, t]) -> dm.vector\nThe force dL/dq at v = 0."},
-     {"field_hessian", field_hessian,
-      "core.field_hessian(system, q [, t]) -> dm.sparse\nThe second derivatives of L by q, v = 0."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"field_system", field_system,
+     "core.field_system{Q=, L=, field=, params=, name=} -> dm.system\n"
+     "A system on R^Q whose L(q, v, t, params) gets nil for q and v while it is traced: sums over "
+     "cells "
+     "read them."},
+    {"field_masses", field_masses,
+     "core.field_masses(system) -> dm.vector or nil\n"
+     "The mass of every value; nil where the kinetic energy is no sum of m v^2 / 2."},
+    {"field_force", field_force,
+     "core.field_force(system, q [, t]) -> dm.vector\nThe force dL/dq at v = 0."},
+    {"field_check", field_check,
+     "core.field_check(system, q [, t])\n"
+     "Compare L, called with numbers, with its trace at q, v = 0, where it is finite; raises where "
+     "they differ."},
+    {"field_hessian", field_hessian,
+     "core.field_hessian(system, q [, t]) -> dm.sparse\nThe second derivatives of L by q, v = 0."},
+    {NULL, NULL, NULL}};
 
 const dml_class dml_class_mesh_field = {
     .functions = functions,

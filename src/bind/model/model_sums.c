@@ -14,10 +14,13 @@ static int end_given(lua_State *L) {
 }
 
 /* Closing it takes it out of the list, also when an error passes. */
-static void push_given(lua_State *L, const dml_model *m) {
+void dml_pushgiven(lua_State *L, const dm_graph *g, int checked) {
     dml_state *state = dml_getstate(L);
     dml_given *given = lua_newuserdatauv(L, sizeof *given, 0);
-    *given = (dml_given){.graph = m->graph, .within = state->frames, .before = state->given};
+    *given = (dml_given){.graph = g,
+                         .looked = checked ? UINT32_MAX : 0,
+                         .within = state->frames,
+                         .before = state->given};
     if (luaL_newmetatable(L, "dm.given")) {
         lua_pushcfunction(L, end_given);
         lua_setfield(L, -2, "__gc");
@@ -37,7 +40,7 @@ const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **k
     if (!(m->model.structure & DM_LOOPS) || !dm_sums(m->graph)) return x;
     if (x) dm_kernel_eval(*kernel, x, &value);
     *kernel = dm_loops_outer(*kernel, &with);
-    push_given(L, m);
+    dml_pushgiven(L, m->graph, m->checked);
     return x ? with : NULL;
 }
 

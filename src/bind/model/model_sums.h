@@ -11,6 +11,9 @@
 const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **kernel,
                            const double *x);
 
+/* The same of the sums of a graph; checked: few rounds of them are compared. */
+void dml_pushgiven(lua_State *L, const dm_graph *g, int checked);
+
 /* Where the sums of the model at `at` stay loops and `want` needs tables, or its slope and mass
  * are parts of a stage kernel that `want` does without: put a model of the same trace in its
  * place, which it keeps, so that what steps by loops goes on doing so, and a rule has the same

@@ -206,9 +206,12 @@ static void raise_not_finite(lua_State *L, const check *c) {
 
 /* a term of a sum that is not what its trace says */
 static void check_terms(lua_State *L, check *c) {
-    if (c->given && c->given->differs)
-        raise_difference(L, "the function of dm.sum_over", c->given->plain, c->given->traced,
-                         push_point(L, c));
+    const dml_given *g = c->given;
+    if (!g || !g->differs) return;
+    const char *what = lua_pushfstring(L, "the function of %s", g->what);
+    const char *point = lua_pushfstring(L, "%s, term %I of %I", push_point(L, c),
+                                        (lua_Integer)g->round + 1, (lua_Integer)g->rounds);
+    raise_difference(L, what, g->plain, g->traced, point);
 }
 
 /* is output k the same when the function is called again? */

@@ -2,6 +2,7 @@
 -- with the sparse Hessian ("discretize, then vary", Leok 3.12).
 local action = require "dm.dec.fields.action"
 local blame = require "dm.base.blame"
+local cell = require "dm.dec.fields.cell"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
@@ -53,10 +54,10 @@ end
 local function check_start(f, problem, x)
   local value, g = problem.value(x), problem.gradient(x)
   if value - value == 0 and g:dot(g) - g:dot(g) == 0 then return end
-  local cell = images.inverted(f, x)
+  local bad = images.inverted(f, x)
   fail("the term is %s at the start%s", value == value and "infinite, or its gradient," or "NaN",
-    cell and (": the image of cell {%s} is inverted or degenerate; start from a map that turns no "
-      .. "cell inside out"):format(table.concat(cell, ", ")) or ": start where it is finite")
+    bad and (": the image of cell {%s} is inverted or degenerate; start from a map that turns no "
+      .. "cell inside out"):format(table.concat(bad, ", ")) or ": start where it is finite")
 end
 
 ---- results ----
@@ -78,7 +79,7 @@ local function problem_of(f, options)
   local problem = { value = function(x) return act:value(x) end,
     gradient = function(x) return act:gradient(x) end,
     hessian = function(x) return act:hessian(x) end, held = f.held, n = f.n }
-  return f.sphere and spheres.problem(problem, f) or newton.flat(problem)
+  return f.sphere and spheres.problem(problem, f) or newton.flat(problem), act
 end
 
 class.method("dm.mesh", "stationary", function(K, options)
@@ -91,8 +92,10 @@ class.method("dm.mesh", "stationary", function(K, options)
   local f = { mesh = K, degree = k, values = values, sphere = sphere, cells = K:count(k),
     n = values * K:count(k) }
   f.held, f.fixed = held.read(f, options.fixed)
-  local x, problem = start_of(f, options), problem_of(f, options)
+  cell.check_data(K, options.data, WHERE)
+  local x, problem, act = start_of(f, options), problem_of(f, options)
   check_start(f, problem, x)
+  act:check(x)
   local report
   x, report = newton.solve(problem, x, most)
   return forms_of(f, x), report

@@ -12,13 +12,17 @@ local M = {}
 function M.new(K, degree, values, term, held, data)
   local n = values * K:count(degree)
   local marks = held and core.marks(held)
-  local around = { n = n, held = marks, data = data }
-  local traced = core.cell_action(n, function()
-    return term(cochain.leaf(K, degree, values, 1, around))
-  end)
+  -- q: nil while it is traced, numbers while it is compared
+  local function of(q)
+    return term(cochain.leaf(K, degree, values, 1, { n = n, held = marks, data = data, q = q }))
+  end
   -- the columns of its sums point into what the mesh and the marks keep
-  return setmetatable({ n = n, mesh = K, marks = marks, traced = traced }, { __index = M })
+  return setmetatable({ n = n, mesh = K, marks = marks, of = of,
+    traced = core.cell_action(n, of) }, { __index = M })
 end
+
+--- Raises where the term is not what its trace says, as == with a symbol makes it, at x.
+function M.check(a, x) a.traced:check(a.of, x) end
 
 function M.value(a, x) return a.traced:value(x) end
 function M.gradient(a, x) return a.traced:gradient(x) end

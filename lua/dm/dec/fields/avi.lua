@@ -191,6 +191,7 @@ local function begin(s, options)
     local q = start_of(s, f, options, "q")
     out.given.p = momentum_of(s, f, options)
     out.t0 = option.number(options, "t0", RUN, nil, 0)
+    core.field_check(s.system, q, out.t0)
     out.now, out.cells = out.t0, core.avi(s.system, q, out.t0)
   end
   out.limits = out.cells:limits()

@@ -118,6 +118,25 @@ function made.points(cell)
   return list
 end
 
+--- Raises where the option `data` is no table of primal forms of this mesh by names that cells do
+-- not have of their own.
+function M.check_data(K, data, where)
+  if data == nil then return end
+  if type(data) ~= "table" then
+    option.fail(where, "option 'data' must be a table name -> form (got %s)", option.got(data))
+  end
+  for name, a in pairs(data) do
+    if not form.is_form(a) or not rawequal(a.mesh, K) or a.side ~= "primal" then
+      option.fail(where, "data '%s' must be a primal form of this mesh (got %s)", tostring(name),
+        option.got(a))
+    end
+    if made[name] then
+      option.fail(where, "data '%s': every cell has a '%s' of its own, which K:sum would see in "
+        .. "its place; give it another name", name, name)
+    end
+  end
+end
+
 --- What the user's function gets of values on all faces of a degree: a number where it is that of
 -- the cell, else a vector, or a list of vectors where there are several values.
 function M.shown(cell, degree, at)

@@ -23,7 +23,8 @@ local function beyond(system, rule, h, path)
   local f, rows = system.field, { { #path, "the last row" } }
   if not path.file then table.insert(rows, 1, { 1, "the start" }) end
   for _, row in ipairs(rows) do
-    local fine, limit = blame.try(system.stability_limit, system, rule, { q = path.q[row[1]] })
+    local fine, limit = blame.try(system.stability_limit, system, rule, { q = path.q[row[1]],
+      t = path.t[row[1]] })
     if fine and h > limit * (1 + 1e-9) then
       return ("h = %.6g is beyond the limit of stability, %.6g about %s (field:stability_limit)")
         :format(h, limit, row[2]) .. largest_text(f, path.q[#path])

@@ -1,10 +1,10 @@
 --- K:field: a Lagrangian of a form on a mesh as a system, whose coordinates are the values of the
 -- form, cell after cell.
+local cell = require "dm.dec.fields.cell"
 local class = require "dm.base.class"
 local cochain = require "dm.dec.fields.cochain"
 local core = require "dm.core"
 local forces = require "dm.dec.fields.forces"
-local form = require "dm.dec.form"
 local mass = require "dm.dec.equations.mass"
 local option = require "dm.base.options"
 local start = require "dm.dec.fields.start"
@@ -44,16 +44,6 @@ local function values_of(options)
   return m + 1, m
 end
 
-local function check_data(K, data)
-  if data == nil then return end
-  if type(data) ~= "table" then fail("option 'data' must be a table name -> form") end
-  for name, a in pairs(data) do
-    if not form.is_form(a) or not rawequal(a.mesh, K) or a.side ~= "primal" then
-      fail("data '%s' must be a primal form of this mesh (got %s)", tostring(name), option.got(a))
-    end
-  end
-end
-
 ---- the kinetic energy ----
 
 local REMEDY = "K:make_delaunay() gives other triangles to a surface, dual = \"barycentric\" other "
@@ -67,19 +57,19 @@ local function check_mass(f, masses)
     if not f.held[i] and m == 0 and f.fixed[i] == 0 then zeros, zero = zeros + 1, zero or i end
     if not f.held[i] and m < 0 then negatives, negative = negatives + 1, negative or i end
   end
-  local function cell(i)
+  local function name(i)
     local at = (i - 1) // f.values + 1
     return table.concat(f.mesh:simplices(f.degree)[at], ", ")
   end
   if negatives > 0 then
     fail("the kinetic energy is negative at %d of %d values, the first at the cell {%s}: stars of "
       .. "degree %d are negative there, and every explicit rule is unstable whatever its step; %s",
-      negatives, f.n, cell(negative), f.degree, REMEDY)
+      negatives, f.n, name(negative), f.degree, REMEDY)
   end
   if zeros > 0 then
     local dual = mass.of(f.mesh, f.degree).zeros > 0
     fail("%d of %d values have no kinetic energy, the first at the cell {%s}%s; massless = "
-      .. "\"eliminate\" lets them follow from their own equation, %s", zeros, f.n, cell(zero),
+      .. "\"eliminate\" lets them follow from their own equation, %s", zeros, f.n, name(zero),
       dual and " (zero dual volume)" or "", REMEDY)
   end
 end
@@ -150,7 +140,7 @@ class.method("dm.mesh", "field", function(K, options)
   option.need(options, "L", WHERE, "a function of the form, its rate and t")
   option.callable(options, "L", WHERE, "(A, V, t, params)")
   option.callable(options, "force", WHERE, "(A, V, t, params)")
-  check_data(K, options.data)
+  cell.check_data(K, options.data, WHERE)
   local f = { mesh = K, degree = k, values = values, sphere = sphere, data = options.data,
     cells = K:count(k), n = values * K:count(k), on = options.on }
   f.held, f.fixed = held.read(f, options.fixed)

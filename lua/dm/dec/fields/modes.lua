@@ -27,17 +27,27 @@ local function without(f, S)
 end
 
 -- of unit vectors q: S and M in tangent spaces, and the basis of these
-local function tangent_pencil(system, f, q)
+local function tangent_pencil(system, f, q, t)
   local kind, B, count = operator.primal(f.degree), spheres.basis(f, f, q)
-  local bend = spheres.products(f, q, -1 * core.field_force(system, q))
-  local S = -1 * core.field_hessian(system, q) - matrices.diagonal(bend)
+  local bend = spheres.products(f, q, -1 * core.field_force(system, q, t))
+  local S = -1 * core.field_hessian(system, q, t) - matrices.diagonal(bend)
   local masses = (B:transpose() * (matrices.diagonal(f.masses) * B)):diagonal()
   return operator.new(f.mesh, kind, kind, { weights = masses, keep = core.constant(count, 1),
     stiffness = B:transpose() * (S * B) }), B
 end
 
+-- the time at which L is looked at
+local function time_of(system, options, where)
+  local t = option.number(options, "t", where)
+  if not t and not system:structure().autonomous then
+    option.fail(where, "L depends on t, and so do its oscillations: give { t = }, the time of L")
+  end
+  return t or 0
+end
+
 -- S and M as an operator of the values; of unit vectors, of tangent ones, and their basis
-local function pencil(system, f, q, where)
+local function pencil(system, f, options, where)
+  local q, t = options.q, time_of(system, options, where)
   if f.sphere and q == nil then
     option.fail(where, "option 'q' is missing: the state, unit vectors, that oscillations are "
       .. "around")
@@ -46,11 +56,12 @@ local function pencil(system, f, q, where)
   if #q ~= f.n then
     option.fail(where, "option 'q' must have %d numbers (got %d)", f.n, #q)
   end
-  if f.sphere then return tangent_pencil(system, f, q) end
+  core.field_check(system, q, t)
+  if f.sphere then return tangent_pencil(system, f, q, t) end
   local kind = operator.primal(f.degree)
   local keep = core.constant(f.n, 1)
   for i = 1, f.n do if f.held[i] or f.masses[i] == 0 then keep[i] = 0 end end
-  local S = -1 * core.field_hessian(system, q)
+  local S = -1 * core.field_hessian(system, q, t)
   if f.massless and #f.massless > 0 then S = without(f, S) end
   return operator.new(f.mesh, kind, kind, { weights = f.masses, keep = keep, stiffness = S })
 end
@@ -70,18 +81,19 @@ end
 class.method("dm.system", "modes", function(system, n, options)
   local where = "field:modes"
   local f = field_of(system, where)
-  options = option.check(options or {}, { "q", "above", "near" }, where)
-  local A, basis = pencil(system, f, options.q, where)
+  options = option.check(options or {}, { "q", "t", "above", "near" }, where)
+  local A, basis = pencil(system, f, options, where)
   local found = A:eigen(n, { above = options.above, near = options.near })
   for i, x in ipairs(found.forms) do found.forms[i] = shown(f, basis and basis * x or x) end
   return found
 end, [[
-field:modes(n, {q=, above=, near=}) -> { values, forms, residuals, solver }
+field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
 n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
-beyond x, with near = x nearest to x. Cells that are fixed or without mass stay at 0. Of unit
-vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
-constraint's force is that of q.]])
+beyond x, with near = x nearest to x. t: the time of L, needed where it depends on it. Cells that
+are fixed or without mass stay at 0. Of unit vectors (on = dm.S(m)) q must be given; forms are
+tangent there, and where q is no equilibrium the constraint's
+force is that of q.]])
 
 ---- the largest step ----
 
@@ -142,18 +154,18 @@ end
 class.method("dm.system", "stability_limit", function(system, rule, options)
   local where = "field:stability_limit"
   local f = field_of(system, where)
-  options = option.check(options or {}, { "q" }, where)
+  options = option.check(options or {}, { "q", "t" }, where)
   if type(rule) ~= "string" then option.fail(where, "a rule is needed, as \"verlet\"") end
   if rule:find "^%s*avi" then
     option.fail(where, "avi has a step of its own in every cell: solver:report() tells those "
       .. "beyond their limit")
   end
-  local lambda = largest((pencil(system, f, options.q, where)))
+  local lambda = largest((pencil(system, f, options, where)))
   return lambda > 0 and limit_of(rule) / math.sqrt(lambda) or math.huge
 end, [[
-field:stability_limit(rule, {q=}) -> number
+field:stability_limit(rule, {q=, t=}) -> number
 The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
 which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
-Infinite where no step is too large.]])
+Infinite where no step is too large. t: the time of L, needed where it depends on it.]])
 
 return {}

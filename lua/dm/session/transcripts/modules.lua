@@ -50,6 +50,13 @@ M["dm.cell_action"] = [=[
 > action:gradient { 0, 1, 1, 3 }
 [-5, -1, -1, 7]]=]
 
+M["cell_action.check"] = [=[
+> core = require "dm.core"
+> K = dm.mesh { grid = 1 }
+> squares = function(u) return K:sum(1, function(e) return (e[2] - e[1])^2/2 end, u) end
+> act = require "dm.dec.fields.action".new(K, 0, 1, squares)
+> act.traced:check(act.of, { 0, 1, 1, 3 })]=]
+
 M["cell_action.value"] = [=[
 > core = require "dm.core"
 > K = dm.mesh { grid = 1 }
@@ -204,6 +211,13 @@ M["core.euler"] = [=[
 > engine = core.euler(K, A:factor "dense", solved, part, K:volume(2), w)
 > engine:vorticity():sum() < 1e-15
 true]=]
+
+M["core.field_check"] = [=[
+> core = require "dm.core"
+> K = dm.mesh { simplices = { { 1, 2 } }, points = { { 0 }, { 1 } } }
+> field = K:field { form = 0, L = function(u, v)
+>>   return v:dot(v)/2 - K:sum(1, function(e) return (e[2] - e[1])^2/2 end, u) end }
+> core.field_check(field, { 0, 1 })]=]
 
 M["core.field_force"] = [=[
 > core = require "dm.core"
