@@ -4379,8 +4379,9 @@ function dm_stability_map_class:plot(options) end
 ---
 ---The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
 ---linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
----nonlinear forces. omega: the frequency, its mean along the orbit. The sentence says why where there
----are none.
+---nonlinear forces. omega: the frequency; where it changes along the orbit its mean, if it is more
+---than twice as fast as the orbit turns, else that of the orbit itself. The sentence says why where
+---there are none.
 ---@param row? any
 ---@return table
 ---@return any

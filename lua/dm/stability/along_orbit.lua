@@ -4,11 +4,12 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local fields = require "dm.stability.fields"
 local lines = require "dm.stability.lines"
+local orbits = require "dm.stability.orbit"
 local rules = require "dm.stability.linear"
 
 local M = {}
 
-local abs, sqrt, max, huge = math.abs, math.sqrt, math.max, math.huge
+local abs, sqrt, max, min, huge = math.abs, math.sqrt, math.max, math.min, math.huge
 
 -- Runge-Kutta rules take any linear system apart into its oscillations; rules that treat q and v
 -- differently those without forces that are linear in v (Coriolis, magnetic, friction) alone
@@ -34,26 +35,7 @@ end
 
 ---- along an orbit ----
 
-local PLACES, LONGEST = 32, 2 ^ 14  -- states that are looked at, and steps of the orbit
-
--- states (q, v, t) at even times of a run of `steps` steps; nothing where it fails
-local function orbit(map, system, start, h, steps)
-  local fine, path = blame.try(function()
-    return system:solver({ rule = "gauss(4)", h = h }):run { q = start.q, v = start.v, p = start.p,
-      t0 = start.t, steps = steps, every = math.max(1, steps // PLACES),
-      project = map.options.project, watch = { x = function(q) return q end,
-      y = function(_, v) return v end } }
-  end)
-  local out, n = {}, system.Q.dimension
-  for i = 1, fine and #path or 0 do
-    out[i] = { q = {}, v = {}, t = path.t[i] }
-    for k = 1, n do
-      out[i].q[k] = path:column(n == 1 and "x" or "x" .. k)[i]
-      out[i].v[k] = path:column(n == 1 and "y" or "y" .. k)[i]
-    end
-  end
-  return out
-end
+local PLACES = 32  -- states that are looked at; as many where steps are short; about the fastest
 
 -- largest difference of two matrices, in parts of the largest entry
 local function differ(a, b)
@@ -85,38 +67,74 @@ local function note(out, system, state)
   local first = out.matrices[1]
   out.constant = out.constant and not (first and differ(its.matrix, first))
   out.matrices[#out.matrices + 1] = its.matrix
-  if its.fastest > out.fastest then out.fastest, out.where = its.fastest, #out.matrices end
-  for k, w in ipairs(oscillations(its)) do out.sums[k] = (out.sums[k] or 0) + w end
+  if its.fastest > out.fastest then out.fastest, out.where = its.fastest, state end
+  for k, w in ipairs(oscillations(its)) do
+    local mode = out.means[k] or { sum = 0, least = huge, most = 0, count = 0 }
+    mode.sum, mode.count = mode.sum + w, mode.count + 1
+    mode.least, mode.most = min(mode.least, w), max(mode.most, w)
+    out.means[k] = mode
+  end
   return true
 end
 
--- The system linearised along the orbit of a cell: { fastest, matrices, modes = mean frequencies,
--- the largest first, constant }; nil and why. Where three states have one matrix all do; else it is
--- looked at again about the fastest one.
+-- the states before and after the fastest one, whose frequency may be larger still between them
+local function look_closer(out, system, states, project)
+  for i, state in ipairs(states) do
+    if state == out.where then
+      local from, to = states[max(1, i - 1)], states[min(#states, i + 1)]
+      for k = 1, to.t > from.t and PLACES or 0 do
+        local some = orbits.states(system, from, (to.t - from.t) * k / PLACES, 0, project)
+        if #some > 0 then note(out, system, some[#some]) end
+      end
+      return
+    end
+  end
+end
+
+local SAME = 1e-2  -- a frequency that changes less is one
+local FASTER = 2   -- times the turns of the orbit: the mean of a frequency that changes is one
+
+-- Frequencies of the oscillations: of those that hardly change, or are fast beside the orbit, the
+-- mean; the others are the turns of the orbit itself, where it has some.
+local function modes_of(out, turns)
+  local modes, left = {}, {}
+  for _, mode in ipairs(out.means) do
+    local mean = mode.sum / #out.matrices
+    local steady = mode.count == #out.matrices and mode.most - mode.least <= SAME * mode.most
+    local list = (steady or mean > FASTER * (turns[#turns] or 0)) and modes or left
+    list[#list + 1] = mean
+  end
+  for _, omega in ipairs(#left == 0 and {} or #turns > 0 and turns or left) do
+    modes[#modes + 1] = omega
+  end
+  table.sort(modes, function(a, b) return a > b end)
+  return modes
+end
+
+-- The system linearised along the orbit of a cell: { fastest, matrices, modes = frequencies, the
+-- largest first, constant, T = the time that was looked at, where it is less than all }; nil and
+-- why. Where three states have one matrix all do; else it is looked at again about the fastest one.
 local function along_orbit(map, cell)
   local system, options = map.system_of(cell), map.options
   if system.field then return fields.along_orbit(map, cell, system) end
   local start = { q = map.start.q(cell), v = map.start.v and map.start.v(cell),
     p = map.start.p and map.start.p(cell), t = options.t0 or 0 }
   local T = options.t or options.steps * map.h[1]
-  local h = math.min(map.h[1], T / PLACES)
-  local steps = math.ceil(math.min(LONGEST, T / h))
-  local states, out = orbit(map, system, start, h, steps), { fastest = 0, matrices = {}, sums = {},
-    modes = {}, constant = true }
-  local fine, why = note(out, system, states[1] or start)
+  local out = { fastest = 0, matrices = {}, means = {}, constant = true }
+  local fine, why = note(out, system, start)
   if not fine then return nil, why end
-  for i = 2, #states do
+  local states, done = orbits.states(system, start, T, out.fastest, options.project)
+  for i, k in ipairs(orbits.places(states, PLACES)) do
     if i > 3 and out.constant then break end
-    note(out, system, states[i])
+    note(out, system, states[k])
   end
-  for k, sum in ipairs(out.sums) do out.modes[k] = sum / #out.matrices end
   if not out.constant then
-    local from, every = states[max(1, out.where - 1)], max(1, steps // PLACES)
-    for _, state in ipairs(orbit(map, system, from, 2 * h * every / PLACES, PLACES)) do
-      note(out, system, state)
-    end
+    look_closer(out, system, states, options.project)
   end
   if not (out.fastest > 0) then return nil, "nothing oscillates along the orbit" end
+  local still = out.constant or system.place
+  out.modes = modes_of(out, still and {} or orbits.frequencies(states, system.Q.dimension))
+  out.T = done < T and not (out.constant and #states > 3) and done or nil
   return out
 end
 
@@ -145,6 +163,7 @@ function M.limit_along_orbit(map, cell)
   if not linear then return nil, z end
   local why = ("%s; omega = %.6g%s"):format(told.cause, linear.fastest,
     linear.constant and "" or " is the largest along the orbit")
+  if linear.T then why = why .. (", seen up to t0 + %.4g"):format(linear.T) end
   if z > 0 and told.gaps[1] and told.gaps[1][2] < huge then
     why = why .. ("; it grows up to h omega = %.6g"):format(told.gaps[1][2])
   end

@@ -64,19 +64,27 @@ end
 -- observable k; a field of another size may have more values than the last one looked at
 local function name_of(map, k) return map.beside.observed.names[k] or "q" .. k end
 
+-- what makes a cell wrong: an observable, the velocity, or both; nil where it is neither
+local function text_of_wrong(map, cell)
+  local far = cell.off and cell.observable
+    and not (cell.loose and cell.off <= map.beside.accuracy * cell.range)
+  local off = far and ("%s is off by %.3g, and its range is %.3g"):format(
+    name_of(map, cell.observable), cell.off, cell.range)
+  local loose = cell.loose and ("the velocity leaves the constraint by |G v| = %.3g"):format(
+    cell.hidden)
+  return off and loose and off .. "; " .. loose or off or loose or nil
+end
+
 -- the end of what is right, and what is wrong beyond it
 local function sentence_of_right(map, i)
   if not map.beside then
     return nil, "nothing is compared with a resolved flow: give t, a duration, and no accuracy = "
       .. "false"
   end
-  local b, why = map.right[i], nil
+  local b = map.right[i]
   local high = b.high
   if high and high.unresolved then return nil, "no resolved flow: " .. high.unresolved end
-  if high and high.off and high.observable then
-    why = ("%s is off by %.3g, and its range is %.3g"):format(
-      name_of(map, high.observable), high.off, high.range)
-  end
+  local why = high and text_of_wrong(map, high)
   return border_text(map, i, b, "all are right", "not right from the first cell on",
     why or high and text_of(map, high), why and not cells.CLASSES[high.class].lost and "wrong")
 end
@@ -156,10 +164,8 @@ local function why(map, cell)
       or "; by the step: the flow is not chaotic")
   end
   if class.name == "wrong" then
-    if cell.off and not (cell.loose and cell.off <= map.beside.accuracy * cell.range) then
-      add("; %s is off by %.3g, its range is %.3g", observable_of(map, cell), cell.off, cell.range)
-    end
-    if cell.loose then add("; the velocity leaves the constraint by |G v| = %.3g", cell.hidden) end
+    local text = text_of_wrong(map, cell)
+    if text then add("; %s", text) end
     if cell.phase then
       add("; %s by %.6g at the end", cell.phase > 0 and "ahead" or "behind", abs(cell.phase))
     end
@@ -232,8 +238,9 @@ end, [[
 map:resonances(row) -> list of {n, h, omega}, sentence
 The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
 linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
-nonlinear forces. omega: the frequency, its mean along the orbit. The sentence says why where there
-are none.]])
+nonlinear forces. omega: the frequency; where it changes along the orbit its mean, if it is more
+than twice as fast as the orbit turns, else that of the orbit itself. The sentence says why where
+there are none.]])
 
 local RESERVED = { class = true, why = true, rule = true, observable = true }
 for _, name in ipairs(FIELDS) do RESERVED[name] = true end

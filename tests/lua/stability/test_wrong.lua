@@ -71,6 +71,8 @@ local largest, path = 0, rod:solver({ rule = "shake", h = 0.01 }):run { q = swin
 for i = 1, #path do largest = math.max(largest, abs(2 * path.q[i]:dot(path.p[i]))) end
 near(pair:at(1, 1).hidden, largest, 1e-12, "SHAKE: the largest 2 |q . v|")
 ok(pair:at(1, 1).class ~= "bounded" and pair:at(2, 1).class == "bounded" and pair:at(2, 1).hidden < 1e-12, "RATTLE leaves nothing", pair:at(1, 1).why)
+local _, left = map_of(rod, { q = swing.q, v = swing.v, rule = "shake", h = { 0.002, 0.05, 3, "log" }, t = 5 }):limit(1, "right")
+ok(left:find "leaves the constraint" and not left:find "range", "the limit of what is right says that it is the velocity", left)
 -- forced and damped
 local forced = dm.system { Q = dm.R(1), L = function(q, v, t) return (v[1] ^ 2 - 4 * q[1] ^ 2) / 2 + q[1] * cos(t) end, force = function(_, v) return -0.1 * v end }
 local driven = map_of(forced, { q = { 0 }, v = { 0 }, rules = { "midpoint", "gauss(4)" }, h = { 0.01, 0.4 }, t = 60 })

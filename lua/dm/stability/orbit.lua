@@ -1,0 +1,112 @@
+--- The orbit of a cell, whatever its rule does: states along it by steps as long as their error
+-- allows, and how often its coordinates turn.
+local blame = require "dm.base.blame"
+
+local M = {}
+
+local max, min, pi = math.max, math.min, math.pi
+
+local RULES, TOLERANCE = { "rk8", "gauss(4)", "lie(4)" }, 1e-8
+local PIECES = 32       -- steps of the whole orbit at least
+local ROWS = 2 ^ 15     -- after so many no other piece of the orbit is begun
+local NEAR, ROUND_OFF = 1e-9, 1e-15 -- of the time, of its numbers: that is its end
+local FIRST = 100       -- rad of the fastest oscillation at the start: the first piece
+
+-- the path of a piece of length T from a state, by the first rule that makes it
+local function piece(system, state, T, largest, project)
+  for _, rule in ipairs(RULES) do
+    local fine, path = blame.try(function()
+      return system:solver({ rule = rule, h = T }):run { q = state.q, v = state.v, p = state.p,
+        t0 = state.t, t = T, project = project, control = { tolerance = TOLERANCE,
+        largest = largest } }
+    end)
+    if fine then return path end
+  end
+end
+
+--- A list of { q, p, t } along the orbit of a start { q, v | p, t } over a time T, and the time
+-- that it goes to: T, or less where that takes too many steps. Pieces of it grow from that of the
+-- fastest oscillation on, so that only the last one may be longer than wanted.
+function M.states(system, start, T, fastest, project)
+  local out, t0, at, done = {}, start.t, start, 0
+  local long = fastest > 0 and min(T, FIRST / fastest) or T
+  while done < T and #out < ROWS do
+    local path = piece(system, at, min(long, T - done), T / PIECES, project)
+    if not path then break end
+    for i = #out == 0 and 1 or 2, #path do
+      out[#out + 1] = { q = path.q[i], p = path.p[i], t = path.t[i] }
+    end
+    at, long = out[#out], 2 * long
+    done = at.t - t0
+    if T - done <= NEAR * T + ROUND_OFF * max(math.abs(t0), math.abs(at.t)) then done = T end
+  end
+  return out, done
+end
+
+--- Numbers of `count` states of a list that are evenly far apart in it, and of as many that have
+-- the shortest steps before them, where most happens.
+function M.places(states, count)
+  local taken, by_step, out = {}, {}, {}
+  local every = max(1, (#states - 1) / count)
+  for x = 1, #states, every do taken[math.floor(x + 0.5)] = true end
+  for i = 2, #states do by_step[i - 1] = i end
+  local function step(i) return states[i].t - states[i - 1].t end
+  table.sort(by_step, function(a, b)
+    local x, y = step(a), step(b)
+    return x < y or x == y and a < b
+  end)
+  for k = 1, min(count, #by_step) do taken[by_step[k]] = true end
+  for i = 1, #states do if taken[i] then out[#out + 1] = i end end
+  return out
+end
+
+---- how often a coordinate turns ----
+
+local BAND = 0.1  -- of its range, on either side of the middle: less is no turn
+local LEAST = 3   -- times up through the middle that must be seen
+
+-- times at which a coordinate comes up through the middle of its range
+local function rises(states, i)
+  local lo, hi = math.huge, -math.huge
+  for _, s in ipairs(states) do lo, hi = min(lo, s.q[i]), max(hi, s.q[i]) end
+  local middle, band, out, below, last = (lo + hi) / 2, BAND * (hi - lo), {}, false, nil
+  if not (hi - lo > 1e-9 * max(math.abs(lo), math.abs(hi))) then return out end
+  for k, s in ipairs(states) do
+    local x, before = s.q[i] - middle, states[k - 1]
+    if x < -band then below = true end
+    if before and x > 0 and before.q[i] <= middle then
+      local y = before.q[i] - middle
+      last = before.t + (s.t - before.t) * y / (y - x)
+    end
+    if below and x > band then out[#out + 1], below = last, false end
+  end
+  return out
+end
+
+local MULTIPLE = 1e-3  -- near a whole number of times a slower one: no frequency of its own
+
+-- is it a multiple of one of these? So y = -cos(theta) turns twice while theta turns once
+local function is_multiple(omega, slower)
+  for _, w in ipairs(slower) do
+    local times = math.floor(omega / w + 0.5)
+    if math.abs(omega - times * w) <= MULTIPLE * omega then return true end
+  end
+  return false
+end
+
+--- Frequencies of the coordinates of R^n along an orbit, the smallest first: 2 pi over the mean
+-- time of a turn. Those that do not turn three times have none.
+function M.frequencies(states, n)
+  local all, out = {}, {}
+  for i = 1, n do
+    local list = rises(states, i)
+    if #list >= LEAST then all[#all + 1] = 2 * pi * (#list - 1) / (list[#list] - list[1]) end
+  end
+  table.sort(all)
+  for _, omega in ipairs(all) do
+    if not is_multiple(omega, out) then out[#out + 1] = omega end
+  end
+  return out
+end
+
+return M

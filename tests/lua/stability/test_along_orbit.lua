@@ -1,0 +1,61 @@
+-- linear theory along orbits, however long they are, and resonances at the frequencies that motions of large amplitude have: closed forms
+local dm = require "dm"
+local tap = require "tap"
+local ok, near = tap.ok, tap.near
+local pi, sin, sqrt = math.pi, math.sin, math.sqrt
+
+local function map_of(system, q, v, more)
+  local options = { system = system, q = q, v = v, rule = "verlet", h = { 0.01, 4, 3, "log" }, refine = false, accuracy = false, chaos = false }
+  for key, value in pairs(more) do options[key] = value end
+  return dm.stability(options)
+end
+
+-- Kepler: omega^2 = 1/r^3 across the radius, largest at the pericentre r = 1 - e, whatever the number of turns
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+for _, e in ipairs { 0.6, 0.97 } do
+  for _, turns in ipairs { 1, 19.6, 100 } do
+    local map = map_of(kepler, { 1 + e, 0 }, { 0, sqrt((1 - e) / (1 + e)) }, { t = 2 * pi * turns })
+    local exact = 2 * (1 - e) ^ 1.5
+    near(map:theory(1), exact, 1e-3 * exact, ("theory on an ellipse, e = %g, %g turns"):format(e, turns))
+  end
+end
+
+-- the pendulum turns with pi/(2 K(sin A/2)), by the arithmetic-geometric mean; Verlet turns by 2 pi/n where h omega = 2 sin(pi/n)
+local function frequency(A)
+  local a, b = 1, math.cos(A / 2)
+  for _ = 1, 40 do a, b = (a + b) / 2, sqrt(a * b) end
+  return a
+end
+local pendulum = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + dm.cos(q[1]) end }
+for _, A in ipairs { 0.1, 1, 2, 3 } do
+  local map, omega = map_of(pendulum, { A }, { 0 }, { t = 60 }), frequency(A)
+  local list = map:resonances(1)
+  ok(#list >= 3, "resonances", A, #list)
+  for _, r in ipairs(list) do
+    near(r.omega, omega, 1e-3, ("the frequency of the amplitude %g"):format(A))
+    near(r.h, 2 * sin(pi / r.n) / omega, 1e-3 * r.h, ("a step turns by 2 pi/%d, amplitude %g"):format(r.n, A))
+  end
+  near(map:theory(1), 2, 2e-3, "the limit is that of the bottom, which every swing passes")
+end
+
+-- a pendulum on a stiff spring: the spring swings with sqrt(k), which the turning of its direction hides from no state; the swing with its own
+local k = 1e4
+local spring = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] - k / 2 * (q:norm() - 1) ^ 2 end }
+local swings = map_of(spring, { sin(2), -math.cos(2) }, { 0, 0 }, { t = 60, h = { 0.001, 2, 3, "log" } })
+local fast, slow = {}, {}
+for _, r in ipairs(swings:resonances(1)) do
+  local list = r.omega > 10 and fast or slow
+  list[#list + 1] = r
+end
+ok(#fast == 4 and #slow >= 1, "resonances of the spring, and of the swing", #fast, #slow)
+for _, r in ipairs(fast) do near(r.omega, sqrt(k), 0.01 * sqrt(k), "the spring") end
+for _, r in ipairs(slow) do near(r.omega, frequency(2), 5e-3, "the swing") end
+
+-- a free rotor beside: nothing turns, and nothing oscillates
+local free = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
+local none, why = map_of(free, { 0 }, { 1 }, { t = 10 }):theory(1)
+ok(none == nil and why:find "nothing oscillates", "nothing oscillates", why)
+-- a start at a late time ends where it should
+local late = map_of(pendulum, { 1 }, { 0 }, { t = 60, t0 = 1e9 })
+near(late:resonances(1)[1].omega, frequency(1), 1e-3, "at a late time")
+tap.done()
