@@ -78,4 +78,20 @@ raises("L depends on t", function() hard:modes(2) end)
 raises("L depends on t", function() hard:stability_limit "verlet" end)
 near(hard:modes(2, { t = 2 }).values[2], 5 * soft:modes(2).values[2], 1e-11, "a mode at a time")
 near(hard:stability_limit("verlet", { t = 2 }), soft:stability_limit "verlet" / math.sqrt(5), 1e-12, "a limit at a time")
+
+-- masses that change with an upvalue of L: those of now, after they were asked for
+for rule, finish in pairs { avi = false, verlet = false, modes = function(f) return f:modes(2).values end } do
+  local mass = 1
+  local heavy = K:field { L = function(a, v) return mass * v:dot(v) / 2 - a:d():dot(a:d()) / 2 end }
+  local four = K:field { L = function(a, v) return 4 * v:dot(v) / 2 - a:d():dot(a:d()) / 2 end }
+  finish = finish or function(f)
+    local run = f:solver { rule = rule, h = 0.05 }:run { q = q, v = q, t = 0.5 }
+    return run.q[#run]
+  end
+  finish(heavy)
+  mass = 4
+  ok(finish(heavy) == finish(four), rule .. " after the mass has changed")
+end
+raises("product of two forms", function() K:stationary { term = function(a) return a end } end)
+raises("not of fields", function() soft:solver { rule = "midpoint", h = 0.1 }:fold { q = q.values, v = q.values } end)
 tap.done()

@@ -2,6 +2,7 @@
 -- stationary, with gradient and sparse Hessian.
 local cochain = require "dm.dec.fields.cochain"
 local core = require "dm.core"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -14,7 +15,12 @@ function M.new(K, degree, values, term, held, data)
   local marks = held and core.marks(held)
   -- q: nil while it is traced, numbers while it is compared
   local function of(q)
-    return term(cochain.leaf(K, degree, values, 1, { n = n, held = marks, data = data, q = q }))
+    local around = { n = n, held = marks, data = data, q = q }
+    local value = term(cochain.leaf(K, degree, values, 1, around))
+    if cochain.is_cochain(value) then
+      option.fail("the term", "must be a number: a:dot(b) is the product of two forms (got a form)")
+    end
+    return value
   end
   -- the columns of its sums point into what the mesh and the marks keep
   return setmetatable({ n = n, mesh = K, marks = marks, of = of,

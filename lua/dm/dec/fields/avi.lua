@@ -115,7 +115,8 @@ local function momentum_of(s, f, options)
   end
   if options.p then return start_of(s, f, options, "p") end
   local v = start_of(s, f, options, "v")
-  return v:map(function(x, i) return f.masses[i] * x end)
+  local masses = f.masses
+  return v:map(function(x, i) return masses[i] * x end)
 end
 
 -- times that grow from `now` on, up to `last`

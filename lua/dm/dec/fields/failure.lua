@@ -45,7 +45,8 @@ end
 -- the cell that is inside out at the last row, or where its velocity takes it in a step
 local function turned(system, h, path)
   local f, x, p = system.field, 1 * path.q[#path], path.p[#path]
-  local drifted = x:map(function(q, i) return f.held[i] and q or q + h * p[i] / f.masses[i] end)
+  local masses = f.masses
+  local drifted = x:map(function(q, i) return f.held[i] and q or q + h * p[i] / masses[i] end)
   local cell = inverted(system, x) or inverted(system, drifted)
   return cell and ("cell {%s} turns inside out there: try a smaller step (h = %.6g), or a slower "
     .. "start"):format(table.concat(cell, ", "), h / 2)
@@ -75,9 +76,9 @@ local GROWN = 2 ^ 104 -- energy over that of the start: no digit of it is left
 
 -- kinetic energy of a row
 local function kinetic(f, p)
-  local sum = 0
+  local sum, masses = 0, f.masses
   for i = 1, f.n do
-    if p[i] ~= 0 then sum = sum + p[i] ^ 2 / (2 * f.masses[i]) end
+    if p[i] ~= 0 then sum = sum + p[i] ^ 2 / (2 * masses[i]) end
   end
   return sum
 end
@@ -88,7 +89,9 @@ local function first_of(f, path, options)
   if not options.q or not (options.v or options.p) then return nil end
   local q = core.vector(f.start(options.q, "q"))
   local x = core.vector(f.start(options.p or options.v, options.p and "p" or "v"))
-  return q, options.p and x or x:map(function(v, i) return f.masses[i] * v end)
+  if options.p then return q, x end
+  local masses = f.masses
+  return q, x:map(function(v, i) return masses[i] * v end)
 end
 
 -- Has the energy of a closed system grown as no motion makes it? What leaves an unstable rest has

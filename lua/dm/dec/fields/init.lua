@@ -123,12 +123,10 @@ local function traced(f)
   return system, masses
 end
 
--- f.masses are made when they are first asked for: they are as many as the unknowns
+-- f.masses: those that L has now, which may have changed with its upvalues; as many as the unknowns
 local function with_masses(f, system)
   setmetatable(f, { __index = function(_, key)
-    if key ~= "masses" then return nil end
-    f.masses = core.field_masses(system)
-    return f.masses
+    if key == "masses" then return core.field_masses(system) end
   end })
   return system
 end

@@ -58,12 +58,12 @@ local function pencil(system, f, options, where)
   end
   core.field_check(system, q, t)
   if f.sphere then return tangent_pencil(system, f, q, t) end
-  local kind = operator.primal(f.degree)
+  local kind, masses = operator.primal(f.degree), f.masses
   local keep = core.constant(f.n, 1)
-  for i = 1, f.n do if f.held[i] or f.masses[i] == 0 then keep[i] = 0 end end
+  for i = 1, f.n do if f.held[i] or masses[i] == 0 then keep[i] = 0 end end
   local S = -1 * core.field_hessian(system, q, t)
   if f.massless and #f.massless > 0 then S = without(f, S) end
-  return operator.new(f.mesh, kind, kind, { weights = f.masses, keep = keep, stiffness = S })
+  return operator.new(f.mesh, kind, kind, { weights = masses, keep = keep, stiffness = S })
 end
 
 -- the values of one eigenvector as a form, or as one for every value of a cell

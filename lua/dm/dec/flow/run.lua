@@ -41,15 +41,13 @@ end
 
 ---- how long ----
 
-local function steps_of(options, h, t0)
-  local t, steps = option.number(options, "t", WHERE, "a time"),
+local function steps_of(options, h)
+  local t, steps = option.number(options, "t", WHERE, "a duration"),
     option.whole(options, "steps", WHERE, 0)
   if (t == nil) == (steps == nil) then fail("give either 't' or 'steps'") end
   if steps then return steps end
-  if t < t0 then
-    fail("option 't' must be at least %.6g, where the run begins (got %.6g)", t0, t)
-  end
-  local count = math.ceil((t - t0) / h * (1 - 1e-12) - 1e-9)
+  if t < 0 then fail("option 't' must be a duration of 0 at least (got %.6g)", t) end
+  local count = math.ceil(t / h * (1 - 1e-12) - 1e-9)
   if count > 1e15 then fail("%.3g steps are too many", count) end
   return math.max(0, math.tointeger(count))
 end
@@ -137,7 +135,7 @@ function M.run(s, options)
   option.check(options, { "t", "steps", "every", "t0", "vorticity", "file", "checkpoint" }, WHERE)
   if s.ending then checkpoint.check_options(options, { "t0", "vorticity" }) end
   local run, system = begin(s, options), s.euler.system
-  local steps = steps_of(options, s.h, now(run))
+  local steps = steps_of(options, s.h)
   local every = option.whole(options, "every", WHERE, 1, nil, 1)
   local saved_in = option.text(options, "checkpoint", WHERE)
   local engine = core.euler(run.mesh, system.solver and system.solver.factor, system.solved,

@@ -91,8 +91,10 @@ integrals_kept(dm.mesh { hex_torus = 8 }:euler { vorticity = (function() local w
 -- times, starts, files
 local solver = ball:euler { vorticity = wave(ball, 0) }:solver { h = 0.1 }
 local whole, first = solver:run { t = 1 }, solver:run { t = 0.5 }
-local second = solver:run { vorticity = first:form(#first), t0 = 0.5, t = 1 }
+local second = solver:run { vorticity = first:form(#first), t0 = 0.5, t = 0.5 }
 ok((whole:form(11) - second:form(#second)):max() < 1e-12, "a run goes on from another one's end")
+local third = dm.resume(first):run { t = 0.5 }
+ok(#third == 6 and third:form(6).values == whole:form(11).values and third.t[6] == 1, "t is a duration, of a run that goes on too")
 local name = os.tmpname() .. ".npy"
 local streamed = solver:run { t = 1, file = name }
 local data = dm.load(name)
