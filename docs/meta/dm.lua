@@ -1385,7 +1385,7 @@ local dm_euler_solver_class = {}
 
 ---solver:run{t= | steps=, every=, t0=, vorticity=, file=, checkpoint=} -> dm.flow
 ---
----From the vorticity of the flow, or another one at time t0 (0), to the time t or for so many steps.
+---From the vorticity of the flow, or another one at time t0 (0), for the duration t or so many steps.
 ---every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
 ---with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
 ---the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises

@@ -140,8 +140,8 @@ M.fold = blame.caller(function(solver, options)
     error("solver:fold: on groups with the left trivialization only", 0)
   end
   if solver.system and solver.system.field then
-    error("solver:fold: not of fields, whose second derivatives are no full matrix; a step that has "
-      .. "no solution ends the run with a dm.failure", 0)
+    error("solver:fold: not of fields, whose second derivatives are no full matrix; a step that "
+      .. "has no solution ends the run with a dm.failure", 0)
   end
   options, solver = starts.lists(options, solver)
   local what, rule = "solver:fold", tostring(solver.rule or "del")

@@ -55,13 +55,18 @@ if is_there then
     ["2-form"] = function() return flat:form(2, flat:oriented(flat:volume(2))):plot { file = name } end,
     ["dual function"] = function() return flat:form(2, flat:volume(2)):star():plot { file = name } end,
     field = function() return swirl:sharp { to = "cells" }:plot { file = name } end,
-    solid = function() return solid:plot { file = name } end,
+    solid = function() return dm.mesh { cube_tiling = 2 }:plot { file = name } end,
   } do
     local file = draw()
     local text = read(file)
     ok(text:find "<svg" and count(text, "<polygon") + count(text, "<path") > 20, what .. " drawn")
     if what == "1-form" then ok(text:find "a swirl" and text:find "m/s", "title and label") end
   end
+  -- of a body only the faces that look this way: half of those of a cube, 6 N^2
+  local function faces(N)
+    return count(read(dm.mesh { cube_tiling = N }:form(0, function(x) return x end):plot { file = name }), "<polygon")
+  end
+  ok(faces(2) - faces(1) == 6 * (4 - 1), "faces that are turned away are not drawn", faces(2) - faces(1))
   raises("does the folder exist", function() flat:plot { file = base .. "/no/such.png" } end)
 else
   print "# gnuplot is not installed: files are not drawn"

@@ -62,7 +62,7 @@ end
 
 --- What the page has of a mesh that is drawn, and its first form, the mesh alone.
 function M.data(d)
-  return { dim = d.dim, points = page.floats(flat(d.points, 0)),
+  return { dim = d.dim, solid = d.solid, points = page.floats(flat(d.points, 0)),
     faces = page.wholes(flat(d.faces, -1)), edges = page.wholes(flat(d.edges, -1)),
     forms = { entry("mesh", d) } }
 end

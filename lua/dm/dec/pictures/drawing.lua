@@ -57,15 +57,43 @@ local function vertices_of(simplices, cells)
   return out
 end
 
---- The mesh alone.
+-- six times the signed volume of a tetrahedron
+local function volume(a, b, c, d)
+  local x, y, z = {}, {}, {}
+  for k = 1, 3 do x[k], y[k], z[k] = b[k] - a[k], c[k] - a[k], d[k] - a[k] end
+  return x[1] * (y[2] * z[3] - y[3] * z[2]) + x[2] * (y[3] * z[1] - y[1] * z[3])
+    + x[3] * (y[1] * z[2] - y[2] * z[1])
+end
+
+-- the vertices of a face in the boundary of a body, anticlockwise as seen from outside
+local function outward(K, points, face, cell)
+  local a, b, c = table.unpack(cell)
+  local body, other = K:simplices(3)[K:cofaces(2, face)[1]], nil
+  for _, v in ipairs(body) do if v ~= a and v ~= b and v ~= c then other = v end end
+  if volume(points[a], points[b], points[c], points[other]) > 0 then b, c = c, b end
+  return { a, b, c }
+end
+
+--- Is a face of a body turned away, by its corners in the picture, { across, up } each? Its other
+-- side, which is inside, is not seen.
+function M.is_turned_away(d, p, q, r)
+  return d.solid and (q[1] - p[1]) * (r[2] - p[2]) - (q[2] - p[2]) * (r[1] - p[1]) < 0
+end
+
+--- The mesh alone; solid: of a body, whose faces are anticlockwise as seen from outside.
 function M.mesh(K)
   if K.dimension > 3 then fail("meshes of dimension %d cannot be drawn", K.dimension) end
   local faces = seen_faces(K)
-  local edges = seen_edges(K, faces)
-  return { dim = K.ambient == 3 and 3 or 2, points = points_of(K), arrows = {}, dual = {},
+  local edges, d = seen_edges(K, faces), nil
+  d = { dim = K.ambient == 3 and 3 or 2, points = points_of(K), arrows = {}, dual = {},
     face_cells = faces, edge_cells = edges,
     faces = #faces > 0 and vertices_of(K:simplices(2), faces) or {},
     edges = vertices_of(K:simplices(1), edges) }
+  if K.dimension == 3 then
+    d.solid = true
+    for i, cell in ipairs(d.faces) do d.faces[i] = outward(K, d.points, faces[i], cell) end
+  end
+  return d
 end
 
 ---- forms ----

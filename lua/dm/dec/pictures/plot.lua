@@ -44,8 +44,15 @@ local function pieces_of(d, see, scale)
     for j, v in ipairs(cell) do list[j] = d.points[v] end
     return list
   end
+  local function is_seen(cell)
+    local corners = {}
+    for j, p in ipairs(points(cell)) do corners[j] = { see(p) } end
+    return not drawing.is_turned_away(d, table.unpack(corners))
+  end
   for i, cell in ipairs(d.faces) do
-    add("face", points(cell), d.on == "faces" and colours.at(scale, d.values[i]) or "#eef2f6")
+    if is_seen(cell) then
+      add("face", points(cell), d.on == "faces" and colours.at(scale, d.values[i]) or "#eef2f6")
+    end
   end
   for i, cell in ipairs((d.on == "edges" or #d.faces == 0) and d.edges or {}) do
     add("edge", points(cell), d.on == "edges" and colours.at(scale, d.values[i]) or "#303030",

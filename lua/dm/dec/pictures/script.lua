@@ -148,11 +148,20 @@ function typicalLength(at) {
   return 2 * sum / edges.length;
 }
 
+// is a face of a body turned away? What is seen of it then is inside
+function isTurnedAway(at, i) {
+  if (!scene.solid) return false;
+  const [p, q, r] = [0, 1, 2].map(j => 3 * faces[3 * i + j]);
+  const x = [at[q] - at[p], at[p + 1] - at[q + 1]], y = [at[r] - at[p], at[p + 1] - at[r + 1]];
+  return x[0] * y[1] - x[1] * y[0] < 0;
+}
+
 // all that is drawn from the farthest to the nearest; lines a little before the faces they lie on
 function pieces(at, form, tips) {
   const out = [], near = 0.5 * typicalLength(at);
   const add = (cells, size, kind, nearer) => {
     for (let i = 0; i < cells.length / size; i++) {
+      if (kind === 0 && isTurnedAway(at, i)) continue;
       let depth = nearer;
       for (let j = 0; j < size; j++) depth += at[3 * cells[size * i + j] + 2] / size;
       out.push([depth, kind, i]);

@@ -1,4 +1,5 @@
 --- Meshes in a terminal: lines of edges, arrows, and faces in shades of their values.
+local drawing = require "dm.dec.pictures.drawing"
 local look = require "dm.show.look"
 local plot = require "dm.show.plot"
 local shades = require "dm.show.shades"
@@ -124,7 +125,9 @@ local function in_shades(d, see, title, options)
   local faces, lo, hi = {}, math.huge, -math.huge
   for i, cell in ipairs(d.faces) do
     local corners, depth = seen(d, cell, see)
-    faces[i] = { corners = corners, depth = depth, value = d.values[i] }
+    if not drawing.is_turned_away(d, table.unpack(corners)) then
+      faces[#faces + 1] = { corners = corners, depth = depth, value = d.values[i] }
+    end
     lo, hi = math.min(lo, d.values[i]), math.max(hi, d.values[i])
   end
   local box, columns, rows = frame_of(faces), shades.size(look.sized(options))
