@@ -247,8 +247,10 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
     *c = (dm_cells){.m = m, .shared = 1};
     c->sum = dm_arena_take(arena, (count + 1) * sizeof *c->sum);
     c->lists = dm_arena_take(arena, sizeof *c->lists);
-    if (!c->sum || !c->lists) return DM_NO_MEMORY;
+    c->ranges = dm_arena_take(arena, sizeof *c->ranges);
+    if (!c->sum || !c->lists || !c->ranges) return DM_NO_MEMORY;
     *c->lists = (dm_cell_lists){0};
+    *c->ranges = NULL;
     for (uint32_t k = 0; k < count && status == DM_OK; k++)
         status = open_sum(c, sums[k], compile, arena);
     return status;
@@ -309,12 +311,12 @@ static void add_slopes(const dm_cell_slopes *d, double *out, double factor, cons
 }
 
 /* linear slopes in runs, as far as x is in the caches for all outputs; others block by block */
-static void add_sum(const dm_cell_slopes *d, double *out, double factor, const double *x,
-                    double *work) {
+void dm_cells_add(const dm_cell_slopes *d, double *out, double factor, const double *x,
+                  uint32_t first, uint32_t cells, double *work) {
     const dm_cell_loop *l = &d->loop;
-    const uint32_t cells = l->outputs ? l->sum->bodies : 0, most = d->direct ? RUN : BLOCK;
-    for (uint32_t first = 0; first < cells; first += most) {
-        const uint32_t count = cells - first < most ? cells - first : most;
+    const uint32_t end = first + cells, most = d->direct ? RUN : BLOCK;
+    for (; first < end; first += most) {
+        const uint32_t count = end - first < most ? end - first : most;
         for (uint32_t k = 0; d->direct && k < l->outputs; k++)
             dm_cell_linear_add(l->linear + k, out, x, first, count, d->turned * factor);
         if (d->direct) continue;
@@ -331,6 +333,10 @@ void dm_cells_hold(const dm_cells *c, double *out, uint32_t from, uint32_t to) {
 void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
                        double *work) {
     memset(out, 0, c->m * sizeof *out);
-    for (uint32_t k = 0; k < c->sums; k++) add_sum(c->sum + k, out, factor[k], x, work);
+    for (uint32_t k = 0; k < c->sums; k++) {
+        const dm_cell_slopes *d = c->sum + k;
+        const uint32_t cells = d->loop.outputs ? d->loop.sum->bodies : 0;
+        dm_cells_add(d, out, factor[k], x, 0, cells, work);
+    }
     dm_cells_hold(c, out, 0, c->m);
 }

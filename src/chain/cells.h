@@ -2,7 +2,7 @@
  * slopes of a cell are added to the entries that it has, so entry i of the gradient is the sum of
  * those that belong to it, in the order of sums, cells and columns:
  *   dS/dx_i = sum over (cell K, column c) with x_i in column c of K of d term_K / d column c.
- * Threads do it by way of chain/cell_lists.h, with the same bits. */
+ * Threads do it by chain/cell_ranges.h or chain/cell_lists.h, with the same bits. */
 #ifndef DM_CELLS_H
 #define DM_CELLS_H
 
@@ -60,9 +60,10 @@ typedef struct dm_cells {
     uint32_t sums, m;
     const uint8_t *held; /* [coordinates] entries that are DM_HELD have no slope; NULL: none */
     uint32_t coordinates;
-    struct dm_cell_lists *lists; /* empty until threads ask for them */
-    size_t work;                 /* doubles of scratch of a thread */
-    int shared;                  /* threads may run it side by side */
+    struct dm_cell_ranges **ranges; /* of entries, for threads; empty until they ask for them */
+    struct dm_cell_lists *lists;    /* the same */
+    size_t work;                    /* doubles of scratch of a thread */
+    int shared;                     /* threads may run it side by side */
 } dm_cells;
 
 /* The sums over cells of g on which root depends, *count of them, and the nodes of d root/d sum in
@@ -77,6 +78,10 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
 /* out[m] = the gradient at x; factor[sums], work[]. */
 void dm_cells_gradient(const dm_cells *c, double *out, const double *factor, const double *x,
                        double *work);
+
+/* The slopes of cells [first, first + cells) of a sum, to their entries of out[m]. */
+void dm_cells_add(const dm_cell_slopes *d, double *out, double factor, const double *x,
+                  uint32_t first, uint32_t cells, double *work);
 
 /* Entries of out[m] from `from` to `to` that are held have no slope. */
 void dm_cells_hold(const dm_cells *c, double *out, uint32_t from, uint32_t to);

@@ -1,11 +1,13 @@
-/* team.c - a team is a mutex, two conditions and a counting barrier. */
+/* team.c - a team is a counting barrier, and a mutex with a condition for threads that wait. */
 #include "chain/team.h"
 
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 
-enum { SPINS = 2000 };
+/* looks at a number that another thread changes before a thread gives way, and before it sleeps:
+ * some 1 and 20 microseconds, as a burst follows soon on the one before */
+enum { SPINS = 2000, PATIENCE = 50000 };
 
 typedef struct {
     dm_team *team;
@@ -14,14 +16,12 @@ typedef struct {
 
 struct dm_team {
     pthread_mutex_t lock;
-    pthread_cond_t begin, end;
+    pthread_cond_t begin;
     pthread_t thread[DM_TEAM_MOST];
     member of[DM_TEAM_MOST];
     uint32_t parts;
-    uint32_t burst; /* number of the work that is to be done */
-    uint32_t left;  /* threads that have not finished it */
-    int closing;
-    dm_team_work *work;
+    atomic_uint burst;  /* number of the work that is to be done */
+    dm_team_work *work; /* NULL: the team is closed */
     void *context;
     atomic_uint waiting, phase; /* of the barrier */
 };
@@ -46,23 +46,35 @@ void dm_team_meet(dm_team *t) {
         if (spins >= SPINS) sched_yield();
 }
 
+/* Returns when the burst is another one than `done`. */
+static void await(dm_team *t, unsigned done) {
+    for (int spins = 0; spins < PATIENCE; spins++)
+        if (atomic_load(&t->burst) != done) return;
+    pthread_mutex_lock(&t->lock);
+    while (atomic_load(&t->burst) == done) pthread_cond_wait(&t->begin, &t->lock);
+    pthread_mutex_unlock(&t->lock);
+}
+
+/* the next burst, of this work */
+static void call(dm_team *t, dm_team_work *work, void *context) {
+    pthread_mutex_lock(&t->lock);
+    t->work = work;
+    t->context = context;
+    atomic_fetch_add(&t->burst, 1);
+    pthread_cond_broadcast(&t->begin);
+    pthread_mutex_unlock(&t->lock);
+}
+
 /* a thread of the team, until it is closed */
 static void *serve(void *of) {
     const member *m = of;
     dm_team *t = m->team;
-    uint32_t done = 0;
-    pthread_mutex_lock(&t->lock);
-    for (;;) {
-        while (t->burst == done && !t->closing) pthread_cond_wait(&t->begin, &t->lock);
-        if (t->closing) break;
-        done = t->burst;
-        pthread_mutex_unlock(&t->lock);
+    for (unsigned done = 0;; done++) {
+        await(t, done);
+        if (!t->work) return NULL;
         t->work(t->context, m->part, t->parts);
-        pthread_mutex_lock(&t->lock);
-        if (--t->left == 0) pthread_cond_signal(&t->end);
+        dm_team_meet(t);
     }
-    pthread_mutex_unlock(&t->lock);
-    return NULL;
 }
 
 dm_team *dm_team_open(double *memory, int threads) {
@@ -71,9 +83,9 @@ dm_team *dm_team_open(double *memory, int threads) {
     *t = (dm_team){.parts = 1};
     atomic_init(&t->waiting, 0);
     atomic_init(&t->phase, 0);
+    atomic_init(&t->burst, 0);
     pthread_mutex_init(&t->lock, NULL);
     pthread_cond_init(&t->begin, NULL);
-    pthread_cond_init(&t->end, NULL);
     while ((int)t->parts < threads) {
         t->of[t->parts] = (member){t, t->parts};
         if (pthread_create(t->thread + t->parts, NULL, serve, t->of + t->parts) != 0) break;
@@ -84,13 +96,9 @@ dm_team *dm_team_open(double *memory, int threads) {
 
 void dm_team_close(dm_team *t) {
     if (!t) return;
-    pthread_mutex_lock(&t->lock);
-    t->closing = 1;
-    pthread_cond_broadcast(&t->begin);
-    pthread_mutex_unlock(&t->lock);
+    call(t, NULL, NULL);
     for (uint32_t k = 1; k < t->parts; k++) pthread_join(t->thread[k], NULL);
     pthread_cond_destroy(&t->begin);
-    pthread_cond_destroy(&t->end);
     pthread_mutex_destroy(&t->lock);
 }
 
@@ -99,15 +107,7 @@ void dm_team_run(dm_team *t, dm_team_work *work, void *context) {
         work(context, 0, 1);
         return;
     }
-    pthread_mutex_lock(&t->lock);
-    t->work = work;
-    t->context = context;
-    t->left = t->parts - 1;
-    t->burst++;
-    pthread_cond_broadcast(&t->begin);
-    pthread_mutex_unlock(&t->lock);
+    call(t, work, context);
     work(context, 0, t->parts);
-    pthread_mutex_lock(&t->lock);
-    while (t->left) pthread_cond_wait(&t->end, &t->lock);
-    pthread_mutex_unlock(&t->lock);
+    dm_team_meet(t);
 }

@@ -13,7 +13,6 @@ return {
     { "chain/team", "pthread_cond_init", "they sleep between bursts" },
     { "chain/team", "pthread_cond_destroy", "they sleep between bursts" },
     { "chain/team", "pthread_cond_wait", "they sleep between bursts" },
-    { "chain/team", "pthread_cond_signal", "they sleep between bursts" },
     { "chain/team", "pthread_cond_broadcast", "they sleep between bursts" },
     { "chain/team", "sched_yield", "at a barrier" },
     { "code/native/code_memory", "mmap", "native code lives in pages of its own" },

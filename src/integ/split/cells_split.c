@@ -3,6 +3,7 @@
 #include "integ/split/cells_split_inside.h"
 
 #include "chain/cell_lists.h"
+#include "chain/cell_ranges.h"
 #include "chain/curvature.h"
 #include "chain/loops.h"
 #include "chain/team.h"
@@ -56,6 +57,14 @@ int dm_cells_split_damps(const dm_splitting *table) {
     return table->stages == 1 && table->b[0] > 0.0 && table->b[1] > 0.0;
 }
 
+/* ranges of entries where few cells are at their borders, or lists; one thread without memory */
+static void open_team(dm_cells_split *s, int threads, double *memory) {
+    dm_arena *arena = s->m->source.arena;
+    s->team = dm_team_open(memory, threads);
+    s->ranges = dm_cell_ranges_make(s->cells, s->unit, dm_team_parts(s->team), arena);
+    if (!s->ranges && dm_cell_lists_make(s->cells, arena) != DM_OK) dm_cells_split_close(s);
+}
+
 dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table, int plain,
                                     int threads, double *work) {
     dm_cells_split *s = (dm_cells_split *)(void *)work;
@@ -68,9 +77,7 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
     for (int k = 0; k < table->stages; k++) s->c[k + 1] = s->c[k] + table->a[k];
     s->c[table->stages] = 1.0;
     work += struct_size();
-    if (threads > 1 && cells->shared && (!m->work || m->work->shared) &&
-        dm_cell_lists_make(cells, m->source.arena) == DM_OK)
-        s->team = dm_team_open(work, threads);
+    if (threads > 1 && cells->shared && (!m->work || m->work->shared)) open_team(s, threads, work);
     const size_t arguments = arguments_of(m);
     s->own = arguments > 0;
     s->x = work + dm_team_size();
@@ -125,20 +132,11 @@ static void move_on_spheres(const dm_cells_split *s, const dm_cells_move *v, uin
     }
 }
 
-/* the entries of a thread, whole blocks of them */
-static void share_out(const dm_cells_split *s, uint32_t part, uint32_t parts, uint32_t *from,
-                      uint32_t *to) {
-    const uint32_t n = s->m->n, blocks = (n + s->unit - 1) / s->unit;
-    *from = (uint32_t)((uint64_t)blocks * part / parts) * s->unit;
-    *to = (uint32_t)((uint64_t)blocks * (part + 1) / parts) * s->unit;
-    if (*to > n) *to = n;
-}
-
 /* The part of a thread, block by block. `fresh`: the forces of L are new ones. */
 static void entries(const dm_cells_split *s, const dm_cells_move *given, int fresh, uint32_t part,
                     uint32_t parts) {
     uint32_t from, to;
-    share_out(s, part, parts, &from, &to);
+    dm_cell_range(s->m->n, s->unit, part, parts, &from, &to);
     for (uint32_t i = from; i < to; i += s->unit) {
         const uint32_t count = to - i < s->unit ? to - i : s->unit;
         dm_cells_move v = *given;
@@ -202,8 +200,8 @@ static void set_positions(dm_cells_split *s, double *q) {
         s->x = q;
 }
 
-/* Forces of L at the time t, of the entries of a thread; everybody has moved his entries before. Of
- * a team by way of lists. */
+/* Forces of L at the time t, of the entries of a thread; everybody has moved his entries before,
+ * and nobody moves them before all have their forces. */
 static void forces_of(dm_cells_split *s, double t, uint32_t part, uint32_t parts) {
     double *scratch = s->scratch + part * s->room;
     uint32_t from, to;
@@ -213,10 +211,13 @@ static void forces_of(dm_cells_split *s, double t, uint32_t part, uint32_t parts
         s->factor = dm_loops_factors(&s->m->force, s->x);
     }
     if (s->timed) dm_team_meet(s->team);
-    if (s->team) {
+    if (s->team && s->ranges) {
+        dm_cell_ranges_gradient(s->cells, s->ranges, s->force, s->factor, s->x, scratch, part);
+        dm_team_meet(s->team);
+    } else if (s->team) {
         dm_cell_lists_slopes(s->cells, s->factor, s->x, scratch, part, parts);
         dm_team_meet(s->team);
-        share_out(s, part, parts, &from, &to);
+        dm_cell_range(s->m->n, s->unit, part, parts, &from, &to);
         dm_cell_lists_entries(s->cells, s->force, from, to);
     } else {
         dm_cells_gradient(s->cells, s->force, s->factor, s->x, scratch);

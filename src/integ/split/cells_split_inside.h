@@ -13,7 +13,8 @@ struct dm_cells_split {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
     int plain;
-    dm_team *team; /* NULL: one thread */
+    dm_team *team;                       /* NULL: one thread */
+    const struct dm_cell_ranges *ranges; /* of a team; NULL: it goes by lists */
     double *x;     /* (q, v, t), or q of the state where forces read q alone */
     int own;       /* x is a copy */
     double *force; /* [n] those of the newest positions */

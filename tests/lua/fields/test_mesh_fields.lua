@@ -72,17 +72,18 @@ local function bits(backend)
   return p.q[21]
 end
 ok(bits "tape" == bits "jit", "tape and machine code give the same bits")
--- threads of a step, also with sums without compensation, with time in factors, and on spheres
-local sphere = dm.mesh { icosphere = 4 }
-local function threaded(what, L, rule, options, q, v)
+-- threads of a step, also with sums without compensation, with time in factors, and on spheres; on the torus, whose
+-- cells have entries near to each other, threads have ranges of them, on the icosphere lists
+local sphere, torus = dm.mesh { icosphere = 4 }, dm.mesh { hex_torus = 48 }
+local function threaded(what, L, rule, options, q, v, K)
   options.L = L
-  local field = sphere:field(options)
+  local field = (K or sphere):field(options)
   local function last(threads, sums)
-    local p = field:solver { rule = rule, h = 0.01, threads = threads, sums = sums }:run { q = q, v = v, steps = 20, every = 7 }
+    local p = field:solver { rule = rule, h = K and 0.002 or 0.01, threads = threads, sums = sums }:run { q = q, v = v, steps = 20, every = 7 }
     return p.q[#p], p.p[#p]
   end
   local q1, p1 = last(1)
-  for threads = 2, 3 do
+  for threads = 2, 4 do
     local q2, p2 = last(threads)
     ok(q1 == q2 and p1 == p2, what .. (": %d threads give the same bits"):format(threads))
   end
@@ -96,6 +97,19 @@ threaded("1-form, time in factors", function(u, v, t) return v:dot(v) / 2 - cos(
 local function along(x, y, z) local c, s = cos(3 * z), sin(3 * z) return { c * x - s * y, s * x + c * y, z } end
 local function across(x, y, z) local a = along(x, y, z) return { -a[2], a[1], 0 } end
 threaded("wave map", wave, "rattle", { values = 3, on = dm.S(2) }, along, across)
+for degree = 0, 1 do
+  local q = {}
+  for i = 1, torus:count(degree) do q[i] = math.sin(i * i) end
+  q = dm.vector(q)
+  threaded(("%d-form on a torus"):format(degree), wave, "verlet", { form = degree, fixed = { 2, 300 } }, q, 0 * q, torus)
+  threaded(("%d-form on a torus, any slopes"):format(degree), function(u, v, t)
+    return wave(u, v) - (1 + t) * torus:sum(degree, function(a, cell) return cell.star * a ^ 4 end, u)
+  end, "yoshida(4)", { form = degree }, q, 0 * q, torus)
+end
+local flat = dm.mesh { triangle = 40 }
+threaded("unit vectors on a triangle", wave, "rattle", { values = 3, on = dm.S(2) }, function(x, y) return { cos(9 * x), sin(9 * x), 0 } end,
+  function(_, y) return { 0, 0, y } end, flat)
+threaded("friction on a triangle", wave, "verlet", { force = function(_, v) return -v end }, function(x, y) return sin(9 * x + y) end, zero, flat)
 -- wave maps: order 2, unit vectors, energy, reversibility, angular momentum (target rotations)
 local maps = dm.mesh { icosphere = 1 }:field { values = 3, on = dm.S(2), L = wave }
 near(order(maps, "rattle", along, across), 2, 0.1, "a wave map by rattle has order 2")
