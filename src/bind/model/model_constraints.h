@@ -29,8 +29,14 @@ void dml_checkpairconstraints(lua_State *L, const dml_model *m);
  * nowhere in particular. */
 void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x);
 
-/* What function `which` (DML_CONSTRAINT ...) is called among the options. */
+/* What function `which` (DML_CONSTRAINT ...) is called among the options; is it given, of the
+ * system at `arg`? What it takes: constraint(q, t); force(q, v, t, u) where there are controls;
+ * map(q, p); all others (q, v, t), or (q0, q1) of a discrete Lagrangian (pair). Push it with params
+ * bound; its rows come as one list. */
 const char *dml_functionname(int which);
+int dml_has_function(lua_State *L, int arg, int which);
+dml_signature dml_function_signature(const dml_model *m, int pair, int which);
+void dml_push_constraint_function(lua_State *L, int arg, int which);
 
 /* A number that tells function `which` from others at x = (q, v, t) or (q0, q1, 0): its entries
  * with weights, one that is not finite as 1; controls are those of x. NaN: no memory for it. */
