@@ -1,5 +1,5 @@
 /* del.h - one step of a discrete Lagrangian on pairs of points, with what constrains and pushes it:
- * its workspace (del_work.c), its equations and their root (del_step.c); the rule itself is del.c. */
+ * its workspace (del_work.c), its equations and their root (del_step.c); the rule is del.c. */
 #ifndef DM_DEL_H
 #define DM_DEL_H
 

@@ -1,5 +1,5 @@
-/* del_step.c - the equations of a step of a discrete Lagrangian, where Newton's method begins and how
- * it goes, and what the step arrives at. */
+/* del_step.c - the equations of a step of a discrete Lagrangian, where Newton's method begins and
+ * how it goes, and what the step arrives at. */
 #include "integ/rules/del.h"
 
 #include "linalg/lu.h"

@@ -1,4 +1,5 @@
-/* del_work.c - the workspace of a step of a discrete Lagrangian and the memory from step to step. */
+/* del_work.c - the workspace of a step of a discrete Lagrangian and the memory from step to
+ * step. */
 #include "integ/rules/del.h"
 
 #include <string.h>
