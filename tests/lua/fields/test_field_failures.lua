@@ -94,4 +94,15 @@ for _, rule in ipairs { "rk4", "rk8", "yoshida(4)" } do
   ok(not fine and failure.message:find "is beyond the limit of stability", rule .. " beyond it", failure.message)
 end
 raises("one step tells no limit", function() spring:stability_limit "gauss(2, 3)" end)
+-- the same motion with masses and energies of 1e-9: growth is told by its own measure, on uneven slices too
+do
+  local sheet = dm.mesh { grid = 6 }
+  local light = sheet:field { L = function(u, v) return 1e-9 * (v:dot(v) - u:d():dot(u:d())) / 2 end }
+  local begin = { q = function(x, y) return x * y ^ 2 end, v = function() return 0 end, steps = 16 }
+  local fine, failure = pcall(function() return light:solver { rule = "verlet", h = 0.5 }:run(begin) end)
+  ok(not fine and failure.code == "blow_up" and failure.message:find "limit of stability, 0.117851", "growth of light fields", failure)
+  begin.steps = nil
+  fine, failure = pcall(function() return light:solver { rule = dm.prismal { 0, 1, 2, 3, 1e6 } }:run(begin) end)
+  ok(not fine and failure.code == "blow_up" and failure.message:find "limit of stability, 0.117851", "and over slices", failure)
+end
 tap.done()

@@ -22,6 +22,7 @@ end
 local function beyond(system, rule, h, path)
   local f, rows = system.field, { { #path, "the last row" } }
   if not path.file then table.insert(rows, 1, { 1, "the start" }) end
+  if rule:find "^prismal" then rule = "verlet" end -- what its slices are stepped by
   for _, row in ipairs(rows) do
     local fine, limit = blame.try(system.stability_limit, system, rule, { q = path.q[row[1]],
       t = path.t[row[1]] })
@@ -103,12 +104,12 @@ local function has_grown(system, path, options)
   if not q then return false end
   local q1, p1 = path.q[last], path.p[last]
   if not (q1:norm() + p1:norm() > GROWN ^ 0.4 * (q:norm() + p:norm())) then return false end
-  local first, moving = kinetic(f, p), kinetic(f, p1)
-  local before = system:energy(q, p)
-  local finite, after = blame.try(system.energy, system, q1, p1)
+  local first, moving, still = kinetic(f, p), kinetic(f, p1), core.constant(f.n, 0)
+  local before = system:energy(q, still) -- of the potential
+  local finite, after = blame.try(system.energy, system, q1, still)
   if not finite or moving == math.huge then return true end -- its squares overflow
-  local off = math.abs(after - before)
-  return off > GROWN * (first + math.abs(before - first)) and off > 0.1 * moving
+  local off = math.abs(after + moving - before - first)
+  return off > GROWN * (first + math.abs(before)) and off > 0.1 * moving
 end
 
 --- Raises for a path whose energy has grown so; options: of its run; h: the largest step; why: what
