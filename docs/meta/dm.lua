@@ -2272,14 +2272,17 @@ function dm_line_run_class:conservation(function_) end
 ---@return table
 function dm_line_run_class:drift(name) end
 
----run:multisymplectic({seed=}) -> number
+---run:multisymplectic({seed=}) -> number, number
 ---
 ---The largest residual of the multisymplectic form formula: two first variations V, W of the run, from
 ---random variations of u and p at the start (entries uniform in [-1, 1]), and around each node the sum
 ---of dS_i(V) W_i - dS_i(W) V_i over the boundary of the cells that meet there (Leok 5.1.3). Round-off
 ---for every L; nodes that are fixed or absorb have no law. With free heights the times of the levels
----are held.
+---are held. The second number is the largest sum of such terms without signs that a cell's corner has:
+---round-off is some 1e-16 of it. It is large where V and W grow, as with free nodes, which have hardly
+---any mass of their own where u is nearly straight.
 ---@param options? table
+---@return number
 ---@return number
 function dm_line_run_class:multisymplectic(options) end
 
@@ -4451,10 +4454,11 @@ function dm_strip_class:limit(u, least, most) end
 ---@return dm.vector
 function dm_strip_class:momenta(lower, upper, t, h) end
 
----strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number
+---strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number, number
 ---
----The largest boundary sum of a law around a node, over area.
+---The largest boundary sum of a law around a node, and of the terms of a corner, over area.
 ---@param options? table
+---@return number
 ---@return number
 function dm_strip_class:residual(options) end
 

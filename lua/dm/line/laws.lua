@@ -71,12 +71,14 @@ core.method("dm.line_run", "multisymplectic", blame.caller(function(run, options
   return strip:residual { u = u, t = t, v = variation(1), w = variation(3),
     leave = left_out(run, run.field.held), area = 1 }
 end), [[
-run:multisymplectic({seed=}) -> number
+run:multisymplectic({seed=}) -> number, number
 The largest residual of the multisymplectic form formula: two first variations V, W of the run, from
 random variations of u and p at the start (entries uniform in [-1, 1]), and around each node the sum
 of dS_i(V) W_i - dS_i(W) V_i over the boundary of the cells that meet there (Leok 5.1.3). Round-off
 for every L; nodes that are fixed or absorb have no law. With free heights the times of the levels
-are held.]])
+are held. The second number is the largest sum of such terms without signs that a cell's corner has:
+round-off is some 1e-16 of it. It is large where V and W grow, as with free nodes, which have hardly
+any mass of their own where u is nearly straight.]])
 
 ---- Noether ----
 
@@ -109,8 +111,8 @@ end
 
 local function of_values(run, generator, where)
   local u, t = all_levels(run, where)
-  return run.level.strip:residual { u = u, t = t, xi = currents(run, u, t, generator, where),
-    leave = left_out(run, run.field.held), area = mean_area(run, t) }
+  return (run.level.strip:residual { u = u, t = t, xi = currents(run, u, t, generator, where),
+    leave = left_out(run, run.field.held), area = mean_area(run, t) })
 end
 
 -- shifts of x: every node moves by 1; on fixed nodes by the cells of moving ones, all at rest
@@ -139,7 +141,7 @@ local function of_place(run, where)
     local is_end = not field.periodic and (i == 1 or i == field.nodes)
     if is_end or solver.moves and run.level.frozen[i] ~= 0 then leave[i] = 1 end
   end
-  return strip:residual { u = u, t = t, xi = xi, leave = leave, area = mean_area(run, t) }
+  return (strip:residual { u = u, t = t, xi = xi, leave = leave, area = mean_area(run, t) })
 end
 
 -- shifts of t: the energy of a slab less that of the one before, a unit of time and length

@@ -262,8 +262,11 @@ static int strip_residual(lua_State *L) {
         dml_stripmap(L, d, &d->strip.slopes, d->slopes, 4 * d->strip.layout.values);
     else
         dml_strip_wanthessian(L, d);
-    lua_pushnumber(L, dm_strip_residual(&d->room, &along, &law, dml_positive(L, 2, "area", 1.0)));
-    return 1;
+    double size;
+    const double area = dml_positive(L, 2, "area", 1.0);
+    lua_pushnumber(L, dm_strip_residual(&d->room, &along, &law, area, &size));
+    lua_pushnumber(L, size);
+    return 2;
 }
 
 /* -S_h and S_t of every slab */
@@ -346,8 +349,8 @@ static const dml_row methods[] =
       "strip:vary{u=, t=, v=, dp=} -> dm.matrix, dp\n"
       "First variations along known levels from v, and dp of an action, at the first."},
      {"residual", strip_residual,
-      "strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number\n"
-      "The largest boundary sum of a law around a node, over area."},
+      "strip:residual{u=, t=, xi= | v=, w=, leave=, area=} -> number, number\n"
+      "The largest boundary sum of a law around a node, and of the terms of a corner, over area."},
      {"energies", strip_energies,
       "strip:energies{u=, t=} -> dm.vector, dm.vector\n-dS/dh and dS/dt of every slab."},
      {"limit", strip_limit,

@@ -3,6 +3,7 @@
 #include "base/largest.h"
 #include "field/line/strip_run.h"
 
+#include <math.h>
 #include <string.h>
 
 /* the corners of a cell, as slopes count them */
@@ -21,41 +22,49 @@ static size_t at_of(const dm_strip *s, const place *at, uint32_t c, uint32_t cor
     return level * dm_strip_unknowns(s) + (size_t)node * n + k;
 }
 
-/* S_corner . xi at a corner of cell i of the block at c */
+/* S_corner . xi at a corner of cell i of the block at c; *size: at least the sum of its terms
+ * without signs */
 static double current(const dm_strip_room *room, const place *at, uint32_t c, uint32_t i,
-                      uint32_t corner) {
+                      uint32_t corner, double *size) {
     const uint32_t n = room->strip->layout.values;
-    double sum = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        sum += room->buffer[(size_t)(corner * n + k) * DM_CELL_BLOCK + i] *
-               at->law->xi[at_of(room->strip, at, c + i, corner, k)];
+    double sum = 0.0, all = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        const double term = room->buffer[(size_t)(corner * n + k) * DM_CELL_BLOCK + i] *
+                            at->law->xi[at_of(room->strip, at, c + i, corner, k)];
+        sum += term;
+        all += fabs(term);
+    }
+    *size = dm_largest(*size, all);
     return sum;
 }
 
 /* d(S_corner)(v) w - d(S_corner)(w) v there */
 static double form(const dm_strip_room *room, const place *at, uint32_t c, uint32_t i,
-                   uint32_t corner) {
+                   uint32_t corner, double *size) {
     const uint32_t n = room->strip->layout.values;
     const double *v = at->law->v, *w = at->law->w;
-    double sum = 0.0;
+    double sum = 0.0, all = 0.0;
     for (uint32_t k = 0; k < n; k++) {
         const size_t own = at_of(room->strip, at, c + i, corner, k);
-        double dv = 0.0, dw = 0.0;
+        double dv = 0.0, dw = 0.0, terms = 0.0;
         for (uint32_t b = 0; b < 4 * n; b++) {
             const double h =
                 room->buffer[((size_t)(corner * n + k) * 4 * n + b) * DM_CELL_BLOCK + i];
             const size_t other = at_of(room->strip, at, c + i, b / n, b % n);
             dv += h * v[other];
             dw += h * w[other];
+            terms += fabs(h * v[other] * w[own]) + fabs(h * w[other] * v[own]);
         }
         sum += dv * w[own] - dw * v[own];
+        all += terms;
     }
+    *size = dm_largest(*size, all);
     return sum;
 }
 
 /* corners[CORNERS][cells] of a slab */
 static void read_slab(dm_strip_room *room, const dm_strip_levels *along, const place *at,
-                      double *corners) {
+                      double *corners, double *size) {
     const dm_strip *s = room->strip;
     const size_t n = dm_strip_unknowns(s);
     const dm_cell_map *map = at->law->xi ? &s->slopes : &s->hessian;
@@ -69,7 +78,7 @@ static void read_slab(dm_strip_room *room, const dm_strip_levels *along, const p
         for (uint32_t i = 0; i < count; i++)
             for (uint32_t k = 0; k < CORNERS; k++)
                 corners[(size_t)k * s->cells + c + i] =
-                    at->law->xi ? current(room, at, c, i, k) : form(room, at, c, i, k);
+                    at->law->xi ? current(room, at, c, i, k, size) : form(room, at, c, i, k, size);
     }
 }
 
@@ -97,17 +106,19 @@ static double around(const dm_strip *s, const double *below, const double *above
 
 /* Two slabs at a time: the corners of the upper one are those of the lower one next. */
 double dm_strip_residual(dm_strip_room *room, const dm_strip_levels *along, const dm_strip_law *law,
-                         double area) {
+                         double area, double *size) {
     const dm_strip *s = room->strip;
     double *below = room->corners, *above = below + CORNERS * (size_t)s->cells, largest = 0.0;
+    *size = 0.0;
     for (long k = 0; k + 1 < along->levels; k++) {
         const place at = {law, k};
-        read_slab(room, along, &at, above);
+        read_slab(room, along, &at, above, size);
         for (uint32_t i = 0; i < s->nodes && k > 0; i++)
             if (!law->leave[i]) largest = dm_largest(largest, around(s, below, above, i) / area);
         double *last = below;
         below = above;
         above = last;
     }
+    *size /= area;
     return largest;
 }

@@ -68,9 +68,10 @@ typedef struct {
     const uint8_t *leave; /* [nodes] 1: no law there, its equation has a force or is missing */
 } dm_strip_law;
 
-/* The largest sum, in units of `area`. */
+/* The largest sum, in units of `area`; *size: the largest of what one corner of a cell adds to it,
+ * all terms without signs, so that round-off is some 1e-16 of that. */
 double dm_strip_residual(dm_strip_room *room, const dm_strip_levels *along, const dm_strip_law *law,
-                         double area);
+                         double area, double *size);
 
 /* The height at which the fastest oscillation about the level u begins to grow: where
  * S_ll + S_uu - S_lu - S_ul, lower and upper level being u, changes its signature. INFINITY: none

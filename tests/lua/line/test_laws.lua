@@ -89,7 +89,8 @@ local strip, zeros = run.level.strip, core.zeros(61)
 local v = strip:vary { u = run.levels, t = run.t, v = random_level(61, 1, 1), dp = random_level(61, 2, 1) }
 local w = core.zeros(#run.levels, 61)
 for k = 1, #w do for i = 1, 61 do w[k][i] = sin(i * k) end end
-ok(strip:residual { u = run.levels, t = run.t, v = v, w = w, leave = zeros, area = 1 } > 1e-3, "and fails for what is no variation")
+local off, size = strip:residual { u = run.levels, t = run.t, v = v, w = w, leave = zeros, area = 1 }
+ok(off > 1e-3 and off > 1e-3 * size, "and fails for what is no variation")
 -- first variations against the difference of two runs
 local base = dm.field { x = { 0, 2, 10 }, L = sine_gordon }:solver { h = 0.1 }
 local function from(e) return base:run { steps = 12, u = function(x) return sin(x) + e * cos(3 * x) end, p = function(x) return 0.1 * x - e * x ^ 2 end } end
@@ -143,6 +144,12 @@ below(free:conservation "x", 1e-11, "free nodes: momentum")
 ok(free.x[1] == free.nodes and free.x[4] ~= free.nodes and free.x[4][1] == -10 and free.x[4][81] == 10, "nodes move, ends stay")
 ok(#free.frozen > 0 and free.x[4][free.frozen[1]] == free.nodes[free.frozen[1]], "nodes of affine regions are frozen and named")
 local both = moves({ "t", "x" }, 3)
+-- nodes have hardly any mass of their own where u is nearly straight, so that variations of p make V and W grow to 1e5
+-- to 1e7, and the terms of the formula to their product; what is left is round-off of these
+for name, path in pairs { ["free nodes"] = free, ["free nodes and heights"] = both } do
+  local left, terms = path:multisymplectic()
+  ok(left < 1e-15 * terms, ("form formula, %s: %.1e of %.1e"):format(name, left, terms), left / terms)
+end
 below(both:conservation "x", 1e-11, "free nodes and heights: momentum")
 below(both:conservation "t", 1e-12, "and energy")
 local fine, why = pcall(moves, "x", 400)
