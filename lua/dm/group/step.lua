@@ -218,8 +218,8 @@ end
 
 local STATE, NOTHING = { q = true, flat = true, p = true, t = true }, {}
 
--- Coordinates of an element that `next` returned, near those before. y.q of coordinates that are
--- Coordinates of an element that `next` gave, near those before. y.q of coordinates that are off
+-- Coordinates of an element that `next` gave, near those before. Where y.q is off the group by
+-- rounding, that is too, and its coordinates are by more: tidied, they do not go away.
 local function coordinates_of(own, q, before)
   return own.follow(own.tidy(own.flat(own.kit.element(q))), before)
 end
