@@ -85,21 +85,61 @@ end
 
 ---- the action of lie(s) ----
 
+-- The approximant pade(k) is cay(z(xi)). xi of z, by Newton's method with z' as a matrix, is there
+-- for steps that are short enough for their rule.
+local NEWTON = 8
+
+local function of_pade(kit, k)
+  local d = kit.dimension
+  local function slope(xi)
+    return linear.matrix_of(function(x)
+      local _, dz = kit.pade(k, xi, x)
+      return dz
+    end, d)
+  end
+  local function back(g)
+    local z, last = core.vector(kits.list_of(kit.cayleyinv(g))), nil
+    local xi = z
+    for _ = 1, NEWTON do
+      last = slope(xi):solve(z - kit.pade(k, xi))
+      xi = xi + last
+    end
+    local size = last:norm()
+    if type(size) == "number" and not (size <= 1e-9 * (1 + xi:norm())) then
+      error("no curve of this rule was found from g0 to g1: are they one step apart?", 0)
+    end
+    return xi
+  end
+  local function inverse(xi, eta)
+    return slope(xi):solve(core.vector(kit.dcayinv((kit.pade(k, xi)), eta)))
+  end
+  return back, inverse, function(xi) return kit.cayley((kit.pade(k, xi))) end
+end
+
+--- xi of tau(xi), the inverse of the right-trivialized differential of tau, and tau itself.
+function M.map(kit, tau)
+  if tau == "exp" then return kit.log, kit.dexpinv, kit.exp end
+  local k = tonumber(tau:match "^pade%((%d)%)$")
+  if k then return of_pade(kit, k) end
+  return kit.cayleyinv, kit.dcayinv, kit.cayley
+end
+
 -- degree, map, and a, d, b, beta of the curves: those of galerkin on R^n
 local function curves_of(rule)
   local inside = tostring(rule):match "^lie%s*%((.*)%)$"
   if not inside then
-    error(("%s: on groups rule must be lie(s [, quadrature] [, exp | cayley]) (got %s)")
+    error(("%s: on groups rule must be lie(s [, quadrature] [, exp | cayley | pade(k)]) (got %s)")
       :format(WHERE, tostring(rule)), 0)
   end
-  local tau = inside:match ",%s*(%a+)%s*$"
-  if tau then inside = inside:gsub(",%s*%a+%s*$", "") end
+  local cut, tau = inside:match "^(.*),%s*(%a+)%s*$"
+  if not tau then cut, tau = inside:match "^(.*),%s*(pade%(%s*%d%s*%))%s*$" end
+  inside, tau = cut or inside, tau and tau:gsub("%s", "") or "exp"
   local s, quadrature = inside:match "^%s*(%d+)%s*,%s*(.-)%s*$"
   s = s or inside:match "^%s*(%d+)%s*$"
   local line = core.system { Q = core.R(1), L = function(_, v) return v[1] * v[1] / 2 end }
   local text = ("galerkin(%s, %s)"):format(s, quadrature or "gauss(" .. s .. ")")
   local c = core.discrete_lagrangian(line, { rule = text, h = 1 })
-  return math.tointeger(tonumber(s)), tau or "exp", c
+  return math.tointeger(tonumber(s)), tau == "pade(1)" and "cayley" or tau, c
 end
 
 -- S(q0, e, V) = h sum_i b_i L(g0 near(e) tau(xi_i), dtau_L(xi_i) xi'_i)
@@ -129,8 +169,9 @@ function M.action(Ld)
   local kit, given = kits.of(Ld.Q), Ld.system.given
   local s, tau, line = curves_of(Ld.rule)
   local c = line:coefficients()
+  local _, inverse = M.map(kit, tau)
   return { value = action(Ld, bound(given.L, given.params), s, tau, c), coefficients = c,
-    stages = #c.beta, tau = tau, inverse = tau == "exp" and kit.dexpinv or kit.dcayinv }
+    stages = #c.beta, tau = tau, inverse = inverse }
 end
 
 -- the matrix of the equations below for (V, S_1), of the second derivatives of S
@@ -183,8 +224,7 @@ local function by_rule(Ld)
   local s, tau, of_line = curves_of(Ld.rule)
   local c = of_line:coefficients()
   local S = core.trace(action(Ld, L, s, tau, c), N, d, s * d)
-  local back = tau == "exp" and kit.log or kit.cayleyinv
-  local inverse = tau == "exp" and kit.dexpinv or kit.dcayinv
+  local back, inverse = M.map(kit, tau)
   local zero = core.zeros(d)
   local function between(q0, q1)
     local g0, g1 = P.element(q0), P.element(q1)
@@ -254,7 +294,8 @@ end, [[
 Ld:momentum(group, g0, g1 [, {side=, action=}]) -> dm.vector
 Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body.]])
 method("solver", function(Ld, given)
-  given = given or {}
+  given = options.check(given or {}, { "newton", "backend" }, "Ld:solver",
+    "{ newton =, backend = }: rule and h are those of Ld")
   local out = { h = Ld.h, newton = given.newton, backend = given.backend }
   if Ld.system then
     out.rule = Ld.rule

@@ -12,7 +12,7 @@ local start = { q = G:exp { 0.4, 0, 0 }, p = { 0.2, 0.1, 1.5 } }
 ---- of a system ----
 
 for _, rule in ipairs { "lie(1)", "lie(2)", "lie(2, lobatto(3))", "lie(1, gauss(1), cayley)",
-  "lie(3)" } do
+  "lie(3)", "lie(1, pade(1))", "lie(2, gauss(2), pade(2))", "lie(3, pade(4))" } do
   local Ld = dm.discrete_lagrangian(heavy, { rule = rule, h = 0.2 })
   local path = heavy:solver { rule = rule, h = 0.2 }:run { q = start.q, p = start.p, steps = 2 }
   local q, p = path.q, path.p
@@ -27,16 +27,19 @@ for _, rule in ipairs { "lie(1)", "lie(2)", "lie(2, lobatto(3))", "lie(1, gauss(
       rule .. ": the value has them for derivatives")
   end
 end
-local Ld = dm.discrete_lagrangian(heavy, { rule = "lie(2)", h = 0.2 })
-local q = heavy:solver { rule = "lie(2)", h = 0.2 }:run { q = start.q, p = start.p, steps = 1 }.q
-local Omega, worst = Ld:two_form(q[1], q[2]), 0
-for b = 1, 3 do
-  local e = dm.vector { b == 1 and 1e-5 or 0, b == 2 and 1e-5 or 0, b == 3 and 1e-5 or 0 }
-  local change = (Ld:legendre_minus(q[1], q[2] * G:exp(e))
-    - Ld:legendre_minus(q[1], q[2] * G:exp(-e))) * (1 / 2e-5)
-  for a = 1, 3 do worst = math.max(worst, math.abs(change[a] - Omega[a][b])) end
+local Ld
+for _, rule in ipairs { "lie(2, gauss(2), pade(2))", "lie(2)" } do
+  Ld = dm.discrete_lagrangian(heavy, { rule = rule, h = 0.2 })
+  local q = heavy:solver { rule = rule, h = 0.2 }:run { q = start.q, p = start.p, steps = 1 }.q
+  local Omega, worst = Ld:two_form(q[1], q[2]), 0
+  for b = 1, 3 do
+    local e = dm.vector { b == 1 and 1e-5 or 0, b == 2 and 1e-5 or 0, b == 3 and 1e-5 or 0 }
+    local change = (Ld:legendre_minus(q[1], q[2] * G:exp(e))
+      - Ld:legendre_minus(q[1], q[2] * G:exp(-e))) * (1 / 2e-5)
+    for a = 1, 3 do worst = math.max(worst, math.abs(change[a] - Omega[a][b])) end
+  end
+  ok(worst < 1e-8, rule .. ": the two-form is the derivative of p0 by g1", worst)
 end
-ok(worst < 1e-8, "the two-form is the derivative of p0 by g1", worst)
 local whole = Ld:solver():run { q = start.q, p = start.p, steps = 5 }
 near((whole.p[6] - heavy:solver { rule = "lie(2)", h = 0.2 }
   :run { q = start.q, p = start.p, steps = 5 }.p[6]):norm(), 0, 0, "its solver is that of the rule")
@@ -84,5 +87,6 @@ raises("option 'Ld' is missing", dm.discrete_lagrangian, { Q = G, h = 0.1 })
 raises("without constraints and forces", dm.discrete_lagrangian, dm.system { Q = G,
   L = function(_, w) return w:dot(w) end, force = function(_, w) return -w end },
   { rule = "lie(1)", h = 0.1 })
+raises("unknown option 'h'", mine.solver, mine, { h = 0.3 })
 raises("g1: the group element must be a matrix", mine.value, mine, G:identity(), { 1 })
 tap.done()

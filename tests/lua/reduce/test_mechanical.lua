@@ -97,6 +97,7 @@ end
 ok(worst < 1e-12, "runs of momentum 0 are lifts", worst)
 
 for _, row in ipairs { { dm.SE(2), "lie(1)" }, { dm.SE(2), "lie(2, cayley)" }, { dm.SE(3), "lie(1)" },
+  { dm.SE(2), "lie(2, pade(2))" },
   { dm.SU(2), "lie(1)" }, { dm.Heisenberg(), "lie(1)" } } do
   local K, d = row[1], row[1].dimension
   local sys = dm.system { Q = dm.product(dm.T(1), K), L = function(q, xi)

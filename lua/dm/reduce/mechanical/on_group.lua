@@ -25,7 +25,7 @@ local function shape_step(S, tau, x0, x1)
   for _, part in ipairs(S.rest) do
     local kit, d = kits.of(part), part.dimension
     local dx = lists.part(x1, first, d) - lists.part(x0, first, d)
-    local step = tau == "exp" and dx or kit.cayleyinv(kit.unflat(lists.entries(dx)))
+    local step = tau == "exp" and dx or discrete.map(kit, tau)(kit.unflat(lists.entries(dx)))
     for j = 1, d do out[#out + 1] = step[j] end
     first = first + d
   end
@@ -73,6 +73,7 @@ end
 local function local_form_of(Ld, S)
   local equations, step_of, way, D = equations_of(Ld, S)
   local s, kit = way.stages, S.kit
+  local _, _, map = discrete.map(kit, way.tau)
   local root = core.root { name = "the discrete mechanical connection", unknowns = (s + 1) * D,
     failure = FAILURE,
     start = function(x0, x1)
@@ -86,7 +87,7 @@ local function local_form_of(Ld, S)
     equations = function(y, x0, x1) return equations(core.vector(y), x0, x1) end }
   return function(x0, x1)
     local xi = core.vector(places(step_of(root(x0, x1)), S.body))
-    return kit.inverse(kit[way.tau](xi))
+    return kit.inverse(map(xi))
   end
 end
 
