@@ -2,13 +2,10 @@
 
 #include "integ/method/lift_inside.h"
 
-#include "linalg/lu.h"
 #include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
-
-static const double LARGE = 8.0; /* |p|^2 over the least one that is regauged */
 
 /* the struct, in doubles */
 static size_t head(void) {
@@ -18,7 +15,8 @@ static size_t head(void) {
 /* doubles of the arrays, without what the base leaves to its next step */
 static size_t arrays(const dm_model *m) {
     const size_t n = m->n, d = m->group->momenta;
-    return dm_state_size(m->n) + 4 * n + 1 + n * d + 2 * d + d * d + 2 * d + DM_LIFT_STATE + 8 * n;
+    return dm_state_size(m->n) + 4 * n + 1 + n * d + 2 * d + d * d + 2 * d + n * d + 2 * n +
+           DM_LIFT_STATE + 8 * n;
 }
 
 /* Does the lift of polynomials serve the rule? */
@@ -95,7 +93,8 @@ static void lay_out(dm_lift *l, double *memory) {
     l->J = l->X + n * d;
     l->gram = l->J + d;
     l->below = l->gram + d * d + 2 * d;
-    l->base.work = l->below + 2 * n + d;
+    l->gauge = l->below + 2 * n + d;
+    l->base.work = l->gauge + n * d + 2 * n;
 }
 
 /* The base shares the report; its memory is copied, since a restart wants all in one piece. */
@@ -141,47 +140,18 @@ static void give_base(dm_lift *l) {
            l->base_memory * sizeof(double));
 }
 
-static double square(const double *x, size_t n) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) sum += x[i] * x[i];
-    return sum;
-}
-
-/* p = X (X^T X)^-1 mu, the least one with J = mu, into the lifted state */
-static dm_status lift_momentum(dm_lift *l, const double *q, const double *mu) {
-    const size_t n = l->n, d = l->d;
-    double *A = l->gram, *x = A + d * d;
-    uint32_t *pivot = (uint32_t *)(void *)(x + d);
-    memcpy(l->in, q, n * sizeof *q);
-    dm_kernel_eval(&l->group->directions, l->in, l->X);
-    memset(A, 0, d * d * sizeof *A);
-    for (size_t i = 0; i < n; i++)
-        for (size_t a = 0; a < d; a++)
-            for (size_t b = 0; b < d; b++) A[a * d + b] += l->X[i * d + a] * l->X[i * d + b];
-    memcpy(x, mu, d * sizeof *x);
-    const dm_status status = dm_lu_factor(A, pivot, l->d);
-    if (status != DM_OK) return status;
-    dm_lu_solve(x, A, pivot, l->d);
-    for (size_t i = 0; i < n; i++) {
-        double sum = 0.0;
-        for (size_t a = 0; a < d; a++) sum += l->X[i * d + a] * x[a];
-        l->lifted[n + i] = sum;
-        l->lifted[3 * n + i] = 0.0;
-    }
-    return DM_OK;
-}
-
 /* (q, p) of an element and its momentum, into the lifted state */
 static dm_status rise(dm_lift *l, const double *state) {
     const size_t n = l->n;
     memcpy(l->lifted, state, n * sizeof *state);
     memcpy(l->lifted + 2 * n, state + 2 * n, n * sizeof *state);
-    if (!l->above) return lift_momentum(l, state, state + n);
+    if (!l->above) return dm_lift_momentum(l, state, state + n);
     memcpy(l->in, state, 2 * n * sizeof *state);
     l->in[2 * n] = 0.0;
     dm_kernel_eval(&l->above->up, l->in, l->X);
     memcpy(l->lifted + n, l->X, n * sizeof *state);
     memset(l->lifted + 3 * n, 0, n * sizeof *state);
+    l->memory[DM_LIFT_SINCE] = 0.0;
     return DM_OK;
 }
 
@@ -194,29 +164,7 @@ dm_status dm_lift_enter(dm_lift *l, const double *state) {
         memcpy(l->lifted, kept + 4 * n, 4 * n * sizeof *state);
         return DM_OK;
     }
-    const dm_status status = rise(l, state);
-    l->memory[DM_LIFT_BOUND] = LARGE * square(l->lifted + n, n);
-    l->memory[DM_LIFT_SINCE] = 0.0;
-    return status;
-}
-
-/* What p has beside the least one with its momentum moves nothing on the group, but grows, and J
- * loses digits by it: it is taken away where |p|^2 is LARGE times that of the least one. Much of it
- * in few steps: later. */
-static dm_status regauge(dm_lift *l) {
-    enum { FEW = 16 };
-    const size_t n = l->n;
-    double *p = l->lifted + n, beside = 0.0;
-    l->memory[DM_LIFT_SINCE] += 1.0;
-    if (square(p, n) <= l->memory[DM_LIFT_BOUND]) return DM_OK;
-    memcpy(l->in, l->lifted, 2 * n * sizeof *p);
-    dm_kernel_eval(&l->group->momentum, l->in, l->J);
-    const dm_status status = lift_momentum(l, l->lifted, l->J);
-    for (size_t i = 0; i < n; i++) beside += (l->in[n + i] - p[i]) * (l->in[n + i] - p[i]);
-    l->memory[DM_LIFT_BOUND] =
-        LARGE * square(p, n) + (l->memory[DM_LIFT_SINCE] < FEW ? 64.0 * beside : 0.0);
-    l->memory[DM_LIFT_SINCE] = 0.0;
-    return status;
+    return rise(l, state);
 }
 
 /* what `down` makes of the lifted state, into `below` */
@@ -245,7 +193,7 @@ static dm_status rescale(dm_lift *l) {
 }
 
 dm_status dm_lift_settle(dm_lift *l) {
-    return l->above ? rescale(l) : regauge(l);
+    return l->above ? rescale(l) : dm_lift_regauge(l);
 }
 
 /* element and momentum of the lifted state */

@@ -16,6 +16,7 @@ typedef struct {
     double *in, *X, *J; /* [2n + 1], [n*d], [d] of the kernels between both; X: what `up` gives */
     double *gram;       /* [d*d + 2d] X^T X, the momentum, pivots */
     double *below;      /* [2n + d] what `above->down` gives */
+    double *gauge;      /* [n*d + 2n] of lift_gauge.c */
     double *memory, *of_base;
     size_t base_memory;
     dm_lanes wide; /* members of the base side by side, where they are */
@@ -35,6 +36,12 @@ dm_status dm_lift_enter(dm_lift *l, const double *state);
 
 /* After a step of the base: keeps p, or multiples of q, from becoming large. */
 dm_status dm_lift_settle(dm_lift *l);
+
+/* p = X (X^T X)^-1 mu, the least one with J = mu, into the lifted state; with its bound. */
+dm_status dm_lift_momentum(dm_lift *l, const double *q, const double *mu);
+
+/* After a step of a collective lift: p without what moves nothing, where that is large. */
+dm_status dm_lift_regauge(dm_lift *l);
 
 /* The state of the run, and the memory of what it came of. */
 void dm_lift_leave(dm_lift *l, double *state);

@@ -35,7 +35,7 @@ INLINE I sweep_to_end(phase_sweeps *it, I todo) {
         if (some(settles)) settle_members(it, settles);
         sweep_members(it, todo);
         todo &= is_finite(it->change);
-        todo &= not_of(it->rated & WHERE(it->rate > (it->count > 5 ? slow : 4.0)));
+        todo &= not_of(it->rated & WHERE(it->ratio > (it->count > 5 ? slow : 4.0)));
         const I now = todo & it->settled & WHERE(it->rate * it->change <= enough * enough);
         if (!some(now)) continue;
         leave_end(it, now);

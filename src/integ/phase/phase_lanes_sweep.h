@@ -26,8 +26,11 @@ INLINE void look_at(phase_sweeps *it, I where) {
     const I again = where & WHERE(it->known == count - 1.0) & WHERE(count > 1.0);
     const I clean = WHERE(before <= DM_SWEEP_CLEAN) & WHERE(change <= 100.0 * DM_SWEEP_CLEAN);
     const V foretold = pick(again & clean, it->rate * before, change);
-    it->rate = pick(again & not_of(clean), change / before, it->rate);
-    it->rated |= again & not_of(clean);
+    const I told = again & not_of(clean);
+    const V last = it->ratio;
+    it->ratio = pick(told, change / before, last);
+    it->rate = pick(told, pick(WHERE(it->ratio > last), it->ratio, last), it->rate);
+    it->rated |= told;
     it->change = pick(where, foretold, it->change);
     it->known = pick(where, count, it->known);
 }

@@ -11,7 +11,7 @@ typedef struct {
     int count, measured; /* sweeps; is what they change looked at? */
     int has_units[2];
     I settled, rated;
-    V known, change, rate, scale[2], moved[2];
+    V known, change, ratio, rate, scale[2], moved[2]; /* of phase_sweep.c */
 } phase_sweeps;
 
 /* rows first .. first + n - 1 of x = start + (base + sum_m column_m u_m) at every stage; u of entry

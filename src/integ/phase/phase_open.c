@@ -130,7 +130,8 @@ static void find_ahead(const dm_phase *g, const dm_galerkin *basis) {
     if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->flying[0], count);
 }
 
-/* the nearest double, and the rest */
+/* The nearest double, and the rest. Not of the end's coefficients, which are of few bits and the
+ * rest: see put_parts of stage_sweep_open.c. */
 static void split(double *top, double *rest, dm_weight w) {
     *top = dm_weight_double(w);
     *rest = (double)(dm_weight_exact(w) - (long double)*top);
@@ -145,7 +146,8 @@ void dm_phase_scale(dm_phase *g, double h) {
     for (uint32_t i = 0; i < r; i++) {
         g->hb[i] = dm_weight_of(h * dm_weight_exact(t->b[i]));
         g->hc[i] = dm_weight_of(h * dm_weight_exact(t->c[i]));
-        split(g->b.top + i, g->b.rest + i, g->hb[i]);
+        g->b.top[i] = g->hb[i].top;
+        g->b.rest[i] = g->hb[i].rest;
         for (uint32_t j = 0; j < r; j++)
             for (int k = 0; k < 2; k++) {
                 const size_t at = j * (size_t)g->width + i;

@@ -17,7 +17,9 @@ typedef struct {
     int known;                 /* the last of them that was looked at */
     double scale[2], moved[2]; /* squares, of q and p: 1 over their size, of the last change */
     double change;             /* of the sums by that one, relative, squared */
-    double rate;               /* by which it shrinks */
+    double ratio;              /* by which it shrank, of this step */
+    double rate;               /* by which it is taken to shrink: the larger of the last two ratios,
+                                  which change in turns where q moves p and p moves q */
 } iteration;
 
 static void evaluate(dm_phase *g) {
@@ -34,7 +36,9 @@ static void look(iteration *it) {
         if (before <= DM_SWEEP_CLEAN && change <= 100.0 * DM_SWEEP_CLEAN) {
             it->change = it->rate * before;
         } else {
-            it->rate = change / before;
+            const double last = it->ratio;
+            it->ratio = change / before;
+            it->rate = it->ratio > last ? it->ratio : last;
             it->rated = 1;
         }
     }
@@ -71,7 +75,7 @@ static dm_status iterate(iteration *it, double tolerance, int fixed) {
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
         if (fixed) continue;
-        if (it->rated && it->rate > (it->count > 5 ? slow : 4.0)) return DM_NO_CONVERGENCE;
+        if (it->rated && it->ratio > (it->count > 5 ? slow : 4.0)) return DM_NO_CONVERGENCE;
         if (it->settled && it->rate * it->change <= enough * enough) return DM_OK;
     }
     return fixed ? DM_OK : DM_NO_CONVERGENCE;
