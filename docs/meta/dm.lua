@@ -3865,7 +3865,7 @@ function dm_solver_class:multipliers(options) end
 
 ---solver:report() -> table
 ---
----What the last run cost: rule, order, h, backend, operations (of the kernels, per evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the condition number of the step equation of a dm.multiscale, defect: what its curves miss of the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how often a controlled step would have jumped over something; with constraints: constraint and rolling, the largest |g| and |phi| at the end of a step.
+---What the last run cost: rule, order, h, backend, operations (of the kernels, per evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, solves (step equations), newton (iterations), matrices (of these, those that took their matrix anew), newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the condition number of the step equation of a dm.multiscale, defect: what its curves miss of the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how often a controlled step would have jumped over something; with constraints: constraint and rolling, the largest |g| and |phi| at the end of a step.
 ---@return table
 function dm_solver_class:report() end
 

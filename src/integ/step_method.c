@@ -291,6 +291,7 @@ static dm_status solve(made_step *e, dm_stepper *s) {
     s->report.solves++;
     s->report.iterations = report.iterations;
     s->report.newton += report.iterations;
+    s->report.matrices += report.jacobians;
     s->report.residual = report.residual;
     s->report.evaluations += report.iterations + 1;
     if (status != DM_OK) return status;

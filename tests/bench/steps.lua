@@ -51,6 +51,20 @@ for _, case in ipairs { { 30, 1e-3, "gauss(8)" }, { 6, 0, "gauss(4)" } } do
     end } }
 end
 
+-- springs in a line in a magnetic field, and with drag: linear, of the general form and with forces
+for _, case in ipairs { { "magnetic field", 12, { "midpoint", "gauss(2)", "gauss(4)" } }, { "drag", 6, { "midpoint", "gauss(4)" } } } do
+  local what, BODIES, rules = table.unpack(case)
+  local q, v = {}, {}
+  for i = 1, BODIES do q[i], v[i] = 0.1 * math.sin(i * i), 0 end
+  models[#models + 1] = { name = ("chain of %d, %s"):format(BODIES, what), q = q, v = v, h = 2.35, rules = rules,
+    system = dm.system { Q = dm.R(BODIES), L = function(x, u)
+      local L = u:dot(u) / 2 - x[1] ^ 2 / 2 - x[BODIES] ^ 2 / 2
+      for i = 1, BODIES - 1 do L = L - (x[i + 1] - x[i]) ^ 2 / 2 end
+      for i = 1, what == "drag" and 0 or BODIES - 1, 2 do L = L + 0.3 * (x[i] * u[i + 1] - x[i + 1] * u[i]) end
+      return L
+    end, force = what == "drag" and function(_, u) return -0.01 * u end or nil } }
+end
+
 -- rods of length 1 hanging in a plane, unit masses at their ends, pushed at the lowest
 do
   local RODS = 20

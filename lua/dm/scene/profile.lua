@@ -19,6 +19,17 @@ function M.new(costs)
     counts = costs ~= "clock" }, M)
 end
 
+--- Are all of its figures counted? So are those of a file where a scene saved counted ones.
+function M:is_counted()
+  if self.counts or self.measures then return self.counts end
+  for _, row in pairs(self.rows) do
+    for _, entry in pairs(row) do
+      if entry.ns ~= entry.work then return false end
+    end
+  end
+  return true
+end
+
 local LONG_ENOUGH, LONGEST = 4e-3, 60  -- s of CPU spent on one figure; repeats
 
 -- ns of a step, without set-up, over so many of the N steps: the best of several; and the report of

@@ -244,7 +244,7 @@ local function try_rule(search, model, row)
   local N, err = first_enough(search, model, row)
   if not N then return end
   N, err = shrink(search, model, row, N, err)
-  if not search.profile.counts then N, err = cheaper(search, model, row.rule, N, err) end
+  if not search.profile:is_counted() then N, err = cheaper(search, model, row.rule, N, err) end
   local found = candidate(search, model, row, N, err, "reaches the tolerance", true)
   if found.kept and found.cost < search.bound then
     search.bound, search.guess = found.cost, N * row.stages

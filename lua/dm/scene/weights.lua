@@ -1,7 +1,8 @@
 --- What a run costs, in operations of about a nanosecond, by what it counted: evaluations of
--- kernels, their operations, iterations and the sizes of their equations, steps. Weights are of
--- this table alone, so that the same run always costs the same; they were fitted to ns of 80 rules
--- on ten models (docs/benchmarks/scenes.md).
+-- kernels, their operations, iterations of Newton's method and those of them that take a matrix
+-- anew, step equations, steps; and by the sizes of what they work on. Weights are of this file
+-- alone, so that the same run always costs the same; they were fitted to the least ns of 80 rules
+-- on seventeen models (docs/benchmarks/scenes.md), terms by the loops of the engines.
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
 
@@ -11,28 +12,8 @@ local max = math.max
 
 -- an evaluation: itself, a coordinate, an operation, a root or quotient, a sine or power
 local CALL, PLACE, PLAIN, ROOT, SINE = 3, 1.2, 0.2, 3, 17
--- beside an evaluation: of GSL's methods and of rk8, a coordinate; n^2: a mass that varies
-local GSL, RK8, ACCELERATION = 22, 15, 3
-local GSL_MASS, RK8_MASS = 12, 3
--- beside kicks and drifts; a stage without equations, and its step
-local KICK = 3
-local STAGE, STAGE_PLACE, STEP, STEP_PLACE = 12, 3, 20, 7
--- a sweep over all stages, side by side in lanes, and the step around it
-local LANES, SWEEP, SWEEP_PLACE, SWEPT = 1.2, 8, 2, 50
--- an iteration of Newton's method: of one stage written out, of any, with constraints or forces; of
--- a stage; s k^2: the matrix, k unknown velocities by s stages
-local SMALL, NEWTON, BOUND = 15, 20, 100
-local OF_STAGE, BOUND_STAGE, BOUND_PLACE = 60, 45, 25
-local MATRIX, BOUND_MATRIX, BOUND_MATRIX_PLACE = 1.3, 4, 4.7
--- RATTLE, and as a part of a composition
-local RATTLE, COMPOSED = 32, 1.5
--- an iteration where a whole method is solved for, and of a stage of it
-local CURVE, CURVE_PLACE, CURVE_STAGE, CURVE_STAGE_PLACE = 20, 50, 10, 18
-local CURVE_MASS, CURVE_LIFTED = 1.6, 2.6
-local CURVE_BOUND, CURVE_BOUND_STAGE = 60, 14
--- time of its own: an evaluation, a step
-local LOGARITHM, OWN_TIME = 1.2, 55
-local NOTICED = 0.02 -- sweeps more than iterations of Newton's method, in parts of these
+local SMALL = 4      -- coordinates of one point that is written out
+local FEW = 0.3      -- matrices in a step equation, below which it is sweeps that solve it
 local UNKNOWN = 5    -- operations of L: kernels of which no number is told
 
 ---- what is known of a rule, and of a model ----
@@ -89,27 +70,71 @@ local function sizes_of(report, model)
     e = CALL + PLACE * n + PLAIN * operations + slow_operations(model) }
 end
 
----- kinds of rules ----
+---- kinds of rules: what an evaluation costs, a step equation, an iteration, a matrix, a step ----
 
-local function of_curve(report, z, stages)
-  local e = CURVE_STAGE + z.e
+-- a whole method is solved for: its s points and their derivatives, each of all points before it
+local function of_curve(z, s)
+  local n, e = z.n, z.e
+  local varies = z.mass_varies and 1 or 0
   if z.bound > 0 then
-    local n = z.n + z.bound
-    return report.newton * (CURVE_BOUND * n + stages * (e + CURVE_BOUND_STAGE * n * n))
+    local m = n + z.bound
+    return { evaluation = 33 + 3.7 * e + 0.6 * s * n + 3.1 * m ^ 2, iteration = 13 * m ^ 2,
+      matrix = 47 * s * m ^ 2 }
   end
-  return report.newton * (CURVE + CURVE_PLACE * z.n + stages * (e + CURVE_STAGE_PLACE * z.n)
-    * (z.is_lifted and CURVE_LIFTED or z.mass_varies and CURVE_MASS or 1))
+  return { evaluation = 16 + 0.78 * e + (9 + 0.94 * s) * n, iteration = 75 + 4.5 * n ^ 2,
+    matrix = 202 + (8.9 + 0.27 * s) * s * n ^ 2 + (0.85 + 30 * s * varies) * n ^ 3 }
 end
 
--- iterations of Newton's method for k velocities by s stages
-local function of_newton(report, z, s, k)
-  if z.bound > 0 or z.forced then
-    local n = z.n + z.bound
-    return report.newton * (BOUND + s * (BOUND_STAGE + BOUND_PLACE * n + z.e)
-      + (BOUND_MATRIX + BOUND_MATRIX_PLACE * n) * s * k * k)
+-- s points and k velocities of a step; a matrix is k^2 blocks of s terms, and its factors
+local function of_bound(z, s, k)
+  local n, m = z.n, z.bound
+  local N = k * n + s * m
+  local blocks = 13 * k ^ 2 + 0.38 * k ^ 2 * n ^ 2 + (m > 0 and 4 * s ^ 2 or 0)
+  return { evaluation = 0.4 * z.e + 7.5 * k * n, iteration = 106 + 26 * s * m,
+    matrix = s * (54 + blocks) + 4.9 * N ^ 2 + 0.017 * N ^ 3 }
+end
+
+-- the same without constraints and forces; `cold`: where h is another one at every step equation,
+-- so that nothing is left from the one before
+local function of_newton(z, s, k, cold)
+  local n = z.n
+  return { evaluation = 11.5 + 0.21 * z.e + 3.1 * n ^ 2, iteration = 39,
+    matrix = (s > 1 and 55 or 0) + s * k ^ 2 * (5.3 + 0.68 * n ^ 2) + 6.3 * (k * n) ^ 2,
+    solve = cold and 80 + 0.35 * z.e + 8.4 * n ^ 2 + 1.35 * n ^ 3 or 0 }
+end
+
+-- all stages side by side in lanes, a sweep an evaluation of each; weights of a step of another h
+local function of_sweeps(z, s, cold)
+  local n, e = z.n, z.e
+  local sweep = 12.5 + 0.28 * e + n + (0.5 * n + 0.032 * e) * s
+  if not z.separable then sweep = sweep + 8 + 0.23 * n * s end
+  return { evaluation = sweep / s, solve = 51 + (cold and 27 * s ^ 2 or 0) }
+end
+
+-- two iterations of one point are one kernel
+local function of_one_point(z) return { iteration = 15 + 0.84 * z.e + 0.8 * z.n } end
+
+-- lie(s) on a group, with operations of its own kernel
+local function of_group(report) return { evaluation = 146 + 0.065 * report.operations } end
+
+local function of_explicit(z, own)
+  local n, e = z.n, z.e
+  local indirect = z.separable and not z.mass_varies and 0 or 1
+  if own then
+    return { evaluation = 18 + 0.4 * e + 2.8 * n + indirect * (2 + 1.35 * n ^ 2) }
   end
-  if s == 1 and z.separable and not z.mass_varies then return report.newton * (SMALL + z.e) end
-  return report.newton * (NEWTON + s * (OF_STAGE + z.e) + MATRIX * z.n * z.n * s * k * k)
+  -- of GSL; v(q, p) is Newton's method with the mass at its iterates
+  return { evaluation = 30 + 0.3 * e + 2 * n + indirect * (92 + 0.2 * e + 5.5 * n ^ 2) }
+end
+
+local function of_rattle(z, composed)
+  local e = z.e
+  if z.bound == 0 and not z.forced then
+    return composed and { evaluation = 20 + 0.9 * e, step = 6 }
+      or { evaluation = 0.48 * e, step = 7 }
+  end
+  return { evaluation = 36 + (z.forced and 28 or 0) + (composed and 8 + 0.34 * e or 0),
+    iteration = 1.6 * z.bound ^ 3 }
 end
 
 -- stages and unknown velocities of a stage method, or of the base of a composition
@@ -128,46 +153,48 @@ end
 
 local function of_stages(report, z, rule, facts)
   local s, k = stages_of(rule, facts, z)
-  local sweeps = report.evaluations / s
-  local more = sweeps - report.newton
-  local may_sweep = z.bound == 0 and not z.forced and (s == 1 or not facts.composed)
-  if may_sweep and more > NOTICED * report.newton then
-    return SWEPT * more + sweeps * (LANES * z.e + SWEEP_PLACE * z.n + SWEEP)
+  if z.bound > 0 or z.forced then return of_bound(z, s, k) end
+  if z.is_lifted and rule:find "^lie" and report.operations > 0 and report.matrices > 0 then
+    return of_group(report)
   end
-  return of_newton(report, z, s, k)
+  local cold = facts.composed or rule:find "^controlled" ~= nil
+  if report.matrices >= FEW * max(report.solves, 1) then return of_newton(z, s, k, cold) end
+  if s == 1 and z.n <= SMALL and z.separable and not z.mass_varies then return of_one_point(z) end
+  local cost = of_sweeps(z, s, cold)
+  cost.matrix = of_newton(z, s, k, cold).matrix
+  return cost
 end
 
 -- no equations are solved
-local function of_evaluations(report, z, rule, facts)
-  local evaluations = max(report.evaluations, report.steps)
-  if rule:find "^log%-hamiltonian" then
-    return LOGARITHM * evaluations * z.e + OWN_TIME * report.steps
-  end
+local function of_evaluations(z, rule, facts)
+  local n, e = z.n, z.e
+  if rule:find "^log%-hamiltonian" then return { evaluation = e, step = 68 } end
   if facts.explicit and rule:find "rk" then
-    local own = rule:find "rk8%f[^%w]" ~= nil
-    local mass = z.mass_varies and (own and RK8_MASS or GSL_MASS) * z.n * z.n or 0
-    return evaluations * (z.e + (own and RK8 or GSL) + ACCELERATION * z.n + mass)
+    return of_explicit(z, rule:find "rk8%f[^%w]" ~= nil)
   end
-  if rule:find ", rattle" then return evaluations * (z.e + RATTLE) end
-  if facts.composed or rule:find "verlet" or rule:find "euler" or rule:find "blanes"
-    or rule:find "rattle" or rule:find "shake" then
-    return evaluations * z.e + KICK * report.steps
+  if facts.composed or rule:find "verlet" or rule:find "euler" or rule:find "blanes" then
+    return { evaluation = 0.74 * e + 0.18 * n, step = 1.6 + 0.43 * n }
   end
-  return evaluations * (z.e + STAGE + STAGE_PLACE * z.n)
-    + report.steps * (STEP + STEP_PLACE * z.n)
+  return { evaluation = 13.5 + 0.24 * e + 2.15 * n, step = 17 + 7.6 * n }
+end
+
+local function cost_of(report, z, rule, facts)
+  if rule:find "rattle" or rule:find "shake" then return of_rattle(z, rule:find ", " ~= nil) end
+  if report.newton == 0 then return of_evaluations(z, rule, facts) end
+  if facts.curve then return of_curve(z, facts.stages) end
+  return of_stages(report, z, rule, facts)
 end
 
 --- Operations of a run: of the kernels, of the equations solved, and what surrounds them.
 function M.work(report, model, rule)
   local facts, z = facts_of(rule), sizes_of(report, model)
   if rule == pilot.EXACT then return z.n * report.steps end
-  if report.newton == 0 then return of_evaluations(report, z, rule, facts) end
-  if rule:find "rattle" or rule:find "shake" then
-    local composed = report.evaluations > 1.5 * report.steps
-    return report.evaluations * (z.e + RATTLE) * (composed and COMPOSED or 1)
-  end
-  if facts.curve then return of_curve(report, z, facts.stages) end
-  return of_stages(report, z, rule, facts)
+  local cost = cost_of(report, z, rule, facts)
+  local evaluations = report.newton == 0 and max(report.evaluations, report.steps)
+    or report.evaluations
+  return (cost.evaluation or 0) * evaluations + (cost.solve or 0) * report.solves
+    + (cost.iteration or 0) * report.newton + (cost.matrix or 0) * report.matrices
+    + (cost.step or 0) * report.steps
 end
 
 return M

@@ -105,6 +105,10 @@ static uint32_t operations(const dm_model *m, unsigned wants) {
            (wants & DM_WANT_FORCE ? m->force.operations : 0) +
            (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
            (wants & DM_WANT_PAIR ? m->pair.operations : 0) +
+           (wants & DM_WANT_MASS ? m->mass.operations : 0) +
+           (wants & DM_WANT_POTENTIAL ? m->potential.operations : 0) +
+           (wants & DM_WANT_FIELD ? m->field.operations : 0) +
+           (wants & DM_WANT_FIELD_CURVE ? m->field_curve.operations : 0) +
            (wants & DM_WANT_MAP ? m->map.operations : 0) +
            (m->constraints ? constraint_operations(m->constraints, wants) : 0);
 }
@@ -119,7 +123,9 @@ void dml_stepping_report(const dml_stepping *r, long steps, double seconds) {
                        .compile_ms = r->model->trace_ms + r->model->compile_ms,
                        .steps = steps,
                        .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
+                       .solves = report->solves,
                        .newton = report->newton,
+                       .matrices = report->matrices,
                        .evaluations = report->evaluations,
                        .substeps = report->substeps,
                        .condition = report->condition,
@@ -161,7 +167,9 @@ static int solver_report(lua_State *L) {
     set_number(L, "compile_ms", last->compile_ms);
     set_count(L, "steps", last->steps);
     set_number(L, "ns_per_step", last->ns_per_step);
+    set_count(L, "solves", last->solves);
     set_count(L, "newton", last->newton);
+    set_count(L, "matrices", last->matrices);
     set_count(L, "evaluations", last->evaluations);
     set_number(L, "newton_per_step",
                last->steps ? (double)last->newton / (double)last->steps : 0.0);
@@ -285,8 +293,10 @@ static const dml_row methods[] =
      {"report", solver_report,
       "solver:report() -> table\n"
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
-      "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, "
-      "newton_per_step, evaluations; substeps_per_step where they are chosen; condition: the "
+      "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, solves "
+      "(step equations), newton (iterations), matrices (of these, those that took their matrix "
+      "anew), newton_per_step, "
+      "evaluations; substeps_per_step where they are chosen; condition: the "
       "condition number of the step equation of a dm.multiscale, defect: what its curves miss of "
       "the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how "
       "often a "

@@ -9,7 +9,7 @@
 /* what the last run of a solver cost */
 typedef struct {
     const char *backend; /* NULL: there was no run */
-    long operations, steps, newton, evaluations, substeps, unseen;
+    long operations, steps, solves, newton, matrices, evaluations, substeps, unseen;
     double trace_ms, compile_ms, ns_per_step, condition, defect, drift;
     int constrained; /* the rest is known */
     double constraint, rolling;

@@ -178,6 +178,6 @@ dm_status dm_constrained_equation(void *ctx, double *R, double *J, const double 
     g->size = position_size(g);
     momentum_rows(g, R);
     constraint_rows(g, R + (size_t)g->table.s * g->n);
-    if (J) dm_constrained_equation_matrix(g, J);
+    if (J && !g->constant.made) dm_constrained_equation_matrix(g, J);
     return DM_OK;
 }

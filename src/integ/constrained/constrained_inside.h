@@ -3,6 +3,7 @@
 #define DM_CONSTRAINED_INSIDE_H
 
 #include "integ/constrained/constrained.h"
+#include "linalg/solve/newton.h"
 #include "linalg/step_matrix.h"
 #include "mech/constraints.h"
 
@@ -66,10 +67,12 @@ typedef struct {
     double *dq, *dp;                 /* [n] what the step adds */
     double *before;                  /* [n] momentum at the end without I_K */
     double *scratch;                 /* of Newton and of the Legendre transform */
-    double *memory;                  /* see constrained_memory.c */
-    double size;                     /* of the terms of the residual */
-    long evaluations;                /* of L, in this step */
-    int iterations;                  /* of Newton, in this step */
+    dm_newton_constant constant; /* without constraints where all is linear; J NULL: it is not */
+    double factored;             /* the h that it is of */
+    double *memory;              /* see constrained_memory.c */
+    double size;                 /* of the terms of the residual */
+    long evaluations;            /* of L, in this step */
+    int iterations, matrices;    /* of Newton, in this step */
     double residual;
     /* the constraint that depends on those before it, from 1; 0: none was found */
     uint32_t lost;

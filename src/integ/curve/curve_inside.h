@@ -42,7 +42,7 @@ typedef struct {
     double size, residual; /* of the momenta; of the step equation */
     int ran;               /* the segment is at y */
     int settled;           /* the last increment, at the head of scratch, was at round-off */
-    long evaluations;
+    long evaluations, matrices;
 } dm_curve_step;
 
 /* 2 n, or 3 n where d- is not q, and the multipliers */

@@ -108,6 +108,7 @@ static dm_status find_increment(dm_curve_step *e, double *dx, int fresh) {
     dm_status status = dm_curve_equation(e, dx, fresh ? J : NULL, e->z);
     if (status != DM_OK) return status;
     e->residual = norm(dx, m);
+    e->matrices += fresh;
     if (fresh) status = dm_lu_factor(J, pivot, m);
     if (fresh) *valid = status == DM_OK;
     if (status != DM_OK) return status;
@@ -170,6 +171,7 @@ static dm_status newton(dm_curve_step *e, const dm_stepper *s, int *iterations) 
     dm_newton_report report = {0};
     const dm_status status = dm_newton(e->z, &problem, e->scratch, &report);
     *iterations += report.iterations;
+    e->matrices += report.jacobians;
     e->residual = report.residual;
     return status;
 }
@@ -292,7 +294,7 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h)
     int iterations = 0;
     e->state = state;
     take_length(e, t, h);
-    e->evaluations = 0;
+    e->evaluations = e->matrices = 0;
     e->residual = 0.0;
     e->settled = 0;
     if (!fits_memory(e)) e->memory[0] = 0.0;
@@ -303,5 +305,6 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h)
     s->report.residual = e->residual;
     s->report.solves++;
     s->report.newton += iterations;
+    s->report.matrices += e->matrices;
     return status;
 }

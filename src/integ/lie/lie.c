@@ -231,6 +231,7 @@ static dm_status solve(dm_lie *e, dm_stepper *s) {
     s->report.solves++;
     s->report.iterations = report.iterations;
     s->report.newton += report.iterations;
+    s->report.matrices += report.jacobians;
     s->report.residual = report.residual;
     s->report.evaluations += (long)e->r * (report.iterations + 1);
     return status;

@@ -162,6 +162,7 @@ dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_
     dm_status status = dm_newton(e->z, &problem, e->work, report);
     if (status == DM_OK) status = dm_lie_joints_equation(e, e->work, NULL, e->z);
     e->iterations += report->iterations;
+    e->matrices += report->jacobians;
     e->residual = report->residual;
     return status;
 }
@@ -234,7 +235,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     e->turn = 0.0;
     e->lost = 0;
     e->evaluations = 0;
-    e->iterations = 0;
+    e->iterations = e->matrices = 0;
     memcpy(e->end, state, e->n * sizeof *state);
     dm_status status = begin(e);
     if (status != DM_OK) return status;
@@ -244,6 +245,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     s->report.solves++;
     s->report.iterations = e->iterations;
     s->report.newton += e->iterations;
+    s->report.matrices += e->matrices;
     s->report.residual = e->residual;
     s->report.evaluations += e->evaluations;
     s->report.dependent = (int)e->lost;

@@ -57,7 +57,7 @@ typedef struct {
      * [dm_lie_joints_memory_size] */
     double *memory;
     long evaluations;
-    int iterations; /* of Newton, in this step */
+    int iterations, matrices; /* of Newton, in this step */
     double residual;
     uint32_t lost;                 /* a constraint that depends on those before it, from 1 */
     double turn;                   /* rad, of a step that left the chart, else 0 */

@@ -22,6 +22,7 @@ typedef struct {
     double residual;            /* of the last step equation, max norm, units of momentum */
     long solves;                /* step equations solved so far */
     long newton;                /* Newton iterations so far */
+    long matrices;              /* of these, those that took a matrix and its factors anew */
     long evaluations;           /* kernel evaluations so far */
     long substeps;              /* so far, of engines that choose them */
     int plain;                  /* sums are made without compensation, as was asked for */

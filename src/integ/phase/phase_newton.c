@@ -99,6 +99,7 @@ static dm_status solve(dm_phase *g, dm_stepper *stepper) {
         guess(g);
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
     stepper->report.iterations = report.iterations;
+    stepper->report.matrices += report.jacobians;
     stepper->report.residual = report.residual;
     return status;
 }

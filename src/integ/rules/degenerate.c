@@ -409,6 +409,7 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     stepper->report.residual = report.residual;
     stepper->report.solves++;
     stepper->report.newton += report.iterations;
+    stepper->report.matrices += report.jacobians;
     stepper->report.evaluations += g->evaluations;
     if (status == DM_OK) memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
     return status;

@@ -73,6 +73,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     s->report.residual = report.residual;
     s->report.solves++;
     s->report.newton += report.iterations;
+    s->report.matrices += report.jacobians;
     s->report.evaluations += e.evaluations;
     if (status != DM_OK) return status;
     dm_del_keep(&e, follows);

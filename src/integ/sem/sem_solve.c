@@ -63,7 +63,7 @@ static dm_status iterate(dm_sem *e, dm_stepper *s) {
         memcpy(e->kept, e->z, e->unknowns * sizeof *e->z);
         last = rest;
         const dm_status status = improve(e);
-        s->report.newton++, s->report.iterations = k + 1;
+        s->report.newton++, s->report.matrices++, s->report.iterations = k + 1;
         if (status != DM_OK) return status;
         if (!(e->z[e->velocities] > 0.0)) return DM_NO_CONVERGENCE;
     }
@@ -117,6 +117,7 @@ dm_status dm_sem_fixed(dm_sem *e, dm_stepper *s, double h) {
     if (status != DM_OK) return status;
     status = dm_newton(e->z, &problem, e->scratch, &report);
     s->report.newton += report.iterations, s->report.iterations = report.iterations;
+    s->report.matrices += report.jacobians;
     if (status != DM_OK) return status;
     dm_sem_equation(e, e->R, NULL, e->z, e->velocities);
     return isfinite(e->energy) ? DM_OK : DM_NOT_FINITE;

@@ -52,7 +52,10 @@ static dm_status prepare(dm_stage *g) {
         dm_kernel_prepare(stage, w->curve + i * curve);
         dm_kernel_prepare(w->slope, w->slopes + i * (size_t)w->slope->outputs);
     }
-    if (g->separable) dm_stage_band_open(g, g->room);
+    if (g->separable)
+        dm_stage_band_open(g, g->room);
+    else
+        dm_stage_general_open(g);
     return DM_OK;
 }
 

@@ -14,6 +14,7 @@ void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after
 dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper);
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper);
 void dm_stage_separable_open(dm_stage *g);
+void dm_stage_general_open(dm_stage *g); /* once its kernel is there */
 
 /* The matrix of the separable form, once its kernel is there: opened with so many doubles of
  * scratch, filled in (newton.matrix says where), as a band alone, and where V is quadratic its

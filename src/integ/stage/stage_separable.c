@@ -313,6 +313,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
         status = dm_newton(g->newton.root, &problem, g->scratch, &report);
     }
     stepper->report.iterations = report.iterations;
+    stepper->report.matrices += report.jacobians;
     stepper->report.outside = report.outside;
     stepper->report.residual = report.residual * dm_stage_heaviest(g->m) / fabs(g->weights.h);
     if (status == DM_OK && (kept || report.jacobians)) correct_forces(g, g->scratch);

@@ -71,6 +71,7 @@ dm_status dm_stage_sparse_matrix(dm_stepper *s, const double *q, double t, doubl
         fill(s, l, h, b);
     }
     l->h = h;
+    s->report.matrices++;
     if (!s->solvers) return DM_OK;
     return dm_stage_factor_make(&l->factors, s->solvers, &l->S, l->solved == 1, l->constant);
 }

@@ -130,6 +130,7 @@ static dm_status solve_damped(dm_trial *e, dm_stepper *s) {
     dm_newton_report report;
     const dm_status status = dm_newton(e->z, &problem, e->scratch, &report);
     s->report.newton += report.iterations, s->report.iterations = report.iterations;
+    s->report.matrices += report.jacobians;
     s->report.residual = report.residual;
     return status;
 }

@@ -56,7 +56,7 @@ dm_status dm_trial_iterate(dm_trial *e, dm_stepper *s) {
     double last = INFINITY, moved = INFINITY;
     for (int k = 0; k < ITERATIONS; k++) {
         const dm_status status = improve(e, s, &moved);
-        s->report.newton++, s->report.iterations = k + 1;
+        s->report.newton++, s->report.matrices++, s->report.iterations = k + 1;
         if (status != DM_OK) return status;
         if (moved <= EXACT || (moved <= SQUARED && moved <= last * last * 1e4)) return DM_OK;
         if (moved >= 0.5 * last && last <= ROUND) return DM_OK;

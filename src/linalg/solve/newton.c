@@ -30,6 +30,14 @@ size_t dm_newton_work(uint32_t m) {
     return 4 * (size_t)m + (size_t)m * m + (m + 1) / 2;
 }
 
+INLINE dm_status factor(solver *s, uint32_t m) {
+    s->report->jacobians++;
+    const dm_status status =
+        s->p->band ? dm_band_factor(s->J, s->pivot, s->p->band) : dm_lu_factor(s->J, s->pivot, m);
+    if (s->p->constant) s->p->constant->made = status == DM_OK;
+    return status;
+}
+
 /* m of the problem, which is a constant for small ones, here and below */
 INLINE dm_status evaluate_at(solver *s, const double *x, int with_jacobian, uint32_t m) {
     chord *it = &s->it;
@@ -41,9 +49,7 @@ INLINE dm_status evaluate_at(solver *s, const double *x, int with_jacobian, uint
     if (!with_jacobian) return DM_OK;
     it->factored = 1;
     it->age = 0;
-    s->report->jacobians++;
-    if (s->p->band) return dm_band_factor(s->J, s->pivot, s->p->band);
-    return dm_lu_factor(s->J, s->pivot, m);
+    return s->p->constant && s->p->constant->made ? DM_OK : factor(s, m);
 }
 
 /* for the text of the iterations, which has one lane here: `all` is always true of it */
@@ -203,8 +209,9 @@ static solver solver_of(double *x, const dm_newton_problem *problem, double *wor
     s.it.own.shared = problem->shared;
     s.trial = s.it.r + m;
     s.start = s.trial + m;
-    s.J = s.start + m;
-    s.pivot = (uint32_t *)(void *)(s.J + (size_t)m * m);
+    s.J = problem->constant ? problem->constant->J : s.start + m;
+    s.pivot =
+        problem->constant ? problem->constant->pivot : (uint32_t *)(void *)(s.J + (size_t)m * m);
     *report = (dm_newton_report){0};
     memcpy(s.start, x, m * sizeof *x);
     return s;

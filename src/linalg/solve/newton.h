@@ -12,6 +12,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* A matrix that is the same at every x, whose factors stay from solve to solve: J as the problem has
+ * it, pivots [m]. `made`: they are there; `equation` is asked for J as ever, and leaves it alone. */
+typedef struct dm_newton_constant {
+    double *J;
+    uint32_t *pivot;
+    int made;
+} dm_newton_constant;
+
 /* At most 128 bytes: callers fill one in for every step, and compilers zero larger ones slowly. */
 typedef struct {
     uint32_t m; /* unknowns */
@@ -22,6 +30,7 @@ typedef struct {
     void *ctx;
     const double *size;  /* size of the terms of r at the last x, to tell round-off; may be NULL */
     const dm_band *band; /* J is such a band, and made so by `equation`; NULL: dense */
+    dm_newton_constant *constant; /* NULL: J is not known to be constant */
     /* [period], repeated: where r surely has a value; a start where it has none is drawn there.
      * NULL: no such place is known */
     const double *inside;

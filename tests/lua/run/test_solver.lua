@@ -239,4 +239,16 @@ for _, rule in ipairs { "gauss(1)", "lobatto(3)" } do
   tap.ok(solver:report().newton_per_step < 3.5, rule .. ": three iterations a step, or hardly more", solver:report().newton_per_step)
   tap.ok(worst < 1e-14, "  and the angular momentum stays", worst)
 end
+
+-- what a run counts: a matrix of h alone is taken once, a composition solves an equation for each of its parts
+local springs = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 - q[1] * q[2] / 4 end }
+local function counts(system, rule)
+  local solver = system:solver { rule = rule, h = 0.05 }
+  solver:run { q = { 1, 0.3 }, v = { 0, 0.2 }, steps = 100 }
+  return solver:report()
+end
+local linear, bent = counts(springs, "curve(rk4)"), counts(turning, "curve(rk4)")
+tap.ok(linear.matrices == 1 and linear.solves == 100 and linear.newton >= 100, "a linear system: one matrix for all steps of a curve", linear.matrices)
+tap.ok(bent.matrices > 1 and bent.matrices < bent.newton, "another takes some of its iterations with a new one", bent.matrices)
+tap.ok(counts(springs, "yoshida(4, midpoint)").solves == 300, "three step equations in each step of yoshida(4)")
 tap.done()

@@ -49,17 +49,18 @@ typedef struct {
     double *slopes;         /* [r][2n] of `slope` at the last iterate; separable: [r][n] */
     double *root;           /* [s or r][n] the iterate */
     double *missed;         /* [s][n] what a warm start has missed, while it is kept */
-    /* of the separable form, set with `stage` */
+    /* of the separable form, set with `stage`, but for the linear ones */
     dm_step_matrix matrix;
     double *lists;    /* room for those of `matrix` */
     uint32_t *solved; /* [points] that are solved for */
     uint32_t points;  /* how many */
-    int linear;       /* V is quadratic: the factors are kept */
+    int linear;       /* V is quadratic, of the general form L: the factors are kept */
     int keeps;        /* it is not, but they are tried in further steps (stage_kept.c) */
     double factored;  /* the h that they are of; NaN: there are none */
     double *place;    /* [n + 1] q, t that they are of, where V is not quadratic */
     double *factors;  /* in the scratch */
     uint32_t *pivot;  /* behind them */
+    struct dm_newton_constant *constant; /* of the general form, in a solve; NULL: not linear */
 } dm_stage_newton;
 
 /* The start and the points of the separable form, and what the first guess of both asks. */
