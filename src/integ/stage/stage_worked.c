@@ -233,8 +233,7 @@ static dm_status prepare(dm_stepper *s, layout *l, const double *q, const double
         }
         fill(s, l, h, a, from);
     }
-    l->h = h;
-    s->report.matrices++;
+    l->h = h, s->report.matrices++;
     if (!s->solvers) return DM_OK;
     return dm_stage_factor_make(&l->factors, s->solvers, &l->S, l->symmetric, l->constant);
 }

@@ -12,8 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A matrix that is the same at every x, whose factors stay from solve to solve: J as the problem has
- * it, pivots [m]. `made`: they are there; `equation` is asked for J as ever, and leaves it alone. */
+/* A matrix that is the same at every x, whose factors stay from solve to solve: J as the problem
+ * has it, pivots [m]. `made`: they are there; `equation` is asked for J as ever, and leaves it. */
 typedef struct dm_newton_constant {
     double *J;
     uint32_t *pivot;
