@@ -398,7 +398,7 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
     l.cpu = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
     l.looked = l.told = l.saved = seconds_of(CLOCK_MONOTONIC);
     dm_status status = begin(&l);
-    if (!dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;
+    if (status == DM_OK && !dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;
     if (status == DM_OK)
         status = run(&l);
     else if (!plan->at)

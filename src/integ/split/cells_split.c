@@ -14,8 +14,9 @@
 
 /* entries at once: forces, then kicks and drifts; passes of Newton's method; steps that are made
  * again where one fails, at most */
-enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 20, AGAIN = 32 };
-static const double SETTLED = 4e-16; /* of the largest value without mass: a change that is none */
+enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 100, AGAIN = 32 };
+/* of the largest value without mass: a change that is none, and one that no root is near to */
+static const double SETTLED = 4e-16, FAR = 1e-8;
 
 static size_t struct_size(void) {
     return (sizeof(struct dm_cells_split) + sizeof(double) - 1) / sizeof(double);
@@ -161,8 +162,8 @@ static double change_of(const dm_cells_split *s, uint32_t i) {
     return slope == 0.0 && own == 0.0 ? 0.0 : -slope / own;
 }
 
-/* Are all changes round-off? A NaN is one, which the value then takes. */
-static int are_settled(const dm_cells_split *s) {
+/* Are all changes within `bound` of the values? A NaN is not, and the value then takes it. */
+static int are_within(const dm_cells_split *s, double bound) {
     double step = 0.0, size = 0.0;
     for (uint32_t i = 0; i < s->m->n; i++) {
         if (s->m->held[i] != DM_MASSLESS) continue;
@@ -171,19 +172,20 @@ static int are_settled(const dm_cells_split *s) {
         step = fmax(step, change);
         size = fmax(size, fabs(s->x[i]));
     }
-    return step <= SETTLED * size;
+    return step <= bound * size;
 }
 
 /* Values without mass, no two of which meet in L, and forces anew; what is settled stays as it is,
- * so that a run that is cut here has the bits of a whole one. One thread does it all, with the bits
- * of one. */
+ * so that a run that is cut here has the bits of a whole one. Where Newton's method finds no root the
+ * values become NaN. One thread does it all, with the bits of one. */
 static void eliminate(dm_cells_split *s) {
     const dm_model *m = s->m;
     for (int pass = 0; pass < ELIMINATIONS; pass++) {
         dm_curvature_at(m->curvature, s->factor, s->x);
-        if (are_settled(s)) return;
+        if (are_within(s, SETTLED)) return;
+        s->lost = pass + 1 == ELIMINATIONS && !are_within(s, FAR);
         for (uint32_t i = 0; i < m->n; i++)
-            if (m->held[i] == DM_MASSLESS) s->x[i] += change_of(s, i);
+            if (m->held[i] == DM_MASSLESS) s->x[i] = s->lost ? NAN : s->x[i] + change_of(s, i);
         dm_cells_gradient(s->cells, s->force, s->factor, s->x, s->scratch);
     }
 }
@@ -228,9 +230,9 @@ static void forces_of(dm_cells_split *s, double t, uint32_t part, uint32_t parts
     dm_team_meet(s->team);
 }
 
-void dm_cells_split_settle(dm_cells_split *s, double *q, double t) {
+dm_status dm_cells_split_settle(dm_cells_split *s, double *q, double t) {
     dm_team *team = s->team;
-    if (!s->m->massless) return;
+    if (!s->m->massless) return DM_OK;
     s->team = NULL;
     set_positions(s, q);
     set_time(s, t);
@@ -238,6 +240,7 @@ void dm_cells_split_settle(dm_cells_split *s, double *q, double t) {
     forces_of(s, t, 0, 1);
     if (s->own) memcpy(q, s->x, s->m->n * sizeof *q);
     s->team = team;
+    return s->lost ? DM_NO_CONVERGENCE : DM_OK;
 }
 
 /* dm_team_work: all steps of the burst */
@@ -334,5 +337,5 @@ dm_status dm_cells_split_run(dm_cells_split *s, double *state, double t, double 
     const long since = s->since;
     *done = find_failure(s, state, t - (double)since * h, since + count) - since;
     s->since = AGAIN; /* the copy is another one now */
-    return DM_NOT_FINITE;
+    return s->lost ? DM_NO_CONVERGENCE : DM_NOT_FINITE;
 }

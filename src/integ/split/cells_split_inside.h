@@ -29,6 +29,7 @@ struct dm_cells_split {
     long count;
     int knows; /* q and the forces there are those of the last burst */
     int timed; /* forces depend on t: they are made anew in every burst */
+    int lost;  /* no root was found for values without mass, which are NaN */
 };
 
 /* what happens to an entry once its force is there: the kick hb, then with `begins` the kick that

@@ -261,8 +261,15 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     const layout *l = (const layout *)(const void *)s->work;
     (void)h;
-    if (l->cells) dm_cells_split_settle(l->cells, state, t);
-    return DM_OK;
+    return l->cells ? dm_cells_split_settle(l->cells, state, t) : DM_OK;
+}
+
+static const char *why(dm_stepper *s, const double *state, dm_status status) {
+    (void)state;
+    return s->model->massless && status == DM_NO_CONVERGENCE
+               ? "Newton's method finds no root of the equation dL/dA = 0 of a value without mass: "
+                 "has L a value of it at which it is stationary, and does the start lie near to it?"
+               : NULL;
 }
 
 /* Threads end. */
@@ -285,5 +292,6 @@ const dm_engine dm_engine_splitting = {
     .advance = advance,
     .widen = widen,
     .advance_lanes = advance_lanes,
+    .why = why,
     .close = close,
 };

@@ -147,4 +147,20 @@ ok(right and right > 0.02 and right < 0.2, "a map of more values than a run watc
 raises("there is no 'q280'", function() dm.stability { field, rule = "verlet", h = 0.02, t = 0.5, q = q, v = still, observe = "q280" } end)
 map = dm.stability { field, rule = "verlet", h = { 0.02, 0.2 }, t = 0.5, q = q, v = still, observe = "q200" }
 ok(map:at(1, 2).observable == "q200" or map:at(1, 2).class == "bounded", "one of the last values, by name")
+-- values without mass whose equation has no root, e^x, or a threefold one, (x - 0.3)^4 + ...: told, or found as well as rounding lets
+do
+  local squares = dm.mesh { grid = 2 }
+  local weights = squares:star_weights(1)
+  local function with(g)
+    return squares:field { form = 1, massless = "eliminate", L = function(a, v)
+      return v:dot(v) / 2 - a:dot(a) / 2 - squares:sum(1, function(x) return g(x - 0.3) end, a) end }
+  end
+  local begin = squares:form(1, function() return { 0.4, 0.2 } end)
+  for _, rule in ipairs { "verlet", "yoshida(4)" } do
+    local lost = with(function(x) return dm.exp(x) end):solver { rule = rule, h = 0.01 }
+    raises("no root of the equation dL/dA = 0", function() lost:run { q = begin, v = 0 * begin, steps = 3 } end)
+    local run = with(function(x) return x ^ 4 end):solver { rule = rule, h = 0.01 }:run { q = begin, v = 0 * begin, steps = 3 }
+    for i = 1, #weights do if weights[i] == 0 then near(run.q[4][i], 0.3, 1e-7, "a threefold root, " .. rule) end end
+  end
+end
 tap.done()
