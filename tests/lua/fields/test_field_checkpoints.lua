@@ -103,7 +103,7 @@ local solver = flow(ball):solver { h = 0.1 }
 local whole = solver:run { steps = 20 }
 local part = solver:run { steps = 9, checkpoint = name, file = rows_file }
 for _, from in ipairs { part, name } do
-  local rest = dm.resume(from, solver.euler):run { t = 2, file = rows_file }
+  local rest = dm.resume(from, solver.euler):run { t = 1.1, file = rows_file }
   local rows = dm.load(rows_file)
   local same = #rows.t == 21 and rest.w[#rest] == whole.w[21] and rest.t[1] == part.t[#part]
   for i = 1, 21 do
