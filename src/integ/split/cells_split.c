@@ -176,8 +176,8 @@ static int are_within(const dm_cells_split *s, double bound) {
 }
 
 /* Values without mass, no two of which meet in L, and forces anew; what is settled stays as it is,
- * so that a run that is cut here has the bits of a whole one. Where Newton's method finds no root the
- * values become NaN. One thread does it all, with the bits of one. */
+ * so that a run that is cut here has the bits of a whole one. Where Newton's method finds no root
+ * the values become NaN. One thread does it all, with the bits of one. */
 static void eliminate(dm_cells_split *s) {
     const dm_model *m = s->m;
     for (int pass = 0; pass < ELIMINATIONS; pass++) {

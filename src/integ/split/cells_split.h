@@ -24,8 +24,8 @@ dm_cells_split *dm_cells_split_open(const dm_model *m, const dm_splitting *table
 int dm_cells_split_damps(const dm_splitting *table);
 
 /* `count` steps of h from time t, in place. goes_on: the state is what the last call left. *done:
- * how many; the state is that behind them. *forces: how many were made. DM_NOT_FINITE; DM_NO_CONVERGENCE
- * where the equation of a value without mass has no root near it. */
+ * how many; the state is that behind them. *forces: how many were made. DM_NOT_FINITE;
+ * DM_NO_CONVERGENCE where the equation of a value without mass has no root near it. */
 dm_status dm_cells_split_run(dm_cells_split *s, double *state, double t, double h, long count,
                              int goes_on, long *done, long *forces);
 
