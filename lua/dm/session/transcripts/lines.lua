@@ -195,7 +195,7 @@ M["strip.residual"] = [=[
 > s:residual { u = dm.matrix { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 } }, t = { 0, 0.1, 0.2 },
 >>   xi = dm.matrix { { 1, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } },
 >>   leave = { 0, 0, 0 }, area = 1 }
-0.0]=]
+0.0	5.0]=]
 
 M["strip.run"] = [=[
 > core = require "dm.core"

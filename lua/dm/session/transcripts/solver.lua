@@ -229,8 +229,8 @@ verlet   ]=]
 M["stability_map.theory"] = [=[
 > s = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
 > map = s:stability { rule = "verlet", q = {0.01}, v = {0}, steps = 500, h = {0.5, 1.5, 2.5} }
-> (map:theory(1))
-2.0000000996777]=]
+> string.format("%.6f", (map:theory(1)))
+2.000000]=]
 
 M["sweep.csv"] = [=[
 > dm.sweep { members = 2, run = function(i) return i^2 end }:csv()
