@@ -14,11 +14,14 @@ static const double STALE = 3e-2;      /* rate from which the next step takes it
 static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double NEGLIGIBLE = 6e-9; /* of the tolerance: an increment not worth a step */
 enum { CHORDS = 10 };
-/* Parts of a step from which one is drawn out, how little longer a part may become, and below which
- * factor it grows again. */
-static const double FIRST_PART = 0x1p-4, LEAST_PART = 0x1p-12, LEAST_FACTOR = 1.0002, SHORT = 1.02;
-/* velocities to those that were foretold on a line; nearer as the square where a part is less than
- * SHORT longer */
+/* A step drawn out from a part of it: the first part, the least; how much longer parts become at
+ * first, and at least. By long parts, and by short ones. */
+static const double LEAST_PART = 0x1p-16, SHORT = 1.02;
+typedef struct {
+    double first, factor, least;
+} parts;
+static const parts by_long = {0x1p-4, 2.0, 1.02}, by_short = {0x1p-8, 1.02, 1.0002};
+/* velocities to those that were foretold on a line, beside the velocities */
 static const double CLOSE = 0.05;
 
 /* ---- the start of the iteration ---- */
@@ -216,7 +219,7 @@ static void take_length(dm_curve_step *e, double t, double h) {
 static dm_status begin_short(dm_curve_step *e, const dm_stepper *s, double t, double h,
                              double *part, int *iterations) {
     dm_status status = DM_NO_CONVERGENCE;
-    for (*part = FIRST_PART; status != DM_OK && *part >= LEAST_PART; *part *= 0.25) {
+    for (; status != DM_OK && *part >= LEAST_PART; *part *= 0.25) {
         take_length(e, t, *part * h);
         status = guess(e, s);
         if (status == DM_OK) status = newton(e, s, iterations);
@@ -240,30 +243,28 @@ static void predict(dm_curve_step *e, double next, double part, double before) {
 
 /* the root of a part, if its velocities are near those that were foretold: else it may be that of
  * another step */
-static dm_status draw_out(dm_curve_step *e, const dm_stepper *s, double factor, int *iterations) {
+static dm_status draw_out(dm_curve_step *e, const dm_stepper *s, int *iterations) {
     const dm_status status = newton(e, s, iterations);
     const size_t n = e->n;
     double apart = 0.0;
     for (size_t k = 0; k < n; k++) apart = fmax(apart, fabs(e->z[k] - e->next[k]));
     const double size = fmax(norm(e->z, n), norm(e->z + n, n));
-    const double shorter = fmin(1.0, (factor - 1.0) / (SHORT - 1.0));
-    return status == DM_OK && apart > CLOSE * shorter * shorter * size ? DM_NO_CONVERGENCE : status;
+    return status == DM_OK && apart > CLOSE * size ? DM_NO_CONVERGENCE : status;
 }
 
-/* Where Newton's method fails from the guess, as where explicit methods leave the domain of L (a
- * speed limit): a short step drawn out to h, each part from the roots before. What fails then has
- * no root that is the one of a small step. */
-static dm_status by_continuation(dm_curve_step *e, const dm_stepper *s, double t, double h,
-                                 int *iterations) {
+/* A short step drawn out to h, each part from the roots before, longer by the factor and, where it
+ * fails, by less. What fails then has no root that is the one of a small step. */
+static dm_status by_parts(dm_curve_step *e, const dm_stepper *s, double t, double h,
+                          const parts *by, int *iterations) {
     const size_t size = e->unknowns * sizeof *e->z;
-    double *root = e->z + e->unknowns, part, before = 0.0, factor = 2.0;
+    double *root = e->z + e->unknowns, part = by->first, before = 0.0, factor = by->factor;
     dm_status status = begin_short(e, s, t, h, &part, iterations);
     memcpy(root, e->z, size);
     while (status == DM_OK && part < 1.0) {
         const double next = fmin(part * factor, 1.0);
         take_length(e, t, next * h);
         predict(e, next, part, before);
-        const dm_status there = draw_out(e, s, factor, iterations);
+        const dm_status there = draw_out(e, s, iterations);
         if (there == DM_OK) {
             memcpy(root + e->unknowns, root, size);
             memcpy(root, e->z, size);
@@ -273,8 +274,18 @@ static dm_status by_continuation(dm_curve_step *e, const dm_stepper *s, double t
             continue;
         }
         factor = sqrt(factor);
-        if (factor < LEAST_FACTOR) status = there;
+        if (factor < by->least) status = there;
     }
+    return status;
+}
+
+/* Where Newton's method fails from the guess, as where explicit methods leave the domain of L (a
+ * speed limit). Where the root turns so fast that long parts fail, one of them may have gone over
+ * to another root: all of it is done again by short ones. */
+static dm_status by_continuation(dm_curve_step *e, const dm_stepper *s, double t, double h,
+                                 int *iterations) {
+    dm_status status = by_parts(e, s, t, h, &by_long, iterations);
+    if (status != DM_OK) status = by_parts(e, s, t, h, &by_short, iterations);
     take_length(e, t, h);
     return status;
 }
