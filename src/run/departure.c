@@ -40,10 +40,8 @@ static void find_some_weights(double *weight, double s, uint32_t count) {
 }
 
 /* the rows nearest to t, as many before as behind it where there are so many */
-static void find_stencil(dm_stencil *s, const dm_run_table *flow, double t) {
-    const double t0 = flow->data[0];
-    const double dt = flow->rows > 1 ? flow->data[flow->width] - t0 : 1.0;
-    if (s->count && s->t == t && s->t0 == t0 && s->dt == dt && s->rows == flow->rows) return;
+__attribute__((noinline)) static void make_stencil(dm_stencil *s, const dm_run_table *flow,
+                                                   double t, double t0, double dt) {
     const double place = (t - t0) / dt;
     const long last = flow->rows - 1, here = place < (double)last ? (long)place : last;
     s->t = t, s->t0 = t0, s->dt = dt, s->rows = flow->rows;
@@ -54,6 +52,14 @@ static void find_stencil(dm_stencil *s, const dm_run_table *flow, double t) {
         find_weights(s->weight, place - (double)s->first);
     else
         find_some_weights(s->weight, place - (double)s->first, s->count);
+}
+
+/* unless it is that of the member before */
+static inline void find_stencil(dm_stencil *s, const dm_run_table *flow, double t) {
+    const double t0 = flow->data[0];
+    const double dt = flow->rows > 1 ? flow->data[flow->width] - t0 : 1.0;
+    if (s->count && s->t == t && s->t0 == t0 && s->dt == dt && s->rows == flow->rows) return;
+    make_stencil(s, flow, t, t0, dt);
 }
 
 /* the value of one column */
@@ -152,14 +158,26 @@ __attribute__((always_inline)) static inline pair turn_of(pair before, pair here
     return pick((here - before) * (after - here) < 0.0, top, here);
 }
 
-/* note for `count` columns, even, that follow each other in the flow */
+/* the values of `count` columns, even, that follow each other in the flow */
+__attribute__((always_inline)) static inline void find_pairs(pair *sum, const double *y,
+                                                             size_t width, const double *weight,
+                                                             const uint32_t nodes,
+                                                             const uint32_t count) {
+#pragma GCC unroll 8
+    for (uint32_t k = 0; k < nodes; k++, y += width)
+        for (uint32_t i = 0; i < count / 2; i++) sum[i] += weight[k] * load(y + 2 * (size_t)i);
+}
+
+/* note for these columns */
 __attribute__((always_inline)) static inline void note_pairs(double *largest, uint32_t apart,
                                                              const double *numbers, const double *y,
                                                              size_t width, const dm_stencil *at,
                                                              int between, const uint32_t count) {
     pair sum[SOME / 2] = {{0.0}};
-    for (uint32_t k = 0; k < at->count; k++, y += width)
-        for (uint32_t i = 0; i < count / 2; i++) sum[i] += at->weight[k] * load(y + 2 * (size_t)i);
+    if (at->count == NODES) /* a number that the compiler knows */
+        find_pairs(sum, y, width, at->weight, NODES, count);
+    else
+        find_pairs(sum, y, width, at->weight, at->count, count);
     for (uint32_t i = 0; i < count / 2; i++, largest += 2, numbers += 2) {
         double *last = largest + apart, *before = last + apart;
         const pair here = load(numbers) - sum[i], then = load(last);
@@ -204,8 +222,19 @@ static uint32_t compare_some(const dm_follow *f, uint32_t k, const double *numbe
     return count;
 }
 
+/* Two coordinates, one after the other: nothing is to be counted. Speed: stability maps,
+ * Henon-Heiles by verlet. */
+static int are_two(const dm_follow *f) {
+    return f->count == 2 && f->column[0] != DM_NO_COLUMN && f->column[1] == f->column[0] + 1;
+}
+
 /* numbers that are compared, and those that are not */
 static void compare(dm_follow *f, const double *numbers, const dm_stencil *at, int between) {
+    if (at && are_two(f)) {
+        const double *y = f->flow.data + (size_t)at->first * f->flow.width + f->column[0];
+        note_pairs(f->largest, 2, numbers, y, f->flow.width, at, between, 2);
+        return;
+    }
     for (uint32_t k = 0, count = 1; k < f->count; k += count, count = 1)
         if (f->column[k] == DM_NO_COLUMN)
             f->largest[k] = dm_largest(f->largest[k], numbers[k]);
