@@ -27,6 +27,14 @@ static inline double dm_weight_double(dm_weight w) {
     return w.top + w.rest;
 }
 
+/* x rounded to 47 bits. A product with the nearest double to a ratio of small numbers, as h a_ij =
+ * 0.05 * 2/9 is, lies at few places between two doubles, and what rounding takes has a mean; one
+ * with this lies at all of them, and what is lacking is small enough to be added once. */
+static inline double dm_weight_few_bits(double x) {
+    const double wide = (0x1p6 + 1.0) * x;
+    return wide - (wide - x);
+}
+
 /* w x */
 static inline double dm_weighted(dm_weight w, double x) {
     return w.top * x + w.rest * x;

@@ -73,6 +73,13 @@ INLINE void subtract_end_curves(const dm_lie *e, double *J) {
     }
 }
 
+/* p0 + P, with the low part of p0: without it what a step leaves out of the turn of p has a mean */
+INLINE V find_momentum(const dm_lie *e, uint32_t k) {
+    const V p = load(e->state + (e->n + k) * W), gain = load(e->gain + k * W);
+    if (e->last != &e->group->change) return p + gain;
+    return p + (load(e->state + (3 * e->n + k) * W) + gain);
+}
+
 /* R[m] at V[m], unless J is NULL the matrix J[m*m], and P and p0 + P; the size of the largest
  * term. */
 INLINE V find_equation(const dm_lie *e, double *R, double *J, const double *velocities) {
@@ -87,8 +94,7 @@ INLINE V find_equation(const dm_lie *e, double *R, double *J, const double *velo
         place_point(e, i, velocities);
         add_point(e, R, J, i, eval_map(e, e->at, e->x, e->slope, J ? e->curve : NULL));
     }
-    for (uint32_t k = 0; k < d; k++)
-        store(e->mu + k * W, load(e->state + (e->n + k) * W) + load(e->gain + k * W));
+    for (uint32_t k = 0; k < d; k++) store(e->mu + k * W, find_momentum(e, k));
     subtract_end(e, R, pull_end(e, velocities, J != NULL));
     if (J) subtract_end_curves(e, J);
     for (uint32_t k = 0; k < m; k++) largest = larger_of(load(e->sizes + k * W), largest);

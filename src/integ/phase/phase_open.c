@@ -130,10 +130,11 @@ static void find_ahead(const dm_phase *g, const dm_galerkin *basis) {
     if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->flying[0], count);
 }
 
-/* The nearest double, and the rest. Not of the end's coefficients, which are of few bits and the
- * rest: see put_parts of stage_sweep_open.c. */
-static void split(double *top, double *rest, dm_weight w) {
-    *top = dm_weight_double(w);
+/* What sweeps multiply by, and the rest, which is added where their number is not given. Not of the
+ * end's coefficients, which are of few bits and the rest: see put_parts of stage_sweep_open.c. */
+static void split(const dm_phase *g, double *top, double *rest, dm_weight w) {
+    const double nearest = dm_weight_double(w);
+    *top = g->count || g->r > DM_SWEEP_RATIOS ? nearest : dm_weight_few_bits(nearest);
     *rest = (double)(dm_weight_exact(w) - (long double)*top);
 }
 
@@ -153,7 +154,7 @@ void dm_phase_scale(dm_phase *g, double h) {
                 const size_t at = j * (size_t)g->width + i;
                 const dm_weight w = dm_weight_of(h * coefficient(t, k, i, j));
                 scaled[k][i * r + j] = w;
-                split(g->whole[k] + at, g->lacking[k] + at, w);
+                split(g, g->whole[k] + at, g->lacking[k] + at, w);
                 g->further[k][at] = h * g->flying[k][at];
             }
     }

@@ -40,6 +40,20 @@ static void one_product(void) {
     if (!CHECK(fabs(mean(&e)) > 20.0)) printf("# %.1f standard errors\n", mean(&e));
 }
 
+/* h a_22 of gauss(3) is 1/90 */
+static void coefficients(void) {
+    const dm_weight a = dm_weight_of((long double)h * 2.0L / 9.0L);
+    const double nearest = dm_weight_double(a), few = dm_weight_few_bits(nearest);
+    errors one = {0}, other = {0};
+    for (int i = 0; i < SAMPLES; i++) {
+        count(&one, nearest * sample(i), (long double)nearest * sample(i));
+        count(&other, few * sample(i), (long double)few * sample(i));
+    }
+    CHECK(fabs(few - nearest) <= 0x1p-47 * nearest && ldexp(few, 53) == floor(ldexp(few, 53)));
+    if (!CHECK(fabs(mean(&one)) > 5.0)) printf("# %.1f standard errors\n", mean(&one));
+    if (!CHECK(fabs(mean(&other)) < 5.0)) printf("# %.1f standard errors\n", mean(&other));
+}
+
 static void graphs(void) {
     dm_arena arena = new_arena();
     dm_graph *g = dm_graph_new(&arena, 1);
@@ -88,6 +102,7 @@ static void lines(void) {
 
 int main(void) {
     RUN(one_product, "one product by h = 0.05 has a mean");
+    RUN(coefficients, "nor has one by 1/90 in few bits, as by the nearest double");
     RUN(graphs, "even graphs: two products have none, other products stay, cubes are values");
     RUN(lines, "nor has what sweeps begin with, at every width");
     return check_finish();

@@ -124,11 +124,19 @@ static void put_parts(const dm_parts *out, uint32_t at, dm_weight w) {
     out->rest[at] = w.rest;
 }
 
+/* What sweeps multiply by; the rest is added where their number is not given. */
+static void put_whole(const dm_stage_sweeps *w, uint32_t at, dm_weight a, int few_bits) {
+    const double nearest = dm_weight_double(a);
+    w->whole[at] = few_bits && !w->count ? dm_weight_few_bits(nearest) : nearest;
+    w->rest[at] = (double)(dm_weight_exact(a) - (long double)w->whole[at]);
+}
+
 void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
     const double h = g->weights.h;
     const uint32_t r = g->table.r, width = w->row->width;
     const dm_weight *A = g->separable ? g->weights.hA : g->weights.ha;
     const double factor = g->separable ? h * h : h;
+    const int few_bits = !g->separable && r <= DM_SWEEP_RATIOS;
     if (g->separable) put_parts(&w->flight, 0, *g->weights.flight);
     for (uint32_t i = 0; i < r; i++) {
         w->after[i] = dm_weight_double(g->weights.hc[i]);
@@ -137,8 +145,7 @@ void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
         if (g->separable) put_parts(&w->mean, i, g->weights.hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
-            w->whole[at] = dm_weight_double(A[i * r + m]);
-            w->rest[at] = (double)(dm_weight_exact(A[i * r + m]) - (long double)w->whole[at]);
+            put_whole(w, at, A[i * r + m], few_bits);
             w->further[at] = factor * w->flying[at];
         }
     }

@@ -22,6 +22,10 @@ static inline double dm_sweep_unit(double all, double own) {
     return own > DM_SWEEP_ZERO * all ? sqrt(all / own) : 1.0;
 }
 
-enum { DM_STAGE_SWEEPS = 60 }; /* at most */
+enum {
+    DM_STAGE_SWEEPS = 60, /* at most */
+    DM_SWEEP_RATIOS = 3   /* stages up to which coefficients of Gauss are ratios of small numbers:
+                             products with them have a mean (numbers/weight.h) */
+};
 
 #endif
