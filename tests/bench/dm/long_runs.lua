@@ -45,6 +45,18 @@ local function vortices(random)
 end
 local G = { 1, 0.7, 1.3 }
 
+-- slower than light
+local function slowly(random)
+  local x, y = turn(0.5 + random(), 0, 2 * math.pi * random())
+  return { x, y }, { 0.3 * random() - 0.4 * y, 0.3 * random() + 0.4 * x }
+end
+
+local function ring(random)
+  local q, v = {}, {}
+  for i = 1, 8 do q[i], v[i] = random() - 0.5, random() - 0.3 end
+  return q, v
+end
+
 -- a top's axis anywhere, turning
 local SO3 = dm.SO(3)
 local function turning(random)
@@ -52,6 +64,11 @@ local function turning(random)
 end
 
 local function angular(q, p) return q[1] * p[2] - q[2] * p[1] end
+local function total(_, p)
+  local sum = 0
+  for i = 1, #p do sum = sum + p[i] end
+  return sum
+end
 local function vertical(R, p) return R[3][1] * p[1] + R[3][2] * p[2] + R[3][3] * p[3] end
 local function impulse(q)
   local sum = 0
@@ -59,6 +76,7 @@ local function impulse(q)
   return sum
 end
 
+local few = { "verlet", "symplectic-euler", "yoshida(4)", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "gauss(6)", "lobatto(3)" }
 local explicit = { "verlet", "symplectic-euler", "yoshida(4)", "yoshida(6)", "suzuki(4)", "mclachlan(4)", "kahan-li(6)",
   "kahan-li(8)", "suzuki-umeno(8)", "sofroniou-spaletta(10)", "blanes-moan(4)", "blanes-moan(6)" }
 local implicit = { "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "gauss(6)", "gauss(8)", "lobatto(3)", "lobatto(4)",
@@ -80,7 +98,7 @@ local systems = {
     rules = joined({ "verlet", "symplectic-euler", "yoshida(4)" }, implicit),
     system = dm.system { Q = dm.R(2), L = function(q, v) return (1 + q:dot(q) / 4) * v:dot(v) / 2 - q:dot(q) / 2 end } },
   { name = "by its H", h = 0.05, start = around, J = angular, by_p = true,
-    rules = { "verlet", "symplectic-euler", "yoshida(4)", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "lobatto(3)" },
+    rules = few,
     system = dm.system { Q = dm.R(2), H = function(q, p) return p:dot(p) / (2 + q:dot(q) / 2) + q:dot(q) / 2 end } },
   { name = "top", h = 0.05, start = turning, J = vertical, by_p = true,
     rules = { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "rotations(2)", "rotations(4)", "verlet", "gauss(2)", "lobatto(3)" },
@@ -89,6 +107,22 @@ local systems = {
     rules = { "rattle", "shake", "yoshida(4, rattle)", "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" },
     system = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end,
       constraint = function(q) return q:dot(q) - 1 end } },
+  { name = "relativistic", h = 0.05, start = slowly, J = angular, rules = few,
+    system = dm.system { Q = dm.R(2), L = function(q, v) return -sqrt(1 - v:dot(v)) - q:dot(q) / 8 end } },
+  { name = "its H", h = 0.05, start = slowly, J = angular, by_p = true, rules = few,
+    system = dm.system { Q = dm.R(2), H = function(q, p) return sqrt(1 + p:dot(p)) + q:dot(q) / 8 end } },
+  { name = "magnetic", h = 0.05, start = slowly, J = angular, rules = few,
+    system = dm.system { Q = dm.R(2), L = function(q, v)
+      return v:dot(v) / 2 + (0.7 + 0.3 * q:dot(q)) * (q[1] * v[2] - q[2] * v[1]) - q:dot(q) / 2
+    end } },
+  { name = "ring", h = 0.05, start = ring, J = total, rules = few, system = dm.system { Q = dm.R(8), L = function(q, v)
+    local sum = v:dot(v) / 2
+    for i = 1, 8 do
+      local d = q[i % 8 + 1] - q[i]
+      sum = sum - d ^ 2 / 2 - 0.3 * d ^ 3 - 0.25 * d ^ 4
+    end
+    return sum
+  end } },
   { name = "vortices", h = 0.05, start = vortices, J = impulse, rules = { "degenerate(1)", "degenerate(2)" },
     system = dm.system { Q = dm.R(6), L = function(q, v)
       local sum = 0
