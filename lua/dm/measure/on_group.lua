@@ -93,10 +93,6 @@ end
 local function by_prolonging(solver, what)
   local system = solver.system
   local kit, d = system.place.kit, system.place.dimension
-  if not system.given.L then
-    error(what .. ": this H has no Lagrangian; rules that go by the lift, gauss(s) and midpoint, "
-      .. "do without", 0)
-  end
   local lifted = tangent_group.system(system)
     :solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
   return function(s, steps, vectors)

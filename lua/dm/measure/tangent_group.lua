@@ -2,7 +2,8 @@
 -- T G is the semidirect product of G and its algebra by Ad, (g, w) with w = Ad_g u and u = g^-1 dg;
 -- its exp is the tangent of exp, so rules of the group step the prolonged Lagrangian
 --   L~(g, w; xi, omega) = L_g . u + L_xi . omega,   omega = u' + [xi, u] = Ad_(g^-1) w',
--- omega the change of xi, by the tangent of their step of L. Momenta: (dp, p). The work <f, eta> of
+-- omega the change of xi, by the tangent of their step of L. Momenta: (dp, p). Of an H without L it
+-- is H_g . u + H_p . dp. The work <f, eta> of
 -- a covector changes by <df, eta> + <f, zeta>, zeta = Ad_(g^-1) of the variation of w: on T G it is
 -- (df, f).
 local bound = require "dm.base.bound"
@@ -202,6 +203,18 @@ local function lift_lagrangian(system, L)
   end
 end
 
+-- H~(g, w; dp, p) = H_g . u + H_p . dp of a Hamiltonian
+local function lift_hamiltonian(system, H)
+  local kit, d = system.place.kit, system.place.dimension
+  local slope, N = slopes(system, H)
+  return function(z, x, t)
+    local u, dp, p = changes(kit, z, x, d)
+    local y, sum = slope(z[1], p, t), 0
+    for k = 1, d do sum = sum + y[N + k] * u[k] + y[N + d + k] * dp[k] end
+    return sum
+  end
+end
+
 -- rows of E one after the other: given, or dphi/dxi
 local function reaction_rows(system, E, phi)
   local d = system.place.dimension
@@ -274,6 +287,10 @@ end
 function M.system(system)
   local given = system.given
   local options = { Q = space_of(system) }
+  if not given.L then
+    options.H = lift_hamiltonian(system, bound(given.H, given.params))
+    return core.system(options)
+  end
   options.L = lift_lagrangian(system, bound(given.L, given.params))
   add_forces(options, system)
   add_constraints(options, system)

@@ -184,6 +184,19 @@ local singular = dm.system { Q = G, H = function(_, p) return 3 * p[1] end }
 near(singular:linearize { q = G:identity(), p = { 0, 1, 0 } }.fastest, 3, 1e-14,
   "H = 3 mu1 linearized")
 
+-- its tangent map by rules that step the group itself, which in the right trivialization are others
+local function only_H(side)
+  return dm.system { Q = G, trivialization = side, H = function(R, p, t)
+    return p[3] + R[3][3] * p[1] + R[1][2] * dm.cos(t)
+  end }
+end
+for _, rule in ipairs { "rkmk4", "crouch-grossman3" } do
+  near(gap(only_H "left", rule, 0.1, 10, free(G, g0, p0)), 0, 1e-10,
+    "H = p3 + R33 p1 by " .. rule)
+  tap.raises("takes another step in the right trivialization", gap, only_H "right", rule, 0.1, 10,
+    free(G, g0, p0, true))
+end
+
 -- groups whose exp is a series of matrices: the chart is short enough for orders above 2, and for
 -- the tangent of steps
 local function weighted(x)
