@@ -24,6 +24,7 @@ typedef struct {
     dm_sweep sum[2], rest[2], ahead[2];
     double *whole[2], *lacking[2];  /* [r][width] columns of h a, h A and what they lack */
     double *flying[2], *further[2]; /* [r][width] columns of a E, A E; times h (sweep.h) */
+    double *after;                  /* [width] h c */
     double *base;     /* [2n][width] low-order parts of the start, then with `lacking` */
     double *none;     /* [2n][width] zeros */
     double *ones;     /* [2n] */
@@ -58,6 +59,9 @@ static inline dm_phase *dm_phase_of(const dm_stepper *stepper) {
 size_t dm_phase_work(const dm_rule *rule, const dm_model *m);
 dm_status dm_phase_open(dm_stepper *stepper);
 void dm_phase_scale(dm_phase *g, double h);
+
+/* How many numbers from the first on the coefficients times h of sweeps are, one array. */
+size_t dm_phase_scaled(const dm_phase *g, const double **first);
 
 /* u at the stages of a step, by sweeps or by Newton's method. DM_NO_CONVERGENCE of sweeps: they
  * contract too slowly. */

@@ -43,6 +43,47 @@ static int lay_out(dm_phase_lanes *w, uint32_t lanes) {
     return 1;
 }
 
+/* ---- steps of their own ---- */
+
+static size_t paces_size(const dm_phase_lanes *w) {
+    return (1 + w->entries) * w->members.lanes;
+}
+
+/* room for the coefficients of every member; steps are unknown yet */
+static int lay_out_paces(dm_phase_lanes *w) {
+    const dm_phase *g = w->g;
+    w->entries = dm_phase_scaled(g, &w->one);
+    const size_t all = w->members.groups * paces_size(w);
+    w->paces = dm_arena_take(g->m->source.arena, all * sizeof *w->paces);
+    w->members.paced = 1;
+    return w->paces != NULL;
+}
+
+/* those that a method of other coefficients left */
+static void forget_paces(dm_phase_lanes *w) {
+    dm_phase_scaled(w->g, &w->one);
+    for (uint32_t i = 0; i < w->members.groups; i++)
+        memset(w->paces + i * paces_size(w), 0, w->members.lanes * sizeof *w->paces);
+}
+
+/* the coefficients of the lanes of a group whose step is another one than it was; groups with the
+ * steps of the first one have its own */
+static void scale_group(dm_phase_lanes *w, dm_phase *g, uint32_t group, const double *h) {
+    const uint32_t lanes = w->members.lanes;
+    const int first = memcmp(h, w->paces, lanes * sizeof *h) == 0;
+    double *paces = w->paces + (first ? 0 : group * paces_size(w));
+    for (uint32_t l = 0; l < lanes; l++) {
+        if (paces[l] == h[l]) continue;
+        if (g->h != h[l]) dm_phase_scale(g, h[l]);
+        paces[l] = h[l];
+        for (size_t k = 0; k < w->entries; k++) paces[(k + 1) * lanes + l] = w->one[k];
+    }
+    w->h = paces;
+    w->scaled = paces + lanes;
+}
+
+/* ---- opening ---- */
+
 static dm_phase_lanes *make(dm_phase *g, uint32_t lanes) {
     const dm_model *m = g->m;
     const size_t kept = dm_phase_memory_size(g);
@@ -52,7 +93,8 @@ static dm_phase_lanes *make(dm_phase *g, uint32_t lanes) {
     if (dm_lanes_build(&w->field, m, m->source.graph, m->source.field, 2 * g->n, lanes) != lanes)
         return NULL;
     const uint32_t size = (uint32_t)(dm_state_size(m->n) + kept);
-    return dm_lanes_open_told(&w->members, m, size, kept) && lay_out(w, lanes) ? w : NULL;
+    if (!dm_lanes_open_told(&w->members, m, size, kept)) return NULL;
+    return lay_out_paces(w) && lay_out(w, lanes) ? w : NULL;
 }
 
 /* those of the model's last ensemble with as many stages, or new ones */
@@ -71,6 +113,7 @@ int dm_phase_widen(dm_stepper *s, dm_lanes *x) {
         dm_cache_add(g->m, &maker, which, &(dm_kernel){.pool = g->lanes}, lanes);
     }
     g->lanes->g = g;
+    forget_paces(g->lanes);
     g->lanes->step = choose_step(g, lanes);
     *x = g->lanes->members;
     return g->lanes->step != NULL;
@@ -82,14 +125,12 @@ static uint32_t step(void *phase_lanes, uint32_t asked, double t) {
     return w->step(w, asked);
 }
 
-/* Members have the coefficients of one step: x->paced is 0. A step alone may have scaled them for a
- * shorter one. */
 void dm_phase_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     dm_phase *g = dm_phase_of(s);
     dm_phase_lanes *w = g->lanes;
     w->tolerance = s->tolerance;
     for (uint32_t i = 0; i < x->groups; i++, h += x->lanes) {
-        if (g->h != *h) dm_phase_scale(g, *h);
+        scale_group(w, g, i, h);
         w->state = x->state + i * x->lanes * dm_state_size(g->n);
         w->memory = x->memory + i * x->lanes * x->memory_size;
         dm_lanes_advance_group(s, x, i, t, h, count, step, w);

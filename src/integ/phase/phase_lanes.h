@@ -13,10 +13,15 @@ typedef uint32_t dm_phase_lanes_step(const dm_phase_lanes *w, uint32_t asked);
 
 /* Those of the model's last ensemble stay with the model. Of the group in hand, [..][lanes]: */
 struct dm_phase_lanes {
-    const dm_phase *g; /* of the stepper, for coefficients, which all members share */
+    const dm_phase *g; /* of the stepper */
     dm_phase_lanes_step *step;
     dm_lanes members;
     dm_kernel field;
+    /* [groups][1 + entries][lanes] the step h of every member, 0 before its first, and behind it
+     * its coefficients times h, as the stepper's own from `one` on */
+    double *paces;
+    size_t entries;
+    const double *one, *h, *scaled; /* h, scaled: [lanes], [entries][lanes] of the group in hand */
     double t, tolerance;
     double *state, *memory;
     double *x, *u; /* [r][2n + 1], [r][2n] arguments and results of the field */

@@ -57,7 +57,8 @@ INLINE I finish_members(const phase_sweeps *it) {
         for (uint32_t m = 0; m < 8; m++) term[m] = (V){0};
         for (uint32_t m = 0; m < it->r; m++) {
             const V u = load(w->end + (m * n2 + k) * W);
-            term[m] = w->g->b.top[m] * u + w->g->b.rest[m] * u;
+            const V top = load(scaled_of(it, w->g->b.top + m));
+            term[m] = top * u + load(scaled_of(it, w->g->b.rest + m)) * u;
         }
         V d = total_of(term, it->width);
         if (k < it->n || it->width > 1) d += (V){0};

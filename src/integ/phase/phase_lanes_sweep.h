@@ -51,7 +51,7 @@ INLINE void settle_members(phase_sweeps *it, I where) {
         phase_walk a = walk_of(it, k);
         a.x = (double *)(uintptr_t)a.base;
         a.x_stage = 2 * (size_t)it->n * W;
-        a.column = it->w->g->lacking[k];
+        a.column = scaled_of(it, it->w->g->lacking[k]);
         a.start = a.unit = NULL;
         walk(it, &a, &where);
     }
@@ -63,7 +63,7 @@ INLINE void settle_members(phase_sweeps *it, I where) {
 /* lanes whose memory is that of the step that ended here */
 INLINE I has_swept(const dm_phase_lanes *w) {
     const uint32_t n = w->g->n;
-    I fits = WHERE(load(w->memory + DM_SWEPT_STEP * W) == w->g->h) &
+    I fits = WHERE(load(w->memory + DM_SWEPT_STEP * W) == load(w->h)) &
              WHERE(load(w->memory + DM_SWEPT_MARK * W) == (double)DM_SWEPT_FULL);
     for (uint32_t k = 0; k < 4 * n; k++)
         fits &= WHERE((I)load(w->memory + (DM_SWEPT_END + k) * W) == (I)load(w->state + k * W));
@@ -101,14 +101,14 @@ INLINE void set_off_members(phase_sweeps *it) {
     const size_t n = it->n;
     const V zero = {0};
     for (uint32_t i = 0; i < it->r; i++) {
-        store(w->x + (i * (2 * n + 1) + 2 * n) * W, same(w->t + dm_weight_double(w->g->hc[i])));
+        store(w->x + (i * (2 * n + 1) + 2 * n) * W, w->t + load(scaled_of(it, w->g->after + i)));
         for (size_t k = 0; k < 2 * n; k++)
             store(w->base + (i * 2 * n + k) * W, zero + load(w->state + (2 * n + k) * W));
     }
     it->has_units[0] = it->has_units[1] = 0;
     for (int p = 0; p < 2; p++) {
         phase_walk a = walk_of(it, p);
-        a.column = w->g->further[p];
+        a.column = scaled_of(it, w->g->further[p]);
         a.u = w->memory + (DM_SWEPT_END + 4 * n + (size_t)p * n * it->width) * W;
         a.u_row = (size_t)it->width * W;
         a.u_stage = W;

@@ -23,16 +23,21 @@ typedef struct {
     const double *unit; /* [n] by which moves count; NULL: all are 1 */
 } phase_walk;
 
+/* where coefficients of the stepper's stand for the steps of the lanes */
+INLINE const double *scaled_of(const phase_sweeps *it, const double *one) {
+    return it->w->scaled + (one - it->w->one) * W;
+}
+
 /* even and odd columns are summed apart, the even ones on to the base */
 INLINE V weigh_stages(const double *column, uint32_t width, const V *u, V base, uint32_t r) {
     const int fused = DM_LANES_FUSED && r > 1;
-    V even = madd(same(column[0]), u[0], base, fused), odd;
+    V even = madd(load(column), u[0], base, fused), odd;
     if (r == 1) return even;
-    odd = column[width] * u[1];
+    odd = load(column + width * W) * u[1];
 #pragma GCC unroll 8
     for (uint32_t m = 2; m < r; m += 2) {
-        even = madd(same(column[m * width]), u[m], even, fused);
-        if (m + 1 < r) odd = madd(same(column[(m + 1) * width]), u[m + 1], odd, fused);
+        even = madd(load(column + m * width * W), u[m], even, fused);
+        if (m + 1 < r) odd = madd(load(column + (m + 1) * width * W), u[m + 1], odd, fused);
     }
     return even + odd;
 }
@@ -54,7 +59,7 @@ INLINE V walk_rows(const phase_sweeps *it, const phase_walk *a, const I *where, 
         for (uint32_t i = 0; i < r; i++) {
             double *x = at.x + i * at.x_stage + k * W;
             const V base = load(at.base + (i * 2 * n + k) * W), old = load(x);
-            const V now = start + weigh_stages(at.column + i, width, u, base, r);
+            const V now = start + weigh_stages(at.column + i * W, width, u, base, r);
             V d = now - old;
             if (at.unit) d *= load(at.unit + k * W);
             moved[i] = madd(d, d, moved[i], fused);
@@ -80,7 +85,7 @@ INLINE phase_walk walk_of(const phase_sweeps *it, int p) {
     const size_t n = it->n, at = (size_t)p * n * W;
     return (phase_walk){.x = w->x + at,
                         .base = w->base + at,
-                        .column = w->g->whole[p],
+                        .column = scaled_of(it, w->g->whole[p]),
                         .u = w->u + at,
                         .start = w->state + at,
                         .x_stage = (2 * n + 1) * W,

@@ -64,9 +64,10 @@ static void lay_sweeps(dm_phase *g, double **memory) {
         g->lacking[k] = take(memory, r * w);
         g->further[k] = take(memory, r * w);
     }
+    g->after = take(memory, w);
+    g->b = (dm_parts){take(memory, w), take(memory, w)};
     g->flying[0] = take(memory, 2 * r * w); /* both behind each other, as the cache keeps them */
     g->flying[1] = g->flying[0] + r * w;
-    g->b = (dm_parts){take(memory, w), take(memory, w)};
     g->line = (dm_parts){take(memory, w), take(memory, w)};
     g->ones = take(memory, 2 * n);
     g->unit = take(memory, 2 * n);
@@ -147,6 +148,7 @@ void dm_phase_scale(dm_phase *g, double h) {
     for (uint32_t i = 0; i < r; i++) {
         g->hb[i] = dm_weight_of(h * dm_weight_exact(t->b[i]));
         g->hc[i] = dm_weight_of(h * dm_weight_exact(t->c[i]));
+        g->after[i] = dm_weight_double(g->hc[i]);
         g->b.top[i] = g->hb[i].top;
         g->b.rest[i] = g->hb[i].rest;
         for (uint32_t j = 0; j < r; j++)
@@ -158,6 +160,11 @@ void dm_phase_scale(dm_phase *g, double h) {
                 g->further[k][at] = h * g->flying[k][at];
             }
     }
+}
+
+size_t dm_phase_scaled(const dm_phase *g, const double **first) {
+    *first = g->whole[0];
+    return (size_t)(g->b.rest + g->width - g->whole[0]);
 }
 
 /* ---- opening ---- */

@@ -85,7 +85,7 @@ static dm_status iterate(iteration *it, double tolerance, int fixed) {
  * the start */
 static void set_off(dm_phase *g, int warm) {
     double *time = g->x + 2 * (size_t)g->n * g->width;
-    for (uint32_t i = 0; i < g->r; i++) time[i] = g->t + dm_weight_double(g->hc[i]);
+    for (uint32_t i = 0; i < g->r; i++) time[i] = g->t + g->after[i];
     g->row->line(g->base, g->state + 2 * g->n, g->none, &g->line, 2 * g->n);
     for (int k = 0; k < 2; k++) {
         const double *start = g->state + (k ? g->n : 0);
