@@ -78,11 +78,17 @@ local function map_of(place, group, side)
   return function(g, mu) return standard(kit, name, g, mu) end, d
 end
 
--- J and its dimension; raises where there is none
-local function found(place, group, options)
-  local side = type(options) == "table" and options.side or "left"
+-- J and its dimension; raises where there is none, and for options that would change nothing
+local function found(place, group, given)
+  local options = require "dm.base.options".check(given or {}, { "side", "action" }, "momentum",
+    "{ side =, action = }")
+  local side = options.side or "left"
   if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
   local J, d = given_action(place, group, options)
+  if options.side and (J or type(group) == "function") then
+    error("momentum: 'side' is of groups by their own action; leave it out for an action or a "
+      .. "generator of one's own", 0)
+  end
   if not J then J, d = map_of(place, group, side) end
   if J then return J, d end
   error(("%s has no standard action on %s: give path:momentum(G, { action = function(k, g) ... "

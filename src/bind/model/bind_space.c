@@ -13,11 +13,12 @@ const dml_space *dml_checkspace(lua_State *L, int arg) {
 }
 
 dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
+    static const char *const known[] = {"block", NULL};
     const dml_space *s = dml_checkspace(L, arg);
     uint32_t other;
     uint32_t block = dm_action_block(s->row, s->n, n, &other);
     if (options && !lua_isnoneornil(L, options)) {
-        luaL_checktype(L, options, LUA_TTABLE);
+        dml_options(L, options, known);
         const long given = dml_count(L, options, "block", 1, (long)block);
         block = given <= DM_MAX_BLOCK ? (uint32_t)given : 0;
         other = 0;

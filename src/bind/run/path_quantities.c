@@ -225,7 +225,11 @@ static int path_momentum(lua_State *L) {
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     if (dml_placed(L, -1)) return dml_place_momentum(L, -1);
     lua_settop(L, 3);
-    if (lua_isfunction(L, 2)) return momentum_of_generator(L, p);
+    if (lua_isfunction(L, 2)) {
+        if (!lua_isnil(L, 3))
+            luaL_error(L, "momentum: a surplus argument: path:momentum(generator)");
+        return momentum_of_generator(L, p);
+    }
     const dm_action action = dml_standard_action(L, 2, 3, p->n);
     const uint32_t d = action.group->dimension(action.k), rows = (uint32_t)p->rows;
     double *J = d == 1 ? dml_pushvector(L, rows) : dml_pushmatrix(L, rows, d);

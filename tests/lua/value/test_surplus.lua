@@ -63,4 +63,39 @@ path = solver:run { q = { 1 }, v = { 0 }, t = 1 }
 ok(tostring(path):find("to t = 1.2 (h = 0.3 does not divide the way to 1)", 1, true) ~= nil,
   "a time that h does not divide is told", tostring(path))
 ok(not tostring(solver:run { q = { 1 }, v = { 0 }, t = 0.9 }):find "divide", "one that it divides is not")
+
+-- momentum maps: options that would change nothing
+do
+  local oscillator = dm.system { Q = dm.R(2), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end }
+  local path = oscillator:solver { rule = "verlet", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2 }
+  local turn, plane = function(theta, z) return { z[1] + theta, z[2] } end, dm.action { group = dm.SO(2), on = dm.R(2) }
+  raises("unknown field 'action'", path.momentum, path, dm.SO(2), { action = turn })
+  raises("unknown field 'blocks'", path.momentum, path, dm.SO(2), { blocks = 2 })
+  raises("a surplus argument: path:momentum(generator)", path.momentum, path,
+    function(q) return { -q[2], q[1] } end, { block = 2 })
+  raises("a surplus argument: path:momentum(action)", path.momentum, path, plane, { block = 2 })
+  local Ld = dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(a, b) return (b - a):dot(b - a) / 0.2 end }
+  raises("unknown field 'action'", Ld.momentum, Ld, dm.SO(2), { 1, 0 }, { 0, 1 }, { action = turn })
+  raises("bad argument #5 to 'momentum' (a surplus", Ld.momentum, Ld, plane, { 1, 0 }, { 0, 1 }, 7)
+  local body = dm.system { Q = dm.SO(3), L = function(_, xi) return xi:dot(xi) / 2 end }
+  local turned = body:solver { rule = "lie(1)", h = 0.1 }
+    :run { q = dm.SO(3):identity(), v = { 1, 0, 0 }, steps = 2 }
+  raises("did you mean 'action'?", turned.momentum, turned, dm.SO(3), { actoin = turn })
+  raises("takes a table", turned.momentum, turned, dm.SO(3), 7)
+  raises("'side' is of groups by their own action", turned.momentum, turned, dm.SO(3),
+    { action = function(k, g) return k * g end, side = "right" })
+  raises("'side' is of groups by their own action", turned.momentum, turned,
+    function() return { 1, 0, 0 } end, { side = "right" })
+end
+
+-- what takes another number of arguments for another first one
+do
+  local SO3, S2 = dm.SO(3), dm.S(2)
+  raises("a surplus argument: SO(3) is a group, G:exp(xi)", SO3.exp, SO3, { 1, 0, 0 }, { 0, 1, 0 })
+  raises("a surplus argument: SO(3) is a group, G:log(g)", SO3.log, SO3, SO3:identity(), SO3:identity())
+  ok(math.abs(S2:exp({ 0, 0, 1 }, { 1, 0, 0 })[1] - math.sin(1)) < 1e-15, "of a manifold exp takes two")
+  raises("a surplus argument: dm.matrix(rows)", dm.matrix, { { 1 } }, 2)
+  raises("a surplus argument: dm.matrix(rows)", dm.matrix, dm.matrix { { 1 } }, 2)
+end
+
 tap.done()

@@ -77,6 +77,10 @@ local function method(name, kinds, result, doc, also_manifolds)
     local kit = also_manifolds and groups.kit(space) or groups.group(space)
     local f = kit[name]
     if not f then error(("%s has no '%s'"):format(tostring(space), name), 0) end
+    if own and (select(2, ...)) ~= nil then
+      error(("bad argument #2 to '%s' (a surplus argument: %s is a group, G:%s(%s))")
+        :format(name, tostring(space), name, name == "exp" and "xi" or "g"), 0)
+    end
     local given = { ... }
     for i, kind in ipairs(kinds) do given[i] = checks[kind](kit, given[i], space) end
     local value = f(table.unpack(given, 1, #kinds))

@@ -8,6 +8,7 @@ require "dm.base.class".unwrap "dm.group.methods.momentum"
 
 -- the method `momentum` of a class, which asks `other` when its argument is a dm.action
 local function also_of_actions(class, other, signature)
+  local most = select(2, signature:gsub(",", "")) + 1
   local momentum, doc = core.method(class, "momentum")
   doc = doc:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
   core.method(class, "momentum", blame.relay(function(object, action, ...)
@@ -18,6 +19,10 @@ local function also_of_actions(class, other, signature)
     local meta = type(action) == "table" and getmetatable(action)
     if not meta or meta.__name ~= "dm.action" or kits.class_of(object) ~= class then
       return momentum(object, action, ...)
+    end
+    if select("#", ...) >= most and (select(most, ...)) ~= nil then
+      error(("bad argument #%d to 'momentum' (a surplus argument: %s)")
+        :format(most + 2, signature), 0)
     end
     return other(object, action, ...)
   end, "momentum"), doc)
