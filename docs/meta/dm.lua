@@ -4952,7 +4952,7 @@ function dm_system_class:start(q, v, t) end
 
 ---system:structure() -> table
 ---
----What was read off the graph of L: separable, constant_mass, diagonal_mass, autonomous, linear_in_v, saddle (d2L/dv2 is singular by itself and regular with the constraints; rules step L plus squares of the constraints' velocities, which vanish) (booleans), cyclic (names of coordinates that L does not depend on), operations; and how the system is constrained: constraints, rolling (how many), forced (boolean). hamiltonian: H(q, p) is stepped as it stands, no formula gives an L of it; separable is then H = T(p) + V(q, t).
+---What was read off the graph of L: separable, constant_mass, diagonal_mass, autonomous, linear_in_v, quadratic_in_v (d2L/dv2 does not depend on v), saddle (d2L/dv2 is singular by itself and regular with the constraints; rules step L plus squares of the constraints' velocities, which vanish) (booleans), cyclic (names of coordinates that L does not depend on), operations; and how the system is constrained: constraints, rolling (how many), forced (boolean). hamiltonian: H(q, p) is stepped as it stands, no formula gives an L of it; separable is then H = T(p) + V(q, t).
 ---@return table
 function dm_system_class:structure() end
 

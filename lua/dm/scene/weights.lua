@@ -66,7 +66,7 @@ local function sizes_of(report, model)
   local operations = told and report.operations or UNKNOWN * s.operations
   return { n = n, is_lifted = lifted, bound = s.constraints + s.rolling, forced = s.forced,
     mass_varies = not s.constant_mass or (lifted and not told),
-    separable = s.separable and not (lifted and not told),
+    separable = s.separable and not (lifted and not told), is_bent = not s.quadratic_in_v,
     e = CALL + PLACE * n + PLAIN * operations + slow_operations(model) }
 end
 
@@ -119,11 +119,12 @@ local function of_group(report) return { evaluation = 146 + 0.065 * report.opera
 
 local function of_explicit(z, own)
   local n, e = z.n, z.e
-  local indirect = z.separable and not z.mass_varies and 0 or 1
-  if own then
+  local indirect = z.separable and not z.mass_varies and 0 or z.is_bent and 3.5 or 1
+  if own and not z.is_bent then
     return { evaluation = 18 + 0.4 * e + 2.8 * n + indirect * (2 + 1.35 * n ^ 2) }
   end
-  -- of GSL; v(q, p) is Newton's method with the mass at its iterates
+  -- v(q, p) is Newton's method with the mass at its iterates, more of them where L is not quadratic
+  -- in v; rk8 has a kernel of its own for one that is
   return { evaluation = 30 + 0.3 * e + 2 * n + indirect * (92 + 0.2 * e + 5.5 * n ^ 2) }
 end
 

@@ -198,6 +198,7 @@ static int system_structure(lua_State *L) {
     set_flag(L, "diagonal_mass", (bits & DM_DIAGONAL_MASS) != 0);
     set_flag(L, "autonomous", (bits & DM_AUTONOMOUS) != 0);
     set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
+    set_flag(L, "quadratic_in_v", (bits & DM_QUADRATIC_IN_V) != 0);
     set_flag(L, "saddle", saddle);
     set_flag(L, "forced", m->constraints.forced || m->model.worked);
     set_flag(L, "hamiltonian", m->hamiltonian);
@@ -347,7 +348,8 @@ static const dml_row methods[] =
      {"structure", system_structure,
       "system:structure() -> table\n"
       "What was read off the graph of L: separable, constant_mass, diagonal_mass, autonomous, "
-      "linear_in_v, saddle (d2L/dv2 is singular by itself and regular with the constraints; rules "
+      "linear_in_v, quadratic_in_v (d2L/dv2 does not depend on v), saddle (d2L/dv2 is singular by "
+      "itself and regular with the constraints; rules "
       "step L plus squares of the constraints' velocities, which vanish) (booleans), cyclic (names "
       "of coordinates that L does not depend on), operations; and how the system is constrained: "
       "constraints, rolling (how many), forced (boolean). hamiltonian: H(q, p) is stepped as it "

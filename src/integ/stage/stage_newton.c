@@ -165,6 +165,7 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper) {
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = find_root(g, &problem, &report);
     w->factored = constant.made ? g->weights.h : NAN;
+    w->constant = NULL;
     stepper->report.iterations = report.iterations;
     stepper->report.matrices += report.jacobians;
     stepper->report.outside = report.outside;

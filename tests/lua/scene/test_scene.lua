@@ -305,6 +305,23 @@ do
   tap.ok(work(180, 30) > 30 * 36 ^ 2 and work(220, 30) >= work(180, 30), "its matrix counts", work(220, 30))
   tap.ok(work(180, 30) - work(180, 9) > 21 * 36 ^ 2, "as often as it is taken", work(180, 9))
 end
+-- what a run with steps of its own choice costs by the clock is all of its steps, 50 times as many as N here
+do
+  local problem_of, pilot = require "dm.scene.model", require "dm.scene.pilot"
+  local ring = dm.system { Q = dm.R(8), L = function(q, v)
+    local U = 0
+    for i = 1, 8 do U = U + dm.exp(q[i] - q[i % 8 + 1]) end
+    return v:dot(v) / 2 - U
+  end }
+  local problem = problem_of.problem(ring, { q = { 1, 0, -1, 0, 0.5, 0, 0, -0.5 }, v = { 0, 0, 0, 0, 0, 0, 0, 0 }, until_t = 5, watch = { "q1" },
+    tolerance = 1e-6 })
+  local model = problem_of.given(problem):ready()
+  local _, report = pilot.go(model, "controlled(rk8)", 64, { steps = 64 })
+  local cost = require "dm.scene.profile".new "clock":cost(model, "controlled(rk8)", 64)
+  tap.ok(report.steps > 640 and cost > 0.1 * report.ns_per_step * report.steps, "the clock counts all steps", cost)
+  local fast = dm.system { Q = dm.R(1), L = function(_, v) return -math.sqrt(1 - v[1] ^ 2) end }
+  tap.ok(ring:structure().quadratic_in_v and not fast:structure().quadratic_in_v, "quadratic in v or not")
+end
 -- units of astronomy: the steps of log-hamiltonian are as long as its own time asks for, and no time is lost on it
 do
   local mu, a = 1.32712440018e20, 1.496e11
