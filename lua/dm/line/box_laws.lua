@@ -37,28 +37,26 @@ end
 -- mean and difference quotient of two nodes
 local function both(a, b, step) return (a + b) / 2, (b - a) / step end
 
--- the largest (density' - density)/h + (flux right - flux left)/dx of two levels
-local function residual_of(run, z0, z1, density, flux)
-  local boxes, slope = run.boxes, run.level.slope
-  local n, d, dx, largest = boxes.cells, boxes.d, boxes.dx, 0
-  local lower, upper, fluxes = {}, {}, {}
-  for i = 1, n + 1 do
-    lower[i], upper[i] = node(z0, i, d, slope, dx), node(z1, i, d, slope, dx)
-    fluxes[i] = flux(both(lower[i], upper[i], run.h))
-  end
-  for i = 1, n do
-    local before = density(both(lower[i], lower[i + 1], dx))
-    local after = density(both(upper[i], upper[i + 1], dx))
-    largest = math.max(largest,
-      math.abs((after - before) / run.h + (fluxes[i + 1] - fluxes[i]) / dx))
-  end
-  return largest
+-- all nodes of a level, the first one once more, and the density of its boxes
+local function level_of(run, z, density)
+  local boxes, nodes, densities = run.boxes, {}, {}
+  for i = 1, boxes.cells + 1 do nodes[i] = node(z, i, boxes.d, run.level.slope, boxes.dx) end
+  for i = 1, boxes.cells do densities[i] = density(both(nodes[i], nodes[i + 1], boxes.dx)) end
+  return nodes, densities
 end
 
+-- the largest (density' - density)/h + (flux right - flux left)/dx of all boxes
 local function of_law(run, density, flux)
-  local z, largest = all_levels(run, "run:balance"), 0
-  for k = 1, #z - 1 do
-    largest = math.max(largest, residual_of(run, z[k], z[k + 1], density, flux))
+  local z, largest, dx, fluxes = all_levels(run, "run:balance"), 0, run.boxes.dx, {}
+  local lower, before = level_of(run, z[1], density)
+  for k = 2, #z do
+    local upper, after = level_of(run, z[k], density)
+    for i = 1, #upper do fluxes[i] = flux(both(lower[i], upper[i], run.h)) end
+    for i = 1, #after do
+      largest = math.max(largest,
+        math.abs((after[i] - before[i]) / run.h + (fluxes[i + 1] - fluxes[i]) / dx))
+    end
+    lower, before = upper, after
   end
   return largest
 end
@@ -97,16 +95,18 @@ function laws.multisymplectic(run)
   local b, largest = run.boxes, 0
   local v = run.strip:vary { u = z, t = t, v = variation(run, 1) }
   local w = run.strip:vary { u = z, t = t, v = variation(run, 2) }
-  local function mean(u, k, i, j) return (node(u[k], i, b.d) + node(u[k], j, b.d)) / 2 end
+  local function mean(u, k, i) return (node(u[k], i, b.d) + node(u[k], i + 1, b.d)) / 2 end
   local function over(u, k, i) return (node(u[k], i, b.d) + node(u[k + 1], i, b.d)) / 2 end
+  local before = {}
+  for i = 1, b.cells do before[i] = pairing(b.M, mean(v, 1, i), mean(w, 1, i)) end
   for k = 1, #z - 1 do
+    local first = pairing(b.K, over(v, k, 1), over(w, k, 1))
+    local left = first
     for i = 1, b.cells do
-      local j = i == b.cells and 1 or i + 1
-      local time = pairing(b.M, mean(v, k + 1, i, j), mean(w, k + 1, i, j))
-        - pairing(b.M, mean(v, k, i, j), mean(w, k, i, j))
-      local space = pairing(b.K, over(v, k, j), over(w, k, j))
-        - pairing(b.K, over(v, k, i), over(w, k, i))
-      largest = math.max(largest, math.abs(time / run.h + space / b.dx))
+      local after = pairing(b.M, mean(v, k + 1, i), mean(w, k + 1, i))
+      local right = i == b.cells and first or pairing(b.K, over(v, k, i + 1), over(w, k, i + 1))
+      largest = math.max(largest, math.abs((after - before[i]) / run.h + (right - left) / b.dx))
+      before[i], left = after, right
     end
   end
   return largest
