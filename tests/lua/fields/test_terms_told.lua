@@ -94,4 +94,8 @@ for rule, finish in pairs { avi = false, verlet = false, modes = function(f) ret
 end
 raises("product of two forms", function() K:stationary { term = function(a) return a end } end)
 raises("not of fields", function() soft:solver { rule = "midpoint", h = 0.1 }:fold { q = q.values, v = q.values } end)
+for _, solver in ipairs { soft:solver { rule = "avi" }, soft:solver { rule = dm.prismal { 0, 1 } } } do
+  raises("call solver:run for each start", function() solver:ensemble { members = 2 } end)
+  raises("as verlet, has it", function() solver:fold { q = q.values } end)
+end
 tap.done()

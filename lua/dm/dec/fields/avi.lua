@@ -7,6 +7,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local endings = require "dm.dec.fields.ending"
 local failure = require "dm.dec.fields.failure"
+local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 
 local M = {}
@@ -16,6 +17,12 @@ local WHERE = "field:solver"
 local Solver = core.class({ __name = "dm.avi_solver" }, [[
 dm.avi_solver: asynchronous steps of a field, made by field:solver{rule = "avi"}
 fields: system, rule, h, start]])
+
+lacking.refuse(Solver, { fellow = "dm.solver", what = "solver of asynchronous steps",
+  why = "its cells have steps of their own; a rule with one step, as verlet, has it", reasons = {
+    ensemble = "a member is a run of its own: call solver:run for each start",
+    step = "run { t = } takes as many events as come before t",
+    reversal = "its events in reverse are other ones; run { at = } has rows at chosen times" } })
 
 local function fail(...) option.fail(WHERE, ...) end
 

@@ -6,6 +6,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local endings = require "dm.dec.fields.ending"
 local failure = require "dm.dec.fields.failure"
+local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 
 local M = {}
@@ -53,6 +54,11 @@ local Solver = core.class({ __name = "dm.prismal_solver" }, [[
 dm.prismal_solver: steps of a field between uneven slices, made by
 field:solver{rule = dm.prismal{...}}
 fields: system, rule, slices]])
+
+lacking.refuse(Solver, { fellow = "dm.solver", what = "solver over slices",
+  why = "its slices have steps of their own; a rule with one step, as verlet, has it", reasons = {
+    ensemble = "a member is a run of its own: call solver:run for each start",
+    step = "a list of two times is one step" } })
 
 --- What field:solver makes of options whose rule is one of slices.
 function M.solver(system, options)
