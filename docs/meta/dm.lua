@@ -2685,7 +2685,8 @@ function dm_mesh_class:faces(k, i) end
 ---equation, one by one (two that meet in L are refused), by kicks and drifts; one that L does not have
 ---at all stays where it starts. So grids, and cubes cut into tetrahedra, have Yee's scheme. data =
 ---{ name = form }: numbers by name in the cells of K:sum. A field is a system: it has solvers, charts,
----ensembles and checkpoints; q, v and p of a start are forms, functions of the position or lists;
+---ensembles and checkpoints; q, v and p of a start are forms, functions of the position, lists, or
+---of several values a list or matrix with a row for every cell, as K:points();
 ---path:form(i) is row i as a form, path.q[i] its values, cell after cell; p = dL/dV. Columns "energy"
 ---and "gauss" (the largest change of d^T p at free cells, where L has A only in dA). Raises where free
 ---cells have no kinetic energy, or a negative one.

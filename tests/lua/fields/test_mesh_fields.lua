@@ -222,4 +222,20 @@ do
   end)
 end
 
+-- starts of several values: rows for cells, as the points of a body are
+do
+  local sheet = dm.mesh { grid = 3 }
+  local body = sheet:field { values = 2, L = function(x, v) return v:dot(v) / 2 - x:d():dot(x:d()) / 2 end }
+  local rows, flat, still = {}, {}, function() return { 0, 0 } end
+  for i, p in ipairs(sheet:points():totable()) do
+    rows[i], flat[2 * i - 1], flat[2 * i] = { p[1], p[2] }, p[1], p[2]
+  end
+  local solver = body:solver { rule = "verlet", h = 0.1 }
+  for what, x in pairs { matrix = sheet:points(), lists = rows, ["function"] = function(x, y) return { x, y } end } do
+    ok(solver:run { q = x, v = still, steps = 1 }.q[1] == dm.vector(flat), "a start of rows: " .. what)
+  end
+  rows[5] = { 1 }
+  raises("a list of 2 numbers is needed for every cell", function() solver:run { q = rows, v = still, steps = 1 } end)
+  raises("32 numbers", function() solver:run { q = dm.mesh { grid = 2 }:points(), v = still, steps = 1 } end)
+end
 tap.done()

@@ -46,6 +46,31 @@ local function of_forms(f, list, key)
   return out
 end
 
+local function is_list(x)
+  return type(x) == "table" or type(x) == "userdata" and option.got(x) == "dm.vector"
+end
+
+-- a list of a cell's values for every cell, a matrix with a row for each
+local function of_rows(f, rows, key)
+  local out, at = core.constant(f.n, 0), 0
+  for i = 1, f.cells do
+    local row = rows[i]
+    if not is_list(row) or #row ~= f.values then
+      option.fail(("field '%s'"):format(key), "a list of %d numbers is needed for every cell (got "
+        .. "%s for cell %d)", f.values, option.got(row), i)
+    end
+    for c = 1, f.values do out[at + c] = row[c] end
+    at = at + f.values
+  end
+  return out
+end
+
+-- Has x a row for every cell?
+local function has_rows(f, x)
+  if type(x) == "userdata" then return option.got(x) == "dm.matrix" and #x == f.cells end
+  return type(x) == "table" and #x == f.cells and is_list(x[1])
+end
+
 ---- values on a sphere ----
 
 local OFF = 1e-8 -- as far from the sphere, or across it, a start may be; it is then moved there
@@ -96,8 +121,8 @@ end
 
 local plain
 
---- What solver:run takes in the place of x: a form (a list of forms where there are several
--- values), a function, or a list.
+--- What solver:run takes in the place of x: a form (where there are several values a list of forms,
+-- or of lists, one for every cell, or a matrix with such rows), a function, or a list.
 function M.read(f, x, key)
   x = plain(f, x, key)
   return f.sphere and on_sphere(f, x, key) or x
@@ -111,7 +136,7 @@ function plain(f, x, key)
   if type(x) == "table" and #x == f.values and form.is_form(x[1]) then
     return of_forms(f, x, key)
   end
-  return x
+  return f.values > 1 and has_rows(f, x) and of_rows(f, x, key) or x
 end
 
 return M
