@@ -163,13 +163,23 @@ local function first_level(solver, options, t0)
     guess = from + h * speed, frozen = frozen }
 end
 
--- Raises where L, called with the numbers of the start, is not what was traced: in the first cell,
--- one in the middle and the last.
+local LOOKED_AT = 16 -- cells in which L is compared with its trace, from the first to the last
+
+-- numbers of these cells
+local function some_cells(count)
+  local out = {}
+  for k = 0, math.min(LOOKED_AT, count) - 1 do
+    out[k + 1] = 1 + k * (count - 1) // math.max(math.min(LOOKED_AT, count) - 1, 1)
+  end
+  return out
+end
+
+-- Raises where L, called with the numbers of the start, is not what was traced.
 local function check_trace(solver, level, t0)
   local field, size = solver.field, #level.u // solver.field.nodes
   local upper, h = level.guess, solver.h
   local traced = level.strip:cells(level.u, upper, t0, h, "value")
-  for _, c in ipairs { 1, (field.cells + 1) // 2, field.cells } do
+  for _, c in ipairs(some_cells(field.cells)) do
     local right = c == field.nodes and 1 or c + 1
     local function corners(x)
       return lists.joined(lists.part(x, (c - 1) * size, size),
