@@ -19,10 +19,10 @@ void dm_bounds_rate(const dm_graph *g, const dm_interval *rate_in, const dm_inte
 /* The derivative of an operation with one operand, where that is a and the value y. */
 dm_interval dm_bounds_slope(dm_op op, dm_interval a, dm_interval y);
 
-/* The same along a straight line, with the rates of dm_bounds_rate: bend[] = bounds of the second
- * derivatives of the nodes along it. */
-void dm_bounds_bend(const dm_graph *g, const dm_interval *value, const dm_interval *rate,
-                    dm_interval *bend);
+/* The same with the rates of dm_bounds_rate: bend[] = bounds of the second derivatives of the nodes
+ * along a curve whose inputs have those in bend_in[inputs]; NULL: a straight line. */
+void dm_bounds_bend(const dm_graph *g, const dm_interval *bend_in, const dm_interval *value,
+                    const dm_interval *rate, dm_interval *bend);
 
 /* weight[dm_graph_size] holds weights w_r of some nodes r, zeros elsewhere: adds to every node x
  * sum_r w_r |dr/dx|, each at most what it can be in the box of value[]. Infinite: not bounded. */

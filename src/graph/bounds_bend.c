@@ -1,4 +1,4 @@
-/* bounds_bend.c - bounds of second derivatives along a line, by the chain rule. */
+/* bounds_bend.c - bounds of second derivatives along a line or curve, by the chain rule. */
 #include "graph/bounds.h"
 
 #include <math.h>
@@ -129,14 +129,16 @@ static dm_interval of_one(dm_op op, const line *x, dm_node a) {
                            dm_interval_multiply(c, dm_interval_square(x->rate[a])));
 }
 
-void dm_bounds_bend(const dm_graph *g, const dm_interval *value, const dm_interval *rate,
-                    dm_interval *bend) {
+void dm_bounds_bend(const dm_graph *g, const dm_interval *bend_in, const dm_interval *value,
+                    const dm_interval *rate, dm_interval *bend) {
     const uint32_t size = dm_graph_size(g);
     for (dm_node n = 0; n < size; n++) {
         const dm_expr *e = dm_graph_at(g, n);
         const line x = {value, rate, bend, value[n], rate[n]};
         const int operands = dm_op_operands(e->op);
-        if (!operands)
+        if (e->op == DM_OP_INPUT && bend_in)
+            bend[n] = bend_in[e->as.input];
+        else if (!operands)
             bend[n] = (dm_interval){0.0, 0.0};
         else if (operands == 1)
             bend[n] = of_one(e->op, &x, e->as.arg[0]);

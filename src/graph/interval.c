@@ -64,15 +64,35 @@ static double product(double x, double y) {
     return x == 0.0 || y == 0.0 ? 0.0 : x * y;
 }
 
-/* extreme at corners */
-dm_interval dm_interval_multiply(dm_interval a, dm_interval b) {
+/* extreme at corners; where one factor does not change its sign these are known: a >= 0 */
+static dm_interval multiply_by_sign(dm_interval a, dm_interval b) {
+    const double lo = product(b.lo >= 0.0 ? a.lo : a.hi, b.lo);
+    const double hi = product(b.hi <= 0.0 ? a.lo : a.hi, b.hi);
+    dm_interval out = widened(lo, hi, ROUNDED);
+    /* a product of numbers that are not negative is none */
+    if (lo >= 0.0 && out.lo < 0.0) out.lo = 0.0;
+    if (hi <= 0.0 && out.hi > 0.0) out.hi = 0.0;
+    return out;
+}
+
+/* any signs: the extreme corners of all four */
+static dm_interval multiply_any(dm_interval a, dm_interval b) {
     const double x[4] = {product(a.lo, b.lo), product(a.lo, b.hi), product(a.hi, b.lo),
                          product(a.hi, b.hi)};
     dm_interval out = hull(x, 4, ROUNDED);
-    /* a product of numbers that are not negative is none */
     if (least(x, 4) >= 0.0) out.lo = fmax(out.lo, 0.0);
     if (largest(x, 4) <= 0.0) out.hi = fmin(out.hi, 0.0);
     return out;
+}
+
+dm_interval dm_interval_multiply(dm_interval a, dm_interval b) {
+    const dm_interval minus_a = {-a.hi, -a.lo}, minus_b = {-b.hi, -b.lo};
+    if (!(a.lo <= a.hi && b.lo <= b.hi)) return multiply_any(a, b); /* no numbers */
+    if (a.lo >= 0.0) return multiply_by_sign(a, b);
+    if (b.lo >= 0.0) return multiply_by_sign(b, a);
+    if (a.hi <= 0.0) return multiply_by_sign(minus_a, minus_b);
+    if (b.hi <= 0.0) return multiply_by_sign(minus_b, minus_a);
+    return multiply_any(a, b);
 }
 
 /* |a|; 0 is in it where a changes its sign */

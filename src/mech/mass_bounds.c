@@ -14,7 +14,7 @@ void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const d
     dm_interval *value = scratch, *rate = value + b->size, *bent = rate + b->size;
     dm_bounds(b->graph, in, value);
     dm_bounds_rate(b->graph, rate_in, value, rate);
-    dm_bounds_bend(b->graph, value, rate, bent);
+    dm_bounds_bend(b->graph, NULL, value, rate, bent);
     for (uint32_t i = 0; i < b->n * b->n; i++) {
         const dm_interval x = bent[b->roots[i]];
         bend[i] = fmax(fabs(x.lo), fabs(x.hi));

@@ -9,6 +9,7 @@ static const double UNLIKE = 0.1, BEGINS = 1e-4;
  * the second, where a jump lies between them */
 static const double JUMP = 0.6, OUTER_JUMP = 1.2;
 enum { DEEPEST = 12 }; /* bisections of a part of a step */
+enum { FEWEST = 4 };   /* parts that are looked at together, at least */
 /* of what a node counts for: the round-off of its operation, and some more */
 static const double ROUND_OFF = 0x1p-50;
 
@@ -129,7 +130,7 @@ static dm_interval divided(dm_interval a, double h) {
     return (dm_interval){fmin(a.lo / h, a.hi / h), fmax(a.lo / h, a.hi / h)};
 }
 
-/* the inputs, and how fast they change with s, while s goes from a to b, parts of the step */
+/* the inputs, and their derivatives by s, while s goes from a to b, parts of the step */
 static void sweep(dm_hidden *x, const dm_swept *step, double a, double b) {
     const uint32_t n = x->n;
     const double h = step->h, d = 0.5 * (b - a);
@@ -139,41 +140,88 @@ static void sweep(dm_hidden *x, const dm_swept *step, double a, double b) {
         x->in[i] = around(k, 0, d);
         x->rate_in[i] = around(k, 1, d);
         x->in[n + i] = divided(x->rate_in[i], h);
-        x->rate_in[n + i] = divided(around(k, 2, d), h);
+        x->bend_in[i] = around(k, 2, d);
+        x->rate_in[n + i] = divided(x->bend_in[i], h);
+        x->bend_in[n + i] = divided(around(k, 3, d), h);
     }
     const double start = step->t + a * h, end = step->t + b * h;
     x->in[2 * n] = (dm_interval){fmin(start, end), fmax(start, end)};
     x->rate_in[2 * n] = (dm_interval){h, h};
+    x->bend_in[2 * n] = (dm_interval){0.0, 0.0};
     dm_bounds(x->graph, x->in, x->value);
 }
 
-/* what the forces can be while s goes from a to b: by their bounds, and by their value in the
- * middle and the bounds of their rate, which is better the smaller the box */
-static void enclose(dm_hidden *x, const dm_swept *step, double a, double b) {
-    const double middle = 0.5 * (a + b);
-    const dm_interval reach = {a - middle, b - middle};
-    const uint32_t all = x->count + x->parts;
-    sweep(x, step, middle, middle);
-    for (uint32_t i = 0; i < all; i++) x->found[i] = x->value[x->roots[i]];
-    sweep(x, step, a, b);
-    dm_bounds_rate(x->graph, x->rate_in, x->value, x->rate);
-    for (uint32_t i = 0; i < all; i++) {
-        const dm_interval far = dm_interval_multiply(x->rate[x->roots[i]], reach);
-        const dm_interval near = dm_interval_add(x->found[i], far);
-        x->found[i] = dm_interval_common(x->value[x->roots[i]], near);
+/* input i at s */
+static double input_at(const dm_hidden *x, const dm_swept *step, uint32_t i, double s) {
+    const uint32_t n = x->n;
+    const double u = s - 0.5;
+    double out = 0.0;
+    if (i >= 2 * n) return step->t + s * step->h;
+    const double *k = x->curve[i % n];
+    for (int j = 5; i < n && j >= 0; j--) out = out * u + k[j];
+    for (int j = 5; i >= n && j > 0; j--) out = out * u + j * k[j];
+    return i < n ? out : out / step->h;
+}
+
+/* y[] = all nodes at s; what only an equation defines is no number */
+static void evaluate(const dm_hidden *x, const dm_swept *step, double s, double *y) {
+    const uint32_t size = dm_graph_size(x->graph);
+    for (dm_node n = 0; n < size; n++) {
+        const dm_expr *e = dm_graph_at(x->graph, n);
+        const int operands = dm_op_operands(e->op);
+        if (e->op == DM_OP_CONSTANT)
+            y[n] = e->as.value;
+        else if (e->op == DM_OP_INPUT)
+            y[n] = input_at(x, step, e->as.input, s);
+        else
+            y[n] = !operands ? NAN
+                             : dm_op_value(e->op, y[e->as.arg[0]],
+                                           operands > 1 ? y[e->as.arg[1]] : 0.0,
+                                           operands > 2 ? y[e->as.arg[2]] : 0.0);
     }
 }
 
-/* the forces at the ends of the parts */
+/* the forces at the ends of the parts, and the largest of these */
 static void sample(dm_hidden *x, const dm_swept *step) {
     const uint32_t all = x->count + x->parts;
+    double *size = x->samples + (DM_HIDDEN_PARTS + 1) * (size_t)all, *y = x->weight;
     for (uint32_t k = 0; k <= DM_HIDDEN_PARTS; k++) {
-        const double s = (double)k / DM_HIDDEN_PARTS;
-        sweep(x, step, s, s);
+        evaluate(x, step, (double)k / DM_HIDDEN_PARTS, y);
         for (uint32_t i = 0; i < all; i++) {
-            const dm_interval e = x->value[x->roots[i]];
-            x->samples[k * (size_t)all + i] = 0.5 * e.lo + 0.5 * e.hi;
+            const double e = y[x->roots[i]];
+            x->samples[k * (size_t)all + i] = e;
+            size[i] = k ? fmax(size[i], fabs(e)) : fabs(e);
         }
+    }
+}
+
+/* what it can be where it is `start` and `end` at the ends of a box of s of so much width, by bounds
+ * of its derivatives there; anywhere where the ends are no numbers */
+static dm_interval between(double start, double end, dm_interval rate, dm_interval bend,
+                           double width) {
+    const dm_interval e = {fmin(start, end), fmax(start, end)};
+    const double middle = 0.5 * (start + end);
+    const double bent = 0.125 * width * width * fmax(fabs(bend.lo), fabs(bend.hi));
+    const double moved = 0.5 * width * fmax(fabs(rate.lo), fabs(rate.hi));
+    if (!isfinite(middle)) return (dm_interval)DM_ANYWHERE;
+    return (dm_interval){fmax(e.lo - bent, middle - moved), fmin(e.hi + bent, middle + moved)};
+}
+
+/* what the forces can be while s goes from a to b: by their bounds, and by their values at the ends
+ * and bounds of their derivatives, which are better the smaller the box */
+static void enclose(dm_hidden *x, const dm_swept *step, double a, double b) {
+    const uint32_t all = x->count + x->parts;
+    double *y = x->weight;
+    evaluate(x, step, a, y);
+    for (uint32_t i = 0; i < all; i++) x->found[i].lo = y[x->roots[i]];
+    evaluate(x, step, b, y);
+    sweep(x, step, a, b);
+    dm_bounds_rate(x->graph, x->rate_in, x->value, x->rate);
+    dm_bounds_bend(x->graph, x->bend_in, x->value, x->rate, x->bend);
+    for (uint32_t i = 0; i < all; i++) {
+        const dm_node r = x->roots[i];
+        const dm_interval e = between(x->found[i].lo, y[r], x->rate[r], x->bend[r], b - a);
+        x->found[i] = dm_interval_common(x->value[r], e);
     }
 }
 
@@ -188,12 +236,11 @@ static double excess(const dm_hidden *x, uint32_t k, uint32_t i, double unlike) 
     const size_t width = x->count + x->parts;
     const uint32_t first = k ? k - 1 : 0;
     const uint32_t last = k + 2 < DM_HIDDEN_PARTS ? k + 2 : DM_HIDDEN_PARTS;
-    double size = 0.0;
+    const double size = x->samples[(DM_HIDDEN_PARTS + 1) * width + i];
     dm_interval out = {INFINITY, -INFINITY};
-    for (uint32_t j = 0; j <= DM_HIDDEN_PARTS; j++) {
+    for (uint32_t j = first; j <= last; j++) {
         const double e = x->samples[j * width + i];
-        size = fmax(size, fabs(e));
-        if (j >= first && j <= last) out = (dm_interval){fmin(out.lo, e), fmax(out.hi, e)};
+        out = (dm_interval){fmin(out.lo, e), fmax(out.hi, e)};
     }
     const dm_interval e = x->found[i];
     const double below = out.lo - e.lo, above = e.hi - out.hi;
@@ -220,6 +267,30 @@ static void weigh(dm_hidden *x, double h) {
 static int matters(const dm_hidden *x, const dm_swept *step, uint32_t i, double off) {
     const double weight = x->weight[x->roots[i]];
     return weight != 0.0 && !(off * weight <= nothing(x, step) + x->noise);
+}
+
+/* Are the forces, and what they are made of, as good as straight lines between their samples in
+ * parts `first` to `end` of the step? By their second derivatives: so much less than `unlike` they
+ * are inside of the samples of each part. */
+static int is_straight(dm_hidden *x, const dm_swept *step, uint32_t first, uint32_t end) {
+    enum { EIGHTH = 8 }; /* of a second derivative times the square of their distance */
+    const uint32_t all = x->count + x->parts;
+    const double *size = x->samples + (DM_HIDDEN_PARTS + 1) * (size_t)all;
+    const double a = (double)first / DM_HIDDEN_PARTS, b = (double)end / DM_HIDDEN_PARTS;
+    int weighted = 0;
+    sweep(x, step, a, b);
+    dm_bounds_rate(x->graph, x->rate_in, x->value, x->rate);
+    dm_bounds_bend(x->graph, x->bend_in, x->value, x->rate, x->bend);
+    for (uint32_t i = 0; i < all; i++) {
+        const dm_interval e = x->bend[x->roots[i]];
+        const double most = fmax(fabs(e.lo), fabs(e.hi));
+        const double off = most / (EIGHTH * DM_HIDDEN_PARTS * DM_HIDDEN_PARTS) - UNLIKE * size[i];
+        if (off <= 0.0) continue;
+        if (!weighted) weigh(x, (b - a) * step->h);
+        weighted = 1;
+        if (isnan(off) || matters(x, step, i, off)) return 0;
+    }
+    return 1;
 }
 
 /* Are the forces inside what is expected in part k, from a to b, and what they are made of? */
@@ -296,15 +367,32 @@ static int samples_agree(dm_hidden *x, const dm_swept *step, double *where) {
     return 1;
 }
 
+/* The first part in which something is unlike, DM_HIDDEN_PARTS: none. Many parts at once, by
+ * second derivatives, before each by itself. */
+static uint32_t first_unlike(dm_hidden *x, const dm_swept *step, double *where) {
+    uint32_t width = DM_HIDDEN_PARTS;
+    for (uint32_t k = 0; k < DM_HIDDEN_PARTS;) {
+        if (is_straight(x, step, k, k + width)) {
+            k += width;
+            continue;
+        }
+        if (width > FEWEST) {
+            width /= 2;
+            continue;
+        }
+        for (const uint32_t end = k + width; k < end; k++)
+            if (!look_at_part(x, step, k, UNLIKE, where)) return k;
+    }
+    return DM_HIDDEN_PARTS;
+}
+
 int dm_hidden_nothing(dm_hidden *x, const dm_swept *step, double *where) {
     find_curve(x, step);
     sample(x, step);
     if (!samples_agree(x, step, where)) return 0;
-    for (uint32_t k = 0; k < DM_HIDDEN_PARTS; k++)
-        if (!look_at_part(x, step, k, UNLIKE, where)) {
-            if (!k || look_at_part(x, step, k - 1, BEGINS, where))
-                look_at_part(x, step, k, BEGINS, where);
-            return 0;
-        }
-    return 1;
+    const uint32_t k = first_unlike(x, step, where);
+    if (k == DM_HIDDEN_PARTS) return 1;
+    if (!k || look_at_part(x, step, k - 1, BEGINS, where))
+        look_at_part(x, step, k, BEGINS, where);
+    return 0;
 }

@@ -13,10 +13,10 @@ typedef struct {
     uint32_t n, count, parts;
     uint32_t impulses; /* of the first so many roots only what they add up to over a step matters */
     double negligible; /* of the largest momentum so far: an impulse so small is none */
-    dm_interval *value, *rate; /* [dm_graph_size], scratch: the forces, and d/ds of them */
-    double *weight;            /* [dm_graph_size], scratch: what nodes count for in the forces */
-    double noise;              /* what their impulse may be by round-off */
-    dm_interval *in, *rate_in; /* [2n + 1], scratch */
+    dm_interval *value, *rate, *bend; /* [dm_graph_size], scratch: forces, their d/ds, d2/ds2 */
+    double *weight; /* [dm_graph_size], scratch: what nodes count for in the forces */
+    double noise;   /* what their impulse may be by round-off */
+    dm_interval *in, *rate_in, *bend_in; /* [2n + 1], scratch */
     dm_interval *found;        /* [count + parts], scratch: the forces in a box */
     double *samples;           /* [dm_hidden_samples x (count + parts)], scratch */
     double (*curve)[6];        /* [n], scratch: q(s) = sum_k curve[k] (s - 1/2)^k along a step */
@@ -27,9 +27,9 @@ typedef struct {
 
 enum { DM_HIDDEN_PARTS = 8 }; /* of a step, at whose ends forces are sampled */
 
-/* Doubles of `samples`. */
+/* Doubles of `samples`: at the ends of the parts, and behind them the largest of each. */
 static inline size_t dm_hidden_samples(uint32_t count) {
-    return (DM_HIDDEN_PARTS + 1) * (size_t)count;
+    return (DM_HIDDEN_PARTS + 2) * (size_t)count;
 }
 
 /* list[] = the nodes that may have narrow features of their own, for `parts`: results of other

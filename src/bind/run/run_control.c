@@ -21,7 +21,7 @@ static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, const
     memcpy(roots, f->alone_roots, count * sizeof *roots);
     unsigned char *rough = lua_newuserdatauv(L, size, 0);
     const uint32_t parts = dm_hidden_parts(f->alone, roots + count, rough), all = count + parts;
-    dm_interval *room = lua_newuserdatauv(L, (2 * (size + inputs) + all) * sizeof *room, 0);
+    dm_interval *room = lua_newuserdatauv(L, (3 * (size + inputs) + all) * sizeof *room, 0);
     const dm_model *m = of_velocity(r);
     const size_t samples = dm_hidden_samples(all), work = m ? dm_legendre_work(m) : 0;
     double *more = lua_newuserdatauv(L, (size + samples + 9 * (size_t)n + work) * sizeof *more, 0);
@@ -33,9 +33,11 @@ static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, const
                      .impulses = count > n ? count - n : count,
                      .value = room,
                      .rate = room + size,
-                     .in = room + 2 * (size_t)size,
-                     .rate_in = room + 2 * (size_t)size + inputs,
-                     .found = room + 2 * (size + inputs),
+                     .bend = room + 2 * (size_t)size,
+                     .in = room + 3 * (size_t)size,
+                     .rate_in = room + 3 * (size_t)size + inputs,
+                     .bend_in = room + 3 * (size_t)size + 2 * inputs,
+                     .found = room + 3 * (size + inputs),
                      .weight = more,
                      .samples = more + size,
                      .curve = (double(*)[6])(more + size + samples),

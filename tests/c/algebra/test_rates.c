@@ -32,6 +32,7 @@ static const row rows[] = {
 static dm_graph *g;
 static dm_node x[INPUTS], f, slope[INPUTS], second[INPUTS * INPUTS];
 static const double along[INPUTS] = {0.7, -1.1, 0.4}; /* a direction */
+static const double turning[INPUTS] = {-0.3, 2.1, 0.9}; /* the second derivatives of a curve */
 
 /* between 0 and 1 */
 static double uniform(uint32_t k, uint32_t i) {
@@ -67,16 +68,30 @@ static double second_at(const dm_interval *box, uint32_t k, uint32_t i) {
     return sum;
 }
 
-/* of a line through the box; value[] of it */
+/* the second derivative along the curve that goes that way at a point of the box */
+static double turned_at(const dm_interval *box, uint32_t k, uint32_t i) {
+    double d[INPUTS], sum = second_at(box, k, i);
+    slopes_at(d, box, k, i);
+    for (uint32_t a = 0; a < INPUTS; a++) sum += turning[a] * d[a];
+    return sum;
+}
+
+/* of a line through the box, and of a curve; value[] of it */
 static void look_at_bend(const row *r, const dm_interval *box, const dm_interval *value, uint32_t k,
                          double width) {
-    dm_interval in[INPUTS], rate[MOST], bend[MOST];
-    for (uint32_t a = 0; a < INPUTS; a++) in[a] = (dm_interval){along[a], along[a]};
+    dm_interval in[INPUTS], bend_in[INPUTS], rate[MOST], bend[MOST], turned[MOST];
+    for (uint32_t a = 0; a < INPUTS; a++) {
+        in[a] = (dm_interval){along[a], along[a]};
+        bend_in[a] = (dm_interval){turning[a], turning[a]};
+    }
     dm_bounds_rate(g, in, value, rate);
-    dm_bounds_bend(g, value, rate, bend);
+    dm_bounds_bend(g, NULL, value, rate, bend);
+    dm_bounds_bend(g, bend_in, value, rate, turned);
     for (uint32_t i = 0; i < POINTS; i++) {
         const double d = second_at(box, k, i), slack = 1e-11 * (1.0 + fabs(d));
+        const double e = turned_at(box, k, i), more = 1e-11 * (1.0 + fabs(e));
         CHECK(bend[f].lo <= d + slack && bend[f].hi >= d - slack);
+        CHECK(turned[f].lo <= e + more && turned[f].hi >= e - more);
         if (r->bounded && width < 1e-6 && bend[f].hi < INFINITY)
             CHECK_NEAR(middle(bend[f]), d, 1e-3 * (1.0 + fabs(d)));
     }

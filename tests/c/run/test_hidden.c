@@ -31,8 +31,9 @@ static double arrival(const double c[6], double place) {
     return 0.5 + a;
 }
 
-/* Is a pulse of the force at q = place seen in a step along the quintic? L = v^2/2. */
-static int is_seen(const double c[6], double place, int known, double *where) {
+/* Is a pulse of the force at q = place, beside a constant one, seen in a step along the quintic?
+ * L = v^2/2. */
+static int is_seen(const double c[6], double place, double constant, int known, double *where) {
     problem p = {.n = 1};
     dm_arena_init(&p.arena, problem_allocate, NULL);
     dm_graph *g = dm_graph_new(&p.arena, 3), *forces = dm_graph_new(&p.arena, 3);
@@ -44,23 +45,26 @@ static int is_seen(const double c[6], double place, int known, double *where) {
     const dm_node away = dm_div(forces, off, dm_constant(forces, WIDTH));
     const dm_node pulse =
         dm_apply(forces, DM_OP_EXP, dm_neg(forces, dm_mul(forces, away, away)), 0, 0);
-    dm_interval boxes[2 * MOST + 6 + 2];
-    double numbers[MOST + 9 * 2 + 9], work[64], q[3], mv[3];
+    const dm_node force = dm_add(forces, pulse, dm_constant(forces, constant));
+    dm_interval boxes[3 * MOST + 9 + 2];
+    double numbers[MOST + 10 * 2 + 9], work[64], q[3], mv[3];
     dm_hidden x = {.graph = forces,
-                   .roots = &pulse,
+                   .roots = &force,
                    .n = 1,
                    .count = 1,
                    .impulses = 1,
                    .negligible = 1e-9,
                    .value = boxes,
                    .rate = boxes + MOST,
-                   .in = boxes + 2 * MOST,
-                   .rate_in = boxes + 2 * MOST + 3,
-                   .found = boxes + 2 * MOST + 6,
+                   .bend = boxes + 2 * MOST,
+                   .in = boxes + 3 * MOST,
+                   .rate_in = boxes + 3 * MOST + 3,
+                   .bend_in = boxes + 3 * MOST + 6,
+                   .found = boxes + 3 * MOST + 9,
                    .weight = numbers,
                    .samples = numbers + MOST,
-                   .curve = (double(*)[6])(void *)(numbers + MOST + 18),
-                   .velocity = numbers + MOST + 24,
+                   .curve = (double(*)[6])(void *)(numbers + MOST + 20),
+                   .velocity = numbers + MOST + 26,
                    .model = known ? &model : NULL,
                    .work = work};
     CHECK(dm_graph_size(forces) <= MOST && dm_legendre_work(&model) <= 64);
@@ -91,15 +95,17 @@ static void pulses(void) {
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         const double *c = all[i], place = c[6];
         double where = NAN;
-        CHECK(is_seen(c, place, 1, &where));
+        CHECK(is_seen(c, place, 0.0, 1, &where));
         /* it begins where the pulse is a ten thousandth, some widths before */
         const double s = (where - T) / H, there = arrival(c, place);
         CHECK(s <= there && s > there - 0.06);
-        CHECK(!is_seen(c, place + 40.0, 1, &where));
+        CHECK(is_seen(c, place, 1.0, 1, &where)); /* as large as what the samples are */
+        CHECK(!is_seen(c, place, 20.0, 1, &where)); /* less than a tenth of it */
+        CHECK(!is_seen(c, place + 40.0, 0.0, 1, &where));
     }
     double where;
     const double swing[6] = {0, -2 * 3.141592653589793, 0, 37.7, 0, -50.2};
-    CHECK(!is_seen(swing, 0.85, 0, &where)); /* the parabola through three zeros is not there */
+    CHECK(!is_seen(swing, 0.85, 0.0, 0, &where)); /* the parabola through three zeros is not there */
 }
 
 int main(void) {
