@@ -174,10 +174,10 @@ static void evaluate(const dm_hidden *x, const dm_swept *step, double s, double 
         else if (e->op == DM_OP_INPUT)
             y[n] = input_at(x, step, e->as.input, s);
         else
-            y[n] = !operands ? NAN
-                             : dm_op_value(e->op, y[e->as.arg[0]],
-                                           operands > 1 ? y[e->as.arg[1]] : 0.0,
-                                           operands > 2 ? y[e->as.arg[2]] : 0.0);
+            y[n] = !operands
+                       ? NAN
+                       : dm_op_value(e->op, y[e->as.arg[0]], operands > 1 ? y[e->as.arg[1]] : 0.0,
+                                     operands > 2 ? y[e->as.arg[2]] : 0.0);
     }
 }
 
@@ -392,7 +392,6 @@ int dm_hidden_nothing(dm_hidden *x, const dm_swept *step, double *where) {
     if (!samples_agree(x, step, where)) return 0;
     const uint32_t k = first_unlike(x, step, where);
     if (k == DM_HIDDEN_PARTS) return 1;
-    if (!k || look_at_part(x, step, k - 1, BEGINS, where))
-        look_at_part(x, step, k, BEGINS, where);
+    if (!k || look_at_part(x, step, k - 1, BEGINS, where)) look_at_part(x, step, k, BEGINS, where);
     return 0;
 }

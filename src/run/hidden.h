@@ -17,12 +17,12 @@ typedef struct {
     double *weight; /* [dm_graph_size], scratch: what nodes count for in the forces */
     double noise;   /* what their impulse may be by round-off */
     dm_interval *in, *rate_in, *bend_in; /* [2n + 1], scratch */
-    dm_interval *found;        /* [count + parts], scratch: the forces in a box */
-    double *samples;           /* [dm_hidden_samples x (count + parts)], scratch */
-    double (*curve)[6];        /* [n], scratch: q(s) = sum_k curve[k] (s - 1/2)^k along a step */
-    double *velocity;          /* [3n], scratch: at its start, middle, end */
-    const dm_model *model;     /* whose p = dL/dv tells the velocity; NULL: it is not known */
-    double *work;              /* [dm_legendre_work of it], scratch */
+    dm_interval *found;                  /* [count + parts], scratch: the forces in a box */
+    double *samples;                     /* [dm_hidden_samples x (count + parts)], scratch */
+    double (*curve)[6];    /* [n], scratch: q(s) = sum_k curve[k] (s - 1/2)^k along a step */
+    double *velocity;      /* [3n], scratch: at its start, middle, end */
+    const dm_model *model; /* whose p = dL/dv tells the velocity; NULL: it is not known */
+    double *work;          /* [dm_legendre_work of it], scratch */
 } dm_hidden;
 
 enum { DM_HIDDEN_PARTS = 8 }; /* of a step, at whose ends forces are sampled */

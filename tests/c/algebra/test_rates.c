@@ -31,7 +31,7 @@ static const row rows[] = {
 
 static dm_graph *g;
 static dm_node x[INPUTS], f, slope[INPUTS], second[INPUTS * INPUTS];
-static const double along[INPUTS] = {0.7, -1.1, 0.4}; /* a direction */
+static const double along[INPUTS] = {0.7, -1.1, 0.4};   /* a direction */
 static const double turning[INPUTS] = {-0.3, 2.1, 0.9}; /* the second derivatives of a curve */
 
 /* between 0 and 1 */

@@ -99,13 +99,14 @@ static void pulses(void) {
         /* it begins where the pulse is a ten thousandth, some widths before */
         const double s = (where - T) / H, there = arrival(c, place);
         CHECK(s <= there && s > there - 0.06);
-        CHECK(is_seen(c, place, 1.0, 1, &where)); /* as large as what the samples are */
+        CHECK(is_seen(c, place, 1.0, 1, &where));   /* as large as what the samples are */
         CHECK(!is_seen(c, place, 20.0, 1, &where)); /* less than a tenth of it */
         CHECK(!is_seen(c, place + 40.0, 0.0, 1, &where));
     }
     double where;
     const double swing[6] = {0, -2 * 3.141592653589793, 0, 37.7, 0, -50.2};
-    CHECK(!is_seen(swing, 0.85, 0.0, 0, &where)); /* the parabola through three zeros is not there */
+    CHECK(
+        !is_seen(swing, 0.85, 0.0, 0, &where)); /* the parabola through three zeros is not there */
 }
 
 int main(void) {
