@@ -66,7 +66,7 @@ local function run(self, place, rule, tolerance, which)
   local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch,
     seconds = max(0.01, (which.part or 1) * left(self)),
     control = { tolerance = tolerance, hidden = self.hidden, largest = self.T * LARGEST[place],
-      negligible = self.negligible, ends = self.ends } }
+      negligible = self.negligible, ends = self.ends, reach = self.t0 + self.T } }
   for key, value in pairs(self.start) do options[key] = value end
   return solver_of(self, rule):run(options)
 end

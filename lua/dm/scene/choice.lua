@@ -12,11 +12,39 @@ local max, min = math.max, math.min
 
 local LEAST = 0.02  -- s for a look behind what is narrow
 
--- what a candidate errs by at times, and between them, beside the reference there
+-- what a candidate errs by at times, and between them, beside the reference there; its record
 local function error_beside(scene, c, N, times, reference)
   local record, report = pilot.run(c.model, c.rule, N, times)
-  if not record then return math.huge, report end
-  return pilot.apart_between(scene.problem, record, reference)
+  if not record then return math.huge, nil, report end
+  return pilot.apart_between(scene.problem, record, reference), record
+end
+
+local PARTS, MOST = 8, 8000 -- of the time between two rows where the error is sharp; times in all
+
+-- times between those of the check where the error may be larger than at them
+local function sharp_times(scene, record, err)
+  local t, out = scene.check_times, {}
+  local places = pilot.unresolved(scene.problem, record, scene.checked, err)
+  for i = 2, #t do
+    for j = 1, (places[i] or places[i - 1]) and PARTS or 0 do
+      out[#out + 1] = t[i - 1] + (t[i] - t[i - 1]) * j / PARTS
+    end
+    if #out > MOST then break end
+  end
+  return out
+end
+
+local UNSEEN = 1.5 -- times the error at the check: where there is no time to look between them
+
+-- the same between the times of the check, where the error has peaks: as of rows inside of a step
+local function error_in_peaks(scene, c, N, record, err)
+  local times = sharp_times(scene, record, err)
+  if #times == 0 then return err end
+  local left = scene.began + scene.allowed - core.cpu()
+  local fine, path = blame.try(scene.reference.path, scene.reference, times, max(LEAST, left / 2))
+  if not fine then return UNSEEN * err end
+  return max(err,
+    (error_beside(scene, c, N, times, pilot.record(scene.problem, path))))
 end
 
 -- the same after what is narrow inside of a step; inf where that is too much to look at
@@ -29,14 +57,14 @@ local function error_behind(scene, c, N)
   local left = scene.began + scene.allowed - core.cpu()
   local fine, path = blame.try(scene.reference.path, scene.reference, times, max(LEAST, left / 2))
   if not fine then return math.huge end
-  return error_beside(scene, c, N, times, pilot.record(scene.problem, path))
+  return (error_beside(scene, c, N, times, pilot.record(scene.problem, path)))
 end
 
 -- what a candidate errs by at the times of the check and between them
 local function check_error(scene, c, N)
-  local err = error_beside(scene, c, N, scene.check_times, scene.checked)
+  local err, record = error_beside(scene, c, N, scene.check_times, scene.checked)
   if err > 1 then return err end
-  return max(err, error_behind(scene, c, N))
+  return max(error_in_peaks(scene, c, N, record, err), error_behind(scene, c, N))
 end
 
 local TRIES = 6

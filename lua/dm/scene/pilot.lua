@@ -124,7 +124,7 @@ local function solver_of(model, rule, N)
   end
   local tolerance = max(1e-17, STANDARD * (scale.N / N) ^ (scale.order + 1))
   return scale.solver, { tolerance = min(0.1, tolerance), largest = problem.T / 2,
-    hidden = model.untouched and problem.hidden or nil }
+    reach = problem.t0 + problem.T, hidden = model.untouched and problem.hidden or nil }
 end
 
 --- Run N steps of a rule on a model with the options `more` of solver:run; path, report. Without
@@ -176,7 +176,9 @@ function M.apart(problem, a, b)
   return worst
 end
 
-local MARGIN = 1.1  -- peaks of an error that has kinks between the times: measured 1.04
+-- An error that goes like a parabola between the times is an eighth of its second difference more
+-- than it is at them, one with a kink up to a half; the margin is for what is left.
+local BEND, MARGIN = 1 / 4, 1.1
 
 --- The same with what the difference may be between the rows: as it bends there, and a margin.
 function M.apart_between(problem, a, b)
@@ -184,13 +186,30 @@ function M.apart_between(problem, a, b)
   for _, name in ipairs(problem.columns) do
     local d, tolerance = (a[name] - b[name]):totable(), problem.tolerance[name]
     for i = 1, #d do
-      local bend = i > 1 and i < #d and abs(d[i - 1] - 2 * d[i] + d[i + 1]) / 8 or 0
+      local bend = i > 1 and i < #d and BEND * abs(d[i - 1] - 2 * d[i] + d[i + 1]) or 0
       local here = (abs(d[i]) + bend) / tolerance
       if here ~= here then return huge end
       worst = max(worst, here)
     end
   end
   return MARGIN * worst
+end
+
+local SHARP, NEARLY = 0.1, 0.8 -- of the largest difference: a second one, what may be as large
+
+--- Numbers of the rows about which the difference bends so much that it may be the largest between
+-- them: { i = true }; err: what apart_between told.
+function M.unresolved(problem, a, b, err)
+  local out = {}
+  for _, name in ipairs(problem.columns) do
+    local d = (a[name] - b[name]):totable()
+    local most = err / MARGIN * problem.tolerance[name]
+    for i = 2, #d - 1 do
+      local bend = abs(d[i - 1] - 2 * d[i] + d[i + 1])
+      if bend > SHARP * most and abs(d[i]) + bend > NEARLY * most then out[i] = true end
+    end
+  end
+  return out
 end
 
 --- The first rows of a record, `count` of them.

@@ -5,11 +5,33 @@ local M = {}
 
 local abs, max, min, huge = math.abs, math.max, math.min, math.huge
 
--- numbers of the times that are at least half of H before and behind number k, else its neighbours
-local function around(t, k, H, before, behind)
-  while before + 1 < k and t[before + 1] <= t[k] - H / 2 do before = before + 1 end
-  while behind < #t and (behind <= k or t[behind] < t[k] + H / 2) do behind = behind + 1 end
+-- numbers of the times that are at least so much before and behind number k, else its neighbours
+local function around(t, k, far, further, before, behind)
+  while before + 1 < k and t[before + 1] <= t[k] - far do before = before + 1 end
+  while behind < #t and (behind <= k or t[behind] < t[k] + further) do behind = behind + 1 end
   return before, behind
+end
+
+-- Where in the line between two rows the motion is looked at. In the middle, where a parabola is
+-- furthest off; elsewhere for what is shorter than the line, as the passage of a wall: behind
+-- a jump at a part f of the line it is 1 - f of the jump off.
+local MIDDLE, ELSEWHERE = 1 / 2, { 1 / 32, 1 / 8, 1 / 4, 3 / 8, 5 / 8, 3 / 4, 7 / 8, 31 / 32 }
+local BETWEEN = 1.15  -- what is off between these places
+local DENSE = 4       -- times of the check in a line: it is no parabola then
+
+-- the largest distance of x from straight lines of length H that have it at the part f of them
+local function off_lines(t, x, H, f)
+  local worst, before, behind = 0, 1, 3
+  for k = 2, #t - 1 do
+    if f == MIDDLE or DENSE * (t[k + 1] - t[k - 1]) < 2 * H then
+      before, behind = around(t, k, f * H, (1 - f) * H, before, behind)
+      local a, b = t[k] - t[before], t[behind] - t[k]
+      local off = abs(x[k] - (b * x[before] + a * x[behind]) / (a + b))
+      worst = max(worst, off * (f == MIDDLE and H * H / (4 * a * b)
+        or min(1, H / (a + b)) * BETWEEN))
+    end
+  end
+  return worst
 end
 
 -- Largest distance, in tolerances, of the motion from straight lines between rows that are H apart.
@@ -19,13 +41,8 @@ local function bend(scene, H)
   local problem, t, worst = scene.problem, scene.check_times, 0
   for _, name in ipairs(problem.columns) do
     local x, tolerance = scene.checked[name]:totable(), problem.tolerance[name]
-    local before, behind = 1, 3
-    for k = 2, #t - 1 do
-      before, behind = around(t, k, H, before, behind)
-      local a, b = t[k] - t[before], t[behind] - t[k]
-      local off = abs(x[k] - (b * x[before] + a * x[behind]) / (a + b))
-      worst = max(worst, off * H * H / (4 * a * b) / tolerance)
-    end
+    worst = max(worst, off_lines(t, x, H, MIDDLE) / tolerance)
+    for _, f in ipairs(ELSEWHERE) do worst = max(worst, off_lines(t, x, H, f) / tolerance) end
   end
   return worst
 end

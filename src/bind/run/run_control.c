@@ -81,10 +81,20 @@ static void read_ends(lua_State *L, int at, dm_control *c) {
     c->end_count = count;
 }
 
+/* the time that steps are made for: the end of the run, or a later one in the field `reach` of the
+ * table at `at`, so that a run to an earlier time has the same steps */
+static double read_reach(lua_State *L, int at, double until) {
+    if (lua_getfield(L, at, "reach") == LUA_TNIL) return until;
+    const double reach = lua_tonumber(L, -1);
+    if (!lua_isnumber(L, -1) || !isfinite(reach))
+        luaL_error(L, "field 'control.reach' must be a time (got %s)", luaL_typename(L, -1));
+    return fmax(until, reach);
+}
+
 dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_stepping *r,
                              double until) {
-    static const char *const known[] = {"tolerance", "largest",    "ends",
-                                        "hidden",    "negligible", NULL};
+    static const char *const known[] = {"tolerance",  "largest", "ends", "hidden",
+                                        "negligible", "reach",   NULL};
     const uint32_t n = r->solver->n;
     lua_getfield(L, 2, "control");
     const int at = lua_gettop(L);
@@ -99,7 +109,7 @@ dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_steppin
         luaL_error(L, "field 'control': give 't' or 'at', the time that the run goes to");
     c->control = (dm_control){.tolerance = dml_positive(L, at, "tolerance", 1e-9),
                               .largest = dml_positive(L, at, "largest", INFINITY),
-                              .reach = until};
+                              .reach = read_reach(L, at, until)};
     read_ends(L, at, &c->control);
     read_hidden(L, at, c, r);
     c->control.room = lua_newuserdatauv(L, dm_control_room(n) * sizeof(double), 0);

@@ -111,4 +111,12 @@ for _, h in ipairs { 0.1, 0.07 } do
   local d = math.max(math.abs(q - a), math.abs(p - b) / math.max(0.3, math.abs(b))) / 1e-3
   near((steps.t[3] - steps.t[2]) / h, 0.9 * (d / 3) ^ (-1 / 3), 1e-12, "the second step, after " .. h)
 end
+-- a run to an earlier time has the steps of the whole where it is told how far that reaches
+local function ends(at, reach)
+  return kepler:solver({ rule = "rk8", h = 0.1 }):run { q = start.q, v = start.v, at = at, control = { tolerance = 1e-6, largest = 2, reach = reach } }
+end
+local whole, early = ends({ 1.3, 2.1, 9 }), ends({ 1.3, 2.1 }, 9)
+ok(whole.q[2][1] == early.q[2][1] and whole.q[1][2] == early.q[1][2], "the same steps up to there", whole.q[2], early.q[2])
+ok(#early == 2 and early.t[2] == 2.1, "and no rows behind", #early)
+raises("'control.reach' must be a time", ends, { 1 }, "later")
 tap.done()
