@@ -195,7 +195,7 @@ static void sample(dm_hidden *x, const dm_swept *step) {
     }
 }
 
-/* what it can be where it is `start` and `end` at the ends of a box of s of so much width, by bounds
+/* what it can be where it is `start` and `end` at the ends of a box of so much width, by bounds
  * of its derivatives there; anywhere where the ends are no numbers */
 static dm_interval between(double start, double end, dm_interval rate, dm_interval bend,
                            double width) {

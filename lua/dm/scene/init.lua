@@ -39,8 +39,12 @@ local KNOWN = { 1, "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t
 local function check_system(options)
   local system = options.system or options[1]
   local fine, given = blame.try(function() return system.given end)
-  if not (fine and given and (given.L or given.H)) then
-    fail("option 'system' must be a dm.system (got %s)", tostring(system))
+  if not (type(system) == "userdata" and fine and given and (given.L or given.H)) then
+    local meta = type(system) ~= "string" and getmetatable(system)
+    local kind = type(meta) == "table" and meta.__name
+    fail("option 'system' must be a dm.system (got %s)%s", kind or tostring(system), kind
+      and system.solver and ": scenes know systems and fields on meshes; make a run, system:solver"
+      or "")
   end
   return system
 end
@@ -56,8 +60,10 @@ local function check_rules(rules, system)
 end
 
 local function check_options(options)
+  local named = type(options) == "table" and (options.system or options[1]) ~= nil
+  local system = named and check_system(options)
   option.check(options, KNOWN, WHERE, "{ system =, q =, v =, watch =, tolerance =, until_t = }")
-  local system = check_system(options)
+  system = system or check_system(options)
   if options.q == nil or (options.v == nil and options.p == nil) then
     fail("the start is missing: give q and v, or q and p")
   end
@@ -310,7 +316,7 @@ scene:why(), scene:animate(file); scene.candidates, scene.best = { model, rule, 
 work, ns, error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
-  options = starts.lists(starts.of_system(options))
+  options = starts.of_system(options)
   local system = check_options(options)
   if whole.is(system) then whole.check(system, options) end
   options = starts.lists(options, system)

@@ -124,6 +124,17 @@ local function make_given(map, what, given, names)
   return function(cell) return f(cell.values) end
 end
 
+--- Raises where maps are not made of what is given: of boxes (dm.multisymplectic), flows, waves.
+function M.check_system(options)
+  local system = options.system or options[1]
+  local meta = type(system) ~= "string" and getmetatable(system)
+  local kind = type(meta) == "table" and meta.__name
+  if kind and not is_system(lines.wrapped(system)) then
+    fail("maps are of a dm.system, of fields on meshes (mesh:field) or on lines (dm.field), or of "
+      .. "a function of the parameters that returns one (got %s)", kind)
+  end
+end
+
 --- map.system_of(cell), map.key_of(cell) (cells of one key have one system), map.used (the
 -- parameters that it depends on), map.start.q, .v, .p of a cell, and map.start.given.q, .v: what
 -- was given for them.

@@ -328,6 +328,7 @@ M.stability = blame.caller(function(options)
       .. "= }")
   end
   options = renamed(starts.of_system(options))
+  given_.check_system(options)
   check_options(options)
   local names = parameters(options)
   local map = new_map(options, names)

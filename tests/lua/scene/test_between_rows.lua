@@ -39,4 +39,17 @@ local all, early = scene:run { at = whole }:column "q1", scene:run { at = some }
 local same = true
 for k = 1, #some do same = same and all[k] == early[k] end
 ok(same, "rows to an early time have the steps of the whole")
+
+-- starts of a field on a mesh as functions of the position; what is no system of scenes and maps is told first
+local field = dm.mesh { triangle = 4 }:field { form = 0, fixed = "boundary", L = function(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end }
+local function bump(x, y) return math.sin(math.pi * x) * y end
+local function rest() return 0 end
+local function scene_of(q, v) return dm.scene { field, q = q, v = v, watch = { "q7" }, tolerance = 1e-3, until_t = 1 }:run():column "q7" end
+local first = field:solver { rule = "verlet", h = 0.1 }:run { q = bump, v = rest, steps = 1 }
+local by_function, by_list = scene_of(bump, rest), scene_of(first.q[1]:totable(), dm.zeros(field.Q.dimension))
+ok(by_function[#by_function] == by_list[#by_list], "a start that is a function of the position", by_function[#by_function])
+local boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 6, 33, periodic = true }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } },
+  K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } }, S = function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 end }
+tap.raises("got dm.boxes", dm.stability, { system = boxes, z = { u = math.sin }, h = { 0.1, 1, 3, "log" }, t = 1 })
+tap.raises("make a run, system:solver", dm.scene, { boxes, z = { u = math.sin }, tolerance = 1, until_t = 1 })
 tap.done()
