@@ -1,7 +1,8 @@
 /* group_homogeneous.c - a system on a group as one on R^N that does not see multiples of q. A unit
  * quaternion u = q/|q|, a matrix g/det(g)^(1/n) are those of an element, and with their velocity xi
- *   L(q, v) = L(u, xi, t) + sum_k (d log s_k/dt)^2/2,  s_k the scales, such as |q|,
- * is a regular Lagrangian on R^N that the multiples q -> s q leave alone. These are linear, so that
+ *   L(q, v) = L(u, xi, t) + sum_k m_k (d log s_k/dt)^2/2,  s_k the scales, such as |q|,
+ * m_k > 0 of the size of the masses of L, so that units of mass change nothing, is a regular
+ * Lagrangian on R^N that the multiples q -> s q leave alone. These are linear, so that
  * every variational rule and every symplectic pair keeps their momenta, zero at the start, exactly,
  * and its step goes down to T*(R^N without 0)/scales at momentum zero, which is T*G: it is a
  * symplectic step on the group, whatever the rule does to |q| (docs/theory/lie.md). Constraints and
@@ -88,16 +89,65 @@ static dm_status make_down(pulling *l, dm_kernel *out, dm_compile *compile) {
     return status == DM_OK ? compile(out, g, below, count, l->arena) : status;
 }
 
-/* the Lagrangian on R^N in a new graph */
+/* L_xi_xi[d*d] at (u, 0, t) */
+static dm_node *find_inertia(pulling *l, dm_graph *g) {
+    const dm_source *s = &l->m->source;
+    const uint32_t n = l->n, d = l->d, count = dm_graph_inputs(s->graph);
+    dm_graph *f = dm_graph_new(l->arena, count);
+    dm_node *inputs = take(l, count), *at_rest = take(l, n), *slope = take(l, d);
+    dm_node *second = take(l, (size_t)d * d), *out = take(l, (size_t)d * d), L = 0;
+    if (!f || !inputs || !at_rest || !slope || !second || !out) return NULL;
+    dm_inputs(f, inputs, 0, count);
+    dm_transplant(f, s->graph, &s->lagrangian, 1, inputs, &L);
+    dm_hessian(f, L, n, d, slope, second);
+    memset(at_rest, 0, n * sizeof *at_rest);
+    if (dm_graph_status(f) != DM_OK || !stand_in(l, g, at_rest, count)) return NULL;
+    dm_transplant(g, f, second, d * d, l->with, out);
+    return out;
+}
+
+/* does entry a of xi move with the coordinates that scale k, of the rates `scale`, is one of? */
+static int moves_with(const pulling *l, const dm_node *scale, uint32_t k, uint32_t a) {
+    for (uint32_t i = 0; i < l->n; i++)
+        if (scale[(size_t)k * l->n + i] && l->slope[(size_t)a * l->n + i]) return 1;
+    return 0;
+}
+
+/* 4 times the mean size of the inertia of those entries: that of a ball of quaternions, |xi|^2/2
+ * along the sphere and 4 s'^2/2 across it */
+static dm_node scale_mass(const pulling *l, dm_graph *g, const dm_node *inertia,
+                          const dm_node *scale, uint32_t k) {
+    dm_node sum = 0;
+    uint32_t count = 0;
+    double value = 0.0;
+    for (uint32_t a = 0; a < l->d; a++) {
+        if (!moves_with(l, scale, k, a)) continue;
+        count++;
+        for (uint32_t b = 0; b < l->d; b++) {
+            const dm_node x = inertia[(size_t)a * l->d + b];
+            if (moves_with(l, scale, k, b)) sum = dm_add(g, sum, dm_mul(g, x, x));
+        }
+    }
+    if (count == 0 || (dm_is_constant(g, sum, &value) && !(value > 0.0))) return dm_constant(g, 1);
+    sum = dm_mul(g, sum, dm_constant(g, 16.0 / count));
+    return dm_power(g, sum, dm_constant(g, 0.5));
+}
+
+/* The Lagrangian on R^N in a new graph. */
 static dm_graph *pull_lagrangian(pulling *l, dm_node *L) {
     const dm_source *s = &l->m->source;
     dm_graph *g = dm_graph_new(l->arena, 2 * l->n + 1);
     if (!g || find_rates(l, g) != DM_OK) return NULL;
+    const uint32_t scales = l->h->scales;
+    dm_node *scale = take(l, (size_t)scales * l->n), *inertia = find_inertia(l, g);
+    if (!scale || !inertia) return NULL;
+    dm_jacobian(g, l->rate + l->n + l->d, scales, l->n, l->n, scale);
     if (!stand_in(l, g, l->rate + l->n, dm_graph_inputs(s->graph))) return NULL;
     dm_transplant(g, s->graph, &s->lagrangian, 1, l->with, L);
-    for (uint32_t k = 0; k < l->h->scales; k++) {
+    for (uint32_t k = 0; k < scales; k++) {
         const dm_node rate = l->rate[l->n + l->d + k];
-        *L = dm_add(g, *L, dm_mul(g, dm_constant(g, 0.5), dm_mul(g, rate, rate)));
+        const dm_node half = dm_mul(g, dm_constant(g, 0.5), scale_mass(l, g, inertia, scale, k));
+        *L = dm_add(g, *L, dm_mul(g, half, dm_mul(g, rate, rate)));
     }
     return g;
 }

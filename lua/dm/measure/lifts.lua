@@ -2,6 +2,7 @@
 -- the lifted systems themselves.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local flats = require "dm.group.flat"
 local lists = require "dm.base.lists"
 local place = require "dm.group.place"
@@ -73,6 +74,49 @@ local function add_constraints(options, given, own, rates, pulled)
   end
 end
 
+-- which entries of xi move with the coordinates of each scale, told near the identity, where none
+-- is zero by chance
+local function entries_of_scales(own, rates)
+  local N, d, out = own.size, own.dimension, {}
+  local q, v = kits.normals(core.random(5), 0, N, 0.1), core.zeros(N)
+  local at = own.flat(own.kit.identity())
+  for i = 1, N do q[i] = q[i] + at[i] end
+  local J = core.derivative(function(x, y) return core.vector(rates(x, y)) end, N, N)(q, v)
+  local function moves(row, i) return math.abs(J[row][N + i]) > 1e-12 end
+  for k = 1, own.scales do
+    out[k] = {}
+    for a = 1, d do
+      local any = false
+      for i = 1, N do any = any or moves(N + d + k, i) and moves(N + a, i) end
+      if any then table.insert(out[k], a) end
+    end
+  end
+  return out
+end
+
+-- masses of the scales as a function of (u, t), those of mech/group_homogeneous.c
+local function scale_masses(own, rates, L)
+  local N, d = own.size, own.dimension
+  local entries = entries_of_scales(own, rates)
+  local slope = core.derivative(function(u, x, t)
+    return L(own.element(u), x, t)
+  end, N, d, "number")
+  local second = core.derivative(function(u, x, t)
+    return lists.part(slope(u, x, t), N, d)
+  end, N, d, "number")
+  return function(u, t)
+    local J, out = second(core.vector(u), core.zeros(d), t), {}
+    for k, own_entries in ipairs(entries) do
+      local sum = 0
+      for _, a in ipairs(own_entries) do
+        for _, b in ipairs(own_entries) do sum = sum + J[a][N + b] * J[a][N + b] end
+      end
+      out[k] = sum == 0 and 1 or core.sqrt(sum * (16 / #own_entries))
+    end
+    return out
+  end
+end
+
 -- the system that does not see multiples of q (mech/group_homogeneous.c)
 local function homogeneous(system)
   local own, given = system.place, system.given
@@ -91,10 +135,12 @@ local function homogeneous(system)
   end
   local options, f = { Q = core.R(N) }, bound(given.force, given.params)
   local L, H = bound(given.L, given.params), bound(given.H, given.params)
+  local masses = L and own.scales > 0 and scale_masses(own, rates, L)
   options.L = L and function(q, v, t)
     local r = rates(q, v)
-    local sum = L(own.element(lists.part(r, 0, N)), lists.part(r, N, d), t)
-    for k = 1, own.scales do sum = sum + 0.5 * r[N + d + k] * r[N + d + k] end
+    local u = lists.part(r, 0, N)
+    local sum, mass = L(own.element(u), lists.part(r, N, d), t), masses and masses(u, t)
+    for k = 1, own.scales do sum = sum + 0.5 * mass[k] * r[N + d + k] * r[N + d + k] end
     return sum
   end
   options.force = f and function(q, v, t, ...)
