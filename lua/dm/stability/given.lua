@@ -188,7 +188,8 @@ function M.check_first(map, cell)
   end
   -- a misspelled one is told here
   for _, rule in ipairs(map.rule_list) do
-    if getmetatable(system:solver { rule = rule, h = 1 }).__name == "dm.avi_solver" then
+    system:solver { rule = rule, h = 1 }
+    if rule == "avi" then
       fail("rule '%s' has steps of its own in every cell, and no ensembles: its report tells which "
         .. "are beyond their limit", tostring(rule))
     end
