@@ -247,7 +247,7 @@ dm_status dm_cells_open(dm_cells *c, const dm_sum *const *sums, uint32_t count, 
     *c = (dm_cells){.m = m, .shared = 1};
     c->sum = dm_arena_take(arena, (count + 1) * sizeof *c->sum);
     c->lists = dm_arena_take(arena, sizeof *c->lists);
-    c->ranges = dm_arena_take(arena, sizeof *c->ranges);
+    c->ranges = dm_arena_take(arena, sizeof(struct dm_cell_ranges *));
     if (!c->sum || !c->lists || !c->ranges) return DM_NO_MEMORY;
     *c->lists = (dm_cell_lists){0};
     *c->ranges = NULL;
