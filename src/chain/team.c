@@ -42,8 +42,11 @@ void dm_team_meet(dm_team *t) {
         atomic_store(&t->phase, phase + 1);
         return;
     }
-    for (int spins = 0; atomic_load(&t->phase) == phase; spins++)
-        if (spins >= SPINS) sched_yield();
+    for (int spins = 0; atomic_load(&t->phase) == phase;)
+        if (spins < SPINS)
+            spins++;
+        else
+            sched_yield();
 }
 
 /* Returns when the burst is another one than `done`. */

@@ -1,13 +1,15 @@
 /* group_homogeneous.c - a system on a group as one on R^N that does not see multiples of q. A unit
  * quaternion u = q/|q|, a matrix g/det(g)^(1/n) are those of an element, and with their velocity xi
  *   L(q, v) = L(u, xi, t) + sum_k m_k (d log s_k/dt)^2/2,  s_k the scales, such as |q|,
- * m_k > 0 of the size of the masses of L, so that units of mass change nothing, is a regular
- * Lagrangian on R^N that the multiples q -> s q leave alone. These are linear, so that
- * every variational rule and every symplectic pair keeps their momenta, zero at the start, exactly,
- * and its step goes down to T*(R^N without 0)/scales at momentum zero, which is T*G: it is a
- * symplectic step on the group, whatever the rule does to |q| (docs/theory/lie.md). Constraints and
- * forces are pulled back: their covectors f become f dxi/dv, which do no work along q. */
+ * m_k > 0 of the size of the masses of L (1 where these depend on xi), so that units of mass change
+ * nothing, is a regular Lagrangian on R^N that the multiples q -> s q leave alone. These are
+ * linear, so that every variational rule and every symplectic pair keeps their momenta, zero at
+ * the start, exactly, and its step goes down to T*(R^N without 0)/scales at momentum zero, which is
+ * T*G: it is a symplectic step on the group, whatever the rule does to |q| (docs/theory/lie.md).
+ * Constraints and forces are pulled back: their covectors f become f dxi/dv, which do no work along
+ * q. */
 #include "algebra/derive.h"
+#include "graph/analyse.h"
 #include "mech/constraints.h"
 #include "mech/group_inside.h"
 
@@ -89,7 +91,7 @@ static dm_status make_down(pulling *l, dm_kernel *out, dm_compile *compile) {
     return status == DM_OK ? compile(out, g, below, count, l->arena) : status;
 }
 
-/* L_xi_xi[d*d] at (u, 0, t) */
+/* L_xi_xi[d*d] at (u, 0, t); zeros where it depends on xi, and may be infinite at rest */
 static dm_node *find_inertia(pulling *l, dm_graph *g) {
     const dm_source *s = &l->m->source;
     const uint32_t n = l->n, d = l->d, count = dm_graph_inputs(s->graph);
@@ -101,7 +103,9 @@ static dm_node *find_inertia(pulling *l, dm_graph *g) {
     dm_transplant(f, s->graph, &s->lagrangian, 1, inputs, &L);
     dm_hessian(f, L, n, d, slope, second);
     memset(at_rest, 0, n * sizeof *at_rest);
+    memset(out, 0, (size_t)d * d * sizeof *out);
     if (dm_graph_status(f) != DM_OK || !stand_in(l, g, at_rest, count)) return NULL;
+    if (dm_depends(f, second, d * d, n, d)) return out;
     dm_transplant(g, f, second, d * d, l->with, out);
     return out;
 }

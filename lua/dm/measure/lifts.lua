@@ -94,7 +94,8 @@ local function entries_of_scales(own, rates)
   return out
 end
 
--- masses of the scales as a function of (u, t), those of mech/group_homogeneous.c
+-- masses of the scales as a function of (u, t), those of mech/group_homogeneous.c where
+-- d2L/dxi2 does not depend on xi
 local function scale_masses(own, rates, L)
   local N, d = own.size, own.dimension
   local entries = entries_of_scales(own, rates)
@@ -135,12 +136,15 @@ local function homogeneous(system)
   end
   local options, f = { Q = core.R(N) }, bound(given.force, given.params)
   local L, H = bound(given.L, given.params), bound(given.H, given.params)
-  local masses = L and own.scales > 0 and scale_masses(own, rates, L)
+  local even = own.scales > 0 and system:structure().quadratic_in_v
+  local masses = L and even and scale_masses(own, rates, L)
   options.L = L and function(q, v, t)
     local r = rates(q, v)
     local u = lists.part(r, 0, N)
     local sum, mass = L(own.element(u), lists.part(r, N, d), t), masses and masses(u, t)
-    for k = 1, own.scales do sum = sum + 0.5 * mass[k] * r[N + d + k] * r[N + d + k] end
+    for k = 1, own.scales do
+      sum = sum + 0.5 * (mass and mass[k] or 1) * r[N + d + k] * r[N + d + k]
+    end
     return sum
   end
   options.force = f and function(q, v, t, ...)

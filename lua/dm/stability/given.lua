@@ -189,7 +189,7 @@ function M.check_first(map, cell)
   -- a misspelled one is told here
   for _, rule in ipairs(map.rule_list) do
     system:solver { rule = rule, h = 1 }
-    if rule == "avi" then
+    if type(rule) == "string" and rule:find "^%s*avi%s*$" then
       fail("rule '%s' has steps of its own in every cell, and no ensembles: its report tells which "
         .. "are beyond their limit", tostring(rule))
     end

@@ -180,6 +180,7 @@ static int are_within(const dm_cells_split *s, double bound) {
  * the values become NaN. One thread does it all, with the bits of one. */
 static void eliminate(dm_cells_split *s) {
     const dm_model *m = s->m;
+    s->lost = 0;
     for (int pass = 0; pass < ELIMINATIONS; pass++) {
         dm_curvature_at(m->curvature, s->factor, s->x);
         if (are_within(s, SETTLED)) return;

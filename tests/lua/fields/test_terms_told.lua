@@ -74,8 +74,8 @@ raises("form of this mesh", function() K:stationary { term = function(a) return 
 -- modes and limits at a time: omega^2 of a spring that hardens as 1 + t^2
 local hard = field(function(a, t) return (1 + t ^ 2) * a:d():dot(a:d()) / 2 end)
 local soft = field(function(a) return a:d():dot(a:d()) / 2 end)
-raises("L depends on t", function() hard:modes(2) end)
-raises("L depends on t", function() hard:stability_limit "verlet" end)
+raises("depends on t: give { t = }", function() hard:modes(2) end)
+raises("depends on t: give { t = }", function() hard:stability_limit "verlet" end)
 near(hard:modes(2, { t = 2 }).values[2], 5 * soft:modes(2).values[2], 1e-11, "a mode at a time")
 near(hard:stability_limit("verlet", { t = 2 }), soft:stability_limit "verlet" / math.sqrt(5), 1e-12, "a limit at a time")
 

@@ -72,6 +72,16 @@ end
 local fast = dm.system { Q = G, L = function(_, w) return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2 end }
 ok(G:distance((finish(fast, "verlet", 0.5, 1, { q = G:identity(), v = { 0, 0, 2 } })), G:identity()) > 0.9, "a radian in a step")
 
+-- d2L/dxi2 that depends on xi, infinite at rest
+local bent = dm.system { Q = G, L = function(R, w)
+  return (2 + R[1][1]) * (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) ^ 0.75 - R[3][3]
+end }
+local moving = { q = tilt.q, v = { 0.5, 1, 0.2 } }
+local bent_exact = { (finish(bent, "lie(3)", 0.01, 20, moving)) }
+near(far({ (finish(bent, "lobatto(3)", 0.01, 20, moving)) }, bent_exact), 0, 1e-7, "a mass infinite at rest: lobatto(3)")
+near(far({ (finish(bent, "verlet", 0.01, 20, moving)) }, bent_exact), 0, 3e-4, "and verlet")
+ok(bent:solver { rule = "verlet", h = 0.05 }:symplecticity { q = moving.q, v = moving.v, steps = 10 } < 1e-12, "and its tangent map")
+
 ---- vertical momentum, energy, bits ----
 
 local hanging = dm.system { Q = G, L = function(R, W) return kinetic(W) - R[3][3] end }

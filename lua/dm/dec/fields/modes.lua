@@ -40,7 +40,7 @@ end
 local function time_of(system, options, where)
   local t = option.number(options, "t", where)
   if not t and not system:structure().autonomous then
-    option.fail(where, "L depends on t, and so do its oscillations: give { t = }, the time of L")
+    option.fail(where, "L or the force depends on t: give { t = }, the time it is looked at")
   end
   return t or 0
 end
@@ -90,10 +90,9 @@ end, [[
 field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
 n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
-beyond x, with near = x nearest to x. t: the time of L, needed where it depends on it. Cells that
-are fixed or without mass stay at 0. Of unit vectors (on = dm.S(m)) q must be given; forms are
-tangent there, and where q is no equilibrium the constraint's
-force is that of q.]])
+beyond x, with near = x nearest to x. t: the time of L, needed where L or the force depends on it.
+Cells that are fixed or without mass stay at 0. Of unit vectors (on = dm.S(m)) q must be given;
+forms are tangent there, and where q is no equilibrium the constraint's force is that of q.]])
 
 ---- the largest step ----
 
@@ -166,6 +165,6 @@ end, [[
 field:stability_limit(rule, {q=, t=}) -> number
 The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
 which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
-Infinite where no step is too large. t: the time of L, needed where it depends on it.]])
+Infinite where no step is too large. t: the time of L, needed where L or the force depends on it.]])
 
 return {}
