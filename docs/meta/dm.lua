@@ -1989,13 +1989,13 @@ local dm_journal_class = {}
 ---@class dm.journal_file
 local dm_journal_file_class = {}
 
----journal_file:append(bytes) -> true   or   nil, why
+---journal_file:append(bytes ...) -> true   or   nil, why
 ---
----Write behind the end.
----@param bytes? any
+---Write behind the end: all of it, whatever stops Lua meanwhile.
+---@param ... any
 ---@return boolean|nil
 ---@return any
-function dm_journal_file_class:append(bytes) end
+function dm_journal_file_class:append(...) end
 
 ---journal_file:close()
 ---

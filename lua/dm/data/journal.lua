@@ -193,9 +193,8 @@ end
 --- Add members first ...; it is on the disk at the latest after SYNC seconds, or after M.flush.
 function M.add(j, first, count, bytes)
   local start = RECORD .. ("<i8i8i8"):pack(first, count, #bytes)
-  check(j, j.file:append(start))
-  check(j, j.file:append(bytes))
-  check(j, j.file:append(("<I4"):pack(core.crc32(bytes, core.crc32(start)))))
+  local sum = ("<I4"):pack(core.crc32(bytes, core.crc32(start)))
+  check(j, j.file:append(start, bytes, sum)) -- one call: a signal comes before it or after it
   j.waiting = true
   if not j.synced or core.clock() - j.synced > SYNC then M.flush(j) end
 end

@@ -86,18 +86,29 @@ static int read_file(lua_State *L) {
     return 1;
 }
 
-/* (file, bytes) -> true   or   nil, why */
-static int append(lua_State *L) {
-    const file *f = check(L);
-    size_t left;
-    const char *from = luaL_checklstring(L, 2, &left);
-    if (lseek(f->fd, 0, SEEK_END) < 0) return failed(L, strerror(errno));
+static int write_all(int fd, const char *from, size_t left) {
     while (left) {
-        const ssize_t wrote = write(f->fd, from, left);
+        const ssize_t wrote = write(fd, from, left);
         if (wrote < 0 && errno == EINTR) continue;
-        if (wrote < 0) return failed(L, strerror(errno));
+        if (wrote < 0) return 0;
         from += wrote;
         left -= (size_t)wrote;
+    }
+    return 1;
+}
+
+/* (file, bytes ...) -> true   or   nil, why. One call for a whole record: Ctrl-C and SIGTERM stop
+ * Lua between two calls. */
+static int append(lua_State *L) {
+    const file *f = check(L);
+    const int last = lua_gettop(L);
+    luaL_checkstring(L, 2);
+    for (int i = 3; i <= last; i++) luaL_checkstring(L, i);
+    if (lseek(f->fd, 0, SEEK_END) < 0) return failed(L, strerror(errno));
+    for (int i = 2; i <= last; i++) {
+        size_t size;
+        const char *bytes = lua_tolstring(L, i, &size);
+        if (!write_all(f->fd, bytes, size)) return failed(L, strerror(errno));
     }
     lua_pushboolean(L, 1);
     return 1;
@@ -192,7 +203,8 @@ static const dml_row methods[] =
      {"read", read_file,
       "journal_file:read(offset, count) -> string\nBytes from an offset on, fewer at the end."},
      {"append", append,
-      "journal_file:append(bytes) -> true   or   nil, why\nWrite behind the end."},
+      "journal_file:append(bytes ...) -> true   or   nil, why\n"
+      "Write behind the end: all of it, whatever stops Lua meanwhile."},
      {"truncate", truncate_file,
       "journal_file:truncate(size) -> true   or   nil, why\nCut it to so many bytes."},
      {"sync", sync_file,

@@ -151,6 +151,32 @@ ok(out:find "status 143", "SIGTERM: status 143", out)
 local report = dm.journal(name "long.journal")
 ok(report.finished > 0 and report.damaged == 0, "SIGTERM: what is finished is whole", tostring(report))
 
+-- a stop between any two instructions leaves whole records
+local journal = require "dm.data.journal"
+local cut, added = 0, 0
+for stop = 1, 60 do
+  local file = name("stopped" .. stop)
+  local j = journal.read(file, true)
+  j.where = "test"
+  journal.begin(j, { { "kind", "test" } })
+  local k = 0
+  local function count()
+    k = k + 1
+    if k == stop then error "stopped" end
+  end
+  pcall(function()
+    debug.sethook(count, "", 1)
+    journal.add(j, 1, 1, ("<s4"):pack "bytes")
+    debug.sethook()
+  end)
+  debug.sethook()
+  j.file:close()
+  local back = journal.read(file)
+  cut, added = cut + back.damaged, added + #back.records
+  back.file:close()
+end
+ok(cut == 0 and added > 0 and added < 60, "a stop between two instructions: whole records or none", cut .. " " .. added)
+
 -- ranks
 local MPI = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun -n 3 --oversubscribe"
 local there = os.execute("command -v mpirun >/dev/null 2>&1 && " .. MPI .. " true >/dev/null 2>&1")
