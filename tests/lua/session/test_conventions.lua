@@ -54,16 +54,20 @@ end
 ok(status_of(("'%s' -e 'x = 1' 2>/dev/null"):format(dmlua)) == 0, "0")
 ok(status_of(("'%s' -e 'error(1)' 2>/dev/null"):format(dmlua)) == 1, "1 after an error")
 ok(status_of(("'%s' -e 'os.exit(7)'"):format(dmlua)) == 7, "os.exit")
-local interrupted = "'%s' -e '%s' 2>/dev/null & p=$!; sleep 0.7; kill -%s $p; wait $p"
+-- the signal comes while the code runs, which makes a file first, on a slow machine too
+local interrupted = "'%s' -e 'assert(io.open(\"%s\", \"w\")):close() %s' 2>/dev/null & p=$!\n"
+  .. "until [ -e '%s' ] || ! kill -0 $p; do sleep 0.1; done; sleep 0.3; kill -%s $p; wait $p"
 local run = "dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 - q[1]^2/2 end }:solver { rule = \"verlet\", h = 0.1 }"
   .. ":run { q = {1}, v = {0}, steps = 1e12, every = 1e11 }"
 local function interrupted_status(code, signal)
-  local name = os.tmpname()
+  local name, begun = os.tmpname(), os.tmpname()
+  os.remove(begun)
   local file = assert(io.open(name, "w"))
-  file:write("set -m\n", interrupted:format(dmlua, code, signal or "INT"), "\n")
+  file:write("set -m\n", interrupted:format(dmlua, begun, code, begun, signal or "INT"), "\n")
   file:close()
   local status = status_of("sh " .. name .. " 2>/dev/null")
   os.remove(name)
+  os.remove(begun)
   return status
 end
 ok(interrupted_status "while true do end" == 130, "130 where Ctrl-C ends a script")

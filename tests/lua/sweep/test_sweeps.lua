@@ -145,7 +145,9 @@ local dm = require "dm"
 local s = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }:solver { rule = "verlet", h = 0.1 }
 s:ensemble { members = 10^7, q = function(i) return { i/1e7 } end, v = function() return { 0 } end, steps = 5000, journal = "long.journal" }
 ]])
-text(name "end.sh", ("cd '%s'\n'%s' long.lua &\npid=$!\nsleep 1\nkill -TERM $pid\nwait $pid\necho status $?\n"):format(folder, dmlua))
+text(name "end.sh", ("cd '%s'\n'%s' long.lua &\npid=$!\n" -- once some members are written, on a slow machine too
+  .. "until [ $(wc -c < long.journal || echo 0) -gt 4000 ] || ! kill -0 $pid; do sleep 0.1; done\n"
+  .. "kill -TERM $pid\nwait $pid\necho status $?\n"):format(folder, dmlua))
 out = io.popen(("sh '%s' 2>&1"):format(name "end.sh")):read "a"
 ok(out:find "status 143", "SIGTERM: status 143", out)
 local report = dm.journal(name "long.journal")
