@@ -146,3 +146,16 @@ void dm_work_force(const dm_work *w, double *f, double *f_q, double *f_v, const 
         }
     }
 }
+
+size_t dm_work_room(const dm_work *w) {
+    return w ? w->room + (size_t)w->values * BLOCK : 0;
+}
+
+void dm_work_add(const dm_work *w, double *f, const double *x, double *scratch) {
+    const uint32_t unit = w ? w->values * BLOCK : 0, n = w ? w->n : 0;
+    for (uint32_t i = 0; i < n; i += unit) {
+        const uint32_t count = n - i < unit ? n - i : unit;
+        dm_work_force(w, scratch, NULL, NULL, x, i, count, scratch + unit);
+        for (uint32_t k = 0; k < count; k++) f[i + k] += scratch[k];
+    }
+}

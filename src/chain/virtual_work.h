@@ -44,4 +44,10 @@ dm_status dm_work_open(dm_work *w, const dm_graph *g, uint32_t n, dm_compile *co
 void dm_work_force(const dm_work *w, double *f, double *f_q, double *f_v, const double *x,
                    uint32_t first, uint32_t count, double *scratch);
 
+/* Doubles of scratch for the next function; w may be NULL. */
+size_t dm_work_room(const dm_work *w);
+
+/* The forces at x on all entries, added to f[n]; w may be NULL: none. */
+void dm_work_add(const dm_work *w, double *f, const double *x, double *scratch);
+
 #endif

@@ -95,6 +95,34 @@ for name, field in pairs(forces) do
 end
 near(order(forces.place, "yoshida(4)"), 4, 0.2, "forces of q and t: any splitting")
 
+-- explicit Runge-Kutta: cubic drag without neighbours, v' = -v^3, has v = v0/sqrt(1 + 2 v0^2 t); a
+-- nonlinear wave with absorbing ends and a force of A, V and t against stages
+local function expected_of(rule) return ({ rk4 = 4, rkf45 = 5, rk8 = 8, rk8pd = 8 })[rule] end
+local drag = plate:field { L = function(_, V) return V:dot(V) / 2 end, force = function(_, V) return V:map(function(v) return -v ^ 3 end) end }
+local rates, ends = {}, {}
+for i = 1, plate:count(0) do
+  rates[i] = 1 + 0.1 * i
+  ends[i] = (math.sqrt(1 + 2 * rates[i] ^ 2) - 1) / rates[i]
+end
+local mixed = with(function(A, V, t) return A:map(function(a) return { a[1] * a[2], cos(t) * a[1] ^ 2 } end) - V:map(function(x) return { x[1] ^ 3, x[2] * x:dot(x) } end) end,
+  { absorbing = { "boundary", c = 0.5 }, L = function(u, w) return w:dot(w) / 2 - u:d():dot(u:d()) / 2 + u:map(function(x) return { cos(x[1]), cos(x[2]) } end):dot(u) end })
+local reference = mixed:solver { rule = "gauss(4)", h = 0.004 }:run { q = q, v = v, t = 0.4, every = 100 }.q[2]
+for _, rule in ipairs { "rk4", "rkf45", "rk8", "rk8pd" } do
+  local few = expected_of(rule) == 8 and 6 or 16
+  local function drag_error(steps)
+    local run = drag:solver { rule = rule, h = 1 / steps }:run { q = zero, v = rates, steps = steps, every = steps }
+    return (run.q[2] - dm.vector(ends)):norm()
+  end
+  local function mixed_error(steps)
+    local run = mixed:solver { rule = rule, h = 0.4 / steps }:run { q = q, v = v, steps = steps, every = steps }
+    return (run.q[2] - reference):norm()
+  end
+  for name, error_of in pairs { ["cubic drag"] = drag_error, ["a nonlinear wave"] = mixed_error } do
+    local found = math.log(error_of(few) / error_of(2 * few)) / math.log(2)
+    ok(found > expected_of(rule) - 0.4, name .. ": order of " .. rule, found)
+  end
+end
+
 -- a list of numbers is added to dL/dq; constant force, one step by hand
 local list = {}
 for i = 1, plate:count(0) do list[i] = i / 10 end
@@ -126,7 +154,7 @@ ok(by_one == last {}, "bursts too")
 
 -- what is refused
 raises("kicks inside", function() forces.friction:solver { rule = "yoshida(4)", h = 0.1 }:run { q = q, v = v, steps = 1 } end)
-raises("forces beside L", function() forces.friction:solver { rule = "rk4", h = 0.1 }:run { q = q, v = v, steps = 1 } end)
+raises("forces beside L", function() forces.friction:solver { rule = "curve(rk4)", h = 0.1 }:run { q = q, v = v, steps = 1 } end)
 raises("forces beside L", function() forces.friction:solver { rule = "avi", h = 0.1 }:run { q = q, v = v, t = 1 } end)
 raises("closed", function() ball:field { L = wave, absorbing = "boundary" } end)
 raises("no values on the boundary", function() plate:field { form = 2, L = function(_, V) return V:dot(V) / 2 end, absorbing = "boundary" } end)

@@ -174,7 +174,8 @@ the boundary, exact for waves that come at a right angle, up to (cos a - 1)/(cos
 the angle a; facets all of whose cells are named absorb. force(A, V, t, params): a form f beside L,
 whose virtual work is f:dot(dA) (friction -g * V, driving cos(t) * J), a list of one for every
 value, or a list of numbers that are added to dL/dq; it reads A and V on the cell itself. Forces of
-V are stepped by verlet, rattle, and rules of stages, others by every splitting too. massless =
+V are stepped by verlet, rattle, rules of stages and explicit Runge-Kutta, others by every splitting
+too. massless =
 "eliminate": values without kinetic energy, as on cells whose star is 0, follow from their own
 equation, one by one (two that meet in L are refused), by kicks and drifts; one that L does not have
 at all stays where it starts. So grids, and cubes cut into tetrahedra, have Yee's scheme. data =

@@ -1,5 +1,6 @@
 #include "integ/rules/explicit/gsl_step.h"
 
+#include "chain/virtual_work.h"
 #include "integ/rules/explicit/runge_kutta.h"
 #include "mech/constraints.h"
 
@@ -16,7 +17,7 @@ typedef struct {
     double *end;                        /* [2n] where `after` holds */
     double end_time;
     int has_end;
-    double *scratch;
+    double *scratch, *beside; /* of the Legendre transform; of forces on a field beside L */
     dm_status status; /* why the last right-hand side failed */
     long evaluations;
 } explicit;
@@ -30,7 +31,7 @@ static size_t head(void) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     (void)rule;
-    return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m);
+    return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m) + dm_work_room(m->work);
 }
 
 /* H_p and -H_q of an H that is given */
@@ -59,6 +60,7 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     memcpy(slope, v, n * sizeof *slope);
     memcpy(slope + n, e->force, n * sizeof *slope);
     dm_constraints_add_force(slope + n, e->m->constraints, e->x, e->constraint);
+    dm_work_add(e->m->work, slope + n, e->x, e->beside);
     e->evaluations++;
     return GSL_SUCCESS;
 }
@@ -76,6 +78,7 @@ static dm_status open(dm_stepper *s) {
     e->after = e->before + 2 * n;
     e->end = e->after + 2 * n;
     e->scratch = e->end + 2 * n;
+    e->beside = e->scratch + dm_legendre_work(e->m);
     memset(e->x, 0, (2 * n + 1) * sizeof *e->x);
     if (!(s->model->structure & DM_HAMILTONIAN)) dm_kernel_prepare(&s->model->force, e->force);
     gsl_set_error_handler_off();
@@ -135,6 +138,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 
 const dm_engine dm_engine_gsl = {
     .hamiltonian = 1,
+    .works = 1,
     .fits = dm_runge_kutta_fits,
     .wants = dm_runge_kutta_wants,
     .work = work,

@@ -1,5 +1,6 @@
 #include "integ/rules/explicit/runge_kutta.h"
 
+#include "chain/virtual_work.h"
 #include "integ/method/cache.h"
 #include "integ/method/hamilton.h"
 #include "mech/constraints.h"
@@ -19,6 +20,7 @@ typedef struct {
     double *next;  /* [4n] */
     double *p;     /* [n] momentum of a stage */
     double *scratch;
+    double *beside; /* of forces on a field beside L */
 } layout;
 
 /* Forces are evaluated at every stage, but controls are held for a whole step. */
@@ -53,7 +55,8 @@ static size_t head(void) {
 /* In the order of the struct. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, stages = table_of(rule)->stages;
-    return head() + stages + 2 * n + 1 + stages * 2 * n + 3 * n + 4 * n + n + dm_legendre_work(m);
+    return head() + stages + 2 * n + 1 + stages * 2 * n + 3 * n + 4 * n + n + dm_legendre_work(m) +
+           dm_work_room(m->work);
 }
 
 /* Hamilton's equations as one kernel, where L is quadratic in v; the model keeps it for all
@@ -83,6 +86,7 @@ static dm_status open(dm_stepper *s) {
     e->next = e->out + 3 * n;
     e->p = e->next + 4 * n;
     e->scratch = e->p + n;
+    e->beside = e->scratch + dm_legendre_work(e->m);
     for (uint32_t i = 0; i < stages; i++) {
         e->c[i] = 0.0;
         for (uint32_t j = 0; j < i; j++) e->c[i] += e->table->a[i * stages + j];
@@ -153,6 +157,7 @@ static dm_status by_legendre(layout *e, double *slope) {
     dm_kernel_prepare(&e->m->force, slope + n);
     dm_kernel_eval(&e->m->force, e->x, slope + n);
     dm_constraints_add_force(slope + n, e->m->constraints, e->x, e->out);
+    dm_work_add(e->m->work, slope + n, e->x, e->beside);
     return DM_OK;
 }
 
@@ -193,6 +198,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 
 const dm_engine dm_engine_runge_kutta = {
     .hamiltonian = 1,
+    .works = 1,
     .fits = dm_runge_kutta_fits,
     .wants = dm_runge_kutta_wants,
     .work = work,
