@@ -18,7 +18,7 @@ typedef struct {
     double end_time;
     int has_end;
     double *scratch, *beside; /* of the Legendre transform; of forces on a field beside L */
-    dm_status status; /* why the last right-hand side failed */
+    dm_status status;         /* why the last right-hand side failed */
     long evaluations;
 } explicit;
 
