@@ -46,6 +46,7 @@ static dm_curve_recipe *push_recipe(lua_State *L, int own, uint32_t n) {
 
 /* The function that chooses substeps, traced: (x, h, t) -> weights, or how many. */
 static dm_curve_choice *push_choice(lua_State *L, int own, uint32_t n) {
+    static uint32_t last;
     const dml_signature signature = {.what = "the function 'substeps'",
                                      .arguments = 3,
                                      .length = {2 * (int)n, DML_SCALAR_ARGUMENT,
@@ -56,11 +57,17 @@ static dm_curve_choice *push_choice(lua_State *L, int own, uint32_t n) {
     lua_getfield(L, own, "substeps");
     dm_arena *arena = dml_pusharena(L);
     dml_trace(L, at + 1, &signature, arena, &traced);
-    *out = (dm_curve_choice){.n = n, .bare = traced.bare, .outputs = (int)traced.outputs};
+    *out = (dm_curve_choice){.n = n,
+                             .serial = ++last,
+                             .bare = traced.bare,
+                             .outputs = (int)traced.outputs,
+                             .graph = traced.graph,
+                             .out = traced.out};
+    dm_kernel kernel; /* for the check alone: threads share what the rule has */
     const dm_status status =
-        dm_tape_build(&out->kernel, traced.graph, traced.out, traced.outputs, arena);
+        dm_tape_build(&kernel, traced.graph, traced.out, traced.outputs, arena);
     if (status != DM_OK) luaL_error(L, "the function 'substeps': %s", dm_status_text(status));
-    dml_trace_check(L, at + 1, &signature, &out->kernel, NULL);
+    dml_trace_check(L, at + 1, &signature, &kernel, NULL);
     lua_setiuservalue(L, at, 1);
     lua_settop(L, at);
     return out;

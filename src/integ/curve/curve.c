@@ -119,6 +119,11 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
            dm_segment_work(&c, m);
 }
 
+static dm_status open_choice(dm_curve_step *e, const dm_stepper *s) {
+    const dm_curve *own = s->rule->data;
+    return dm_curve_choice_build(&e->chooses, own->choice, s->model);
+}
+
 /* The matrix of the last step lives in the memory, so that a run goes on with it. */
 static dm_status open(dm_stepper *s) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
@@ -141,6 +146,8 @@ static dm_status open(dm_stepper *s) {
     e->share = rest + dm_curve_tie_work(s->model);
     const size_t choice = choice_size(s->rule, n);
     memset(e->share, 0, choice * sizeof *e->share);
+    const dm_status status = choice ? open_choice(e, s) : DM_OK;
+    if (status != DM_OK) return status;
     return dm_segment_open(&e->segment, &e->curve, s->model, e->share + choice);
 }
 

@@ -1,11 +1,31 @@
 #include "integ/curve/curve_choice.h"
 
+#include "algebra/derive.h"
 #include "integ/curve/curve_inside.h"
+#include "integ/method/cache.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double MOST = 1e6; /* of a weight */
+static const char maker;
+
+/* In a graph of its own: that of the choice stays as it is. */
+dm_status dm_curve_choice_build(dm_kernel *out, const dm_curve_choice *c, const dm_model *m) {
+    const uint32_t inputs = 2 * c->n + 2, count = (uint32_t)c->outputs;
+    if (dm_cache_find(out, m, &maker, c->serial)) return DM_OK;
+    if (!m->source.compile) return DM_TOO_LARGE;
+    dm_graph *g = dm_graph_new(m->source.arena, inputs);
+    dm_node *with = dm_arena_take(m->source.arena, inputs * sizeof *with);
+    dm_node *roots = dm_arena_take(m->source.arena, count * sizeof *roots);
+    if (!g || !with || !roots) return DM_NO_MEMORY;
+    dm_inputs(g, with, 0, inputs);
+    dm_transplant(g, c->graph, c->out, count, with, roots);
+    dm_status status = dm_graph_status(g);
+    if (status == DM_OK) status = m->source.compile(out, g, roots, count, m->source.arena);
+    if (status == DM_OK) dm_cache_add(m, &maker, c->serial, out, 1);
+    return status;
+}
 
 /* a number of equal substeps, from 1 to count */
 static void share_equally(double *share, int count, double number) {
@@ -50,8 +70,8 @@ dm_status dm_curve_choose(dm_curve_step *e, dm_stepper *s, const dm_curve *whole
     memcpy(x, e->state, n * sizeof *x);
     x[2 * n] = e->h;
     x[2 * n + 1] = t0;
-    dm_kernel_prepare(&whole->choice->kernel, out);
-    dm_kernel_eval(&whole->choice->kernel, x, out);
+    dm_kernel_prepare(&e->chooses, out);
+    dm_kernel_eval(&e->chooses, x, out);
     if (!dm_curve_shares(whole->choice, next, whole->substeps, out)) return DM_NOT_FINITE;
     /* what was chosen is reported, also where it is what the last step had */
     for (size_t i = 0; i < count; i++) s->report.substeps += next[i] > 0.0;

@@ -38,7 +38,8 @@ typedef struct {
     double *next, *memory; /* [4n]; see below */
     double *slope;         /* [2n] of L at the end */
     double *scratch;
-    double *share;         /* [substeps] of this step, and what chooses them (curve_choice.c) */
+    double *share;         /* [substeps] of this step, and what the choice takes and gives */
+    dm_kernel chooses;     /* them (curve_choice.h) */
     double size, residual; /* of the momenta; of the step equation */
     int ran;               /* the segment is at y */
     int settled;           /* the last increment, at the head of scratch, was at round-off */

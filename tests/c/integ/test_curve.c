@@ -1,5 +1,6 @@
 /* curve segments: tableaux and the exact derivatives of a segment. */
 #include "curves.h"
+#include "integ/curve/curve_choice.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -213,11 +214,37 @@ static void the_estimate_errs_by_the_order(void) {
     }
 }
 
+/* ---- substeps that are chosen ---- */
+
+/* two weights, 1 + q0^2 and 2 */
+static void models_have_choices_of_their_own(void) {
+    bench one, other;
+    dm_kernel first, second;
+    dm_arena arena;
+    double x[6] = {2.0, 0.0, 0.0, 0.0, 0.1, 0.0}, out[2] = {0.0, 0.0};
+    CHECK(bench_open(&one, &curved, "rk4", 1.0) && bench_open(&other, &curved, "rk4", 1.0));
+    dm_arena_init(&arena, problem_allocate, NULL);
+    dm_graph *g = dm_graph_new(&arena, 6);
+    const dm_node square = square_of(g, dm_input(g, 0));
+    const dm_node weights[2] = {dm_add(g, dm_constant(g, 1.0), square), dm_constant(g, 2.0)};
+    const dm_curve_choice choice = {.n = 2, .serial = 1, .outputs = 2, .graph = g, .out = weights};
+    CHECK(dm_curve_choice_build(&first, &choice, &one.model) == DM_OK);
+    CHECK(dm_curve_choice_build(&second, &choice, &other.model) == DM_OK);
+    CHECK(first.pool != second.pool);
+    dm_kernel_prepare(&second, out);
+    dm_kernel_eval(&second, x, out);
+    CHECK(out[0] == 5.0 && out[1] == 2.0);
+    dm_arena_release(&arena);
+    bench_close(&one);
+    bench_close(&other);
+}
+
 int main(void) {
     RUN(tableaux_satisfy_their_order_conditions, "tableaux satisfy their order conditions");
     RUN(tableaux_of_gsl_step_as_gsl_does, "tableaux read off GSL step as GSL does");
     RUN(a_bias_runs_the_method_to_both_sides, "a bias runs the method to both sides");
     RUN(derivatives_of_a_segment_are_exact, "derivatives of a segment are exact");
     RUN(the_estimate_errs_by_the_order, "the estimated matrix errs by the order of the method");
+    RUN(models_have_choices_of_their_own, "each model has its own kernel of a choice of substeps");
     return check_finish();
 }

@@ -74,6 +74,22 @@ for i, row in ipairs(rules) do
   local members = solver:ensemble { members = 3, q = function() return fast.q end, v = function() return fast.v end, steps = 200, threads = 2 }
   ok(members.q[2] == whole.q[2], "  members of an ensemble are runs of their own")
 end
+-- threads share the rule, and nothing that a choice is computed in: with a long one they would be at it together all the time
+do
+  local function long(x)
+    local r, sum = radius(x), 2.5
+    for k = 1, 4000 do sum = sum + dm.sin(k * r) / k end
+    return sum
+  end
+  local function q(i) return { 0.5 + 0.1 * (i % 8), 0 } end
+  local function v(i) return { 0, 1.9 - 0.1 * (i % 8) } end
+  local solver = kepler:solver { rule = dm.curve { method = "euler", substeps = long, most = 6 }, h = 0.05, backend = "tape" }
+  local alone, wrong = {}, 0
+  for i = 0, 7 do alone[i] = solver:run { q = q(i), v = v(i), steps = 30, every = 30 }.q[2] end
+  local members = solver:ensemble { members = 64, q = q, v = v, steps = 30, threads = 4 }
+  for i = 1, 64 do wrong = wrong + (members.q[i] == alone[i % 8] and 0 or 1) end
+  ok(wrong == 0, "a choice is made by each thread for itself", wrong .. " of 64 members differ from runs")
+end
 -- with a constraint, another dim Q
 local bob = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, constraint = function(q) return q:dot(q) - 1 end }
 local path = bob:solver { rule = dm.curve { method = "rk4", substeps = function(x) return 2 - x[3] end }, h = 0.1 }
