@@ -58,23 +58,25 @@ local function oscillations(linear)
   return out
 end
 
--- notes what a system linearised at a state has; false where that cannot be
+-- notes what a system linearised at a state has: its frequencies and the time; nil and why where
+-- that cannot be
 local function note(out, system, state)
   local linearize = require "dm.measure.linearize".frozen
   local fine, its = blame.try(linearize, system,
     { q = state.q, v = state.v, p = state.p, t = state.t })
-  if not fine then return false, (tostring(its):gsub("^[^\n]-lua:%d+: ", "")) end
+  if not fine then return nil, (tostring(its):gsub("^[^\n]-lua:%d+: ", "")) end
   local first = out.matrices[1]
   out.constant = out.constant and not (first and differ(its.matrix, first))
   out.matrices[#out.matrices + 1] = its.matrix
   if its.fastest > out.fastest then out.fastest, out.where = its.fastest, state end
-  for k, w in ipairs(oscillations(its)) do
-    local mode = out.means[k] or { sum = 0, least = huge, most = 0, count = 0 }
-    mode.sum, mode.count = mode.sum + w, mode.count + 1
-    mode.least, mode.most = min(mode.least, w), max(mode.most, w)
-    out.means[k] = mode
+  local seen = oscillations(its)
+  seen.t = state.t
+  for k, w in ipairs(seen) do
+    local mode = out.ranges[k] or { least = huge, most = 0, count = 0 }
+    mode.least, mode.most, mode.count = min(mode.least, w), max(mode.most, w), mode.count + 1
+    out.ranges[k] = mode
   end
-  return true
+  return seen
 end
 
 -- the states before and after the fastest one, whose frequency may be larger still between them
@@ -91,16 +93,53 @@ local function look_closer(out, system, states, project)
   end
 end
 
-local SAME = 1e-2  -- a frequency that changes less is one
-local FASTER = 2   -- times the turns of the orbit: the mean of a frequency that changes is one
+---- frequencies of resonances ----
 
--- Frequencies of the oscillations: of those that hardly change, or are fast beside the orbit, the
--- mean; the others are the turns of the orbit itself, where it has some.
-local function modes_of(out, turns)
+local SAME = 1e-2  -- a frequency that changes less is one
+local CLOSE = 2e-3 -- means of twice as many states that are this near are settled
+local FASTER = 2   -- times the turns of the orbit: the mean of a frequency that changes is one
+local MANY = 512   -- states for a mean
+
+-- mean over the time of oscillation k of what was seen along an orbit; 0 where it is not there
+local function mean_of(seen, k)
+  local first, last, sum = seen[1], seen[#seen], 0
+  if not (last.t > first.t) then return first[k] or 0 end
+  for i = 2, #seen do
+    sum = sum + ((seen[i - 1][k] or 0) + (seen[i][k] or 0)) / 2 * (seen[i].t - seen[i - 1].t)
+  end
+  return sum / (last.t - first.t)
+end
+
+-- the means of all oscillations, by more and more states until they stay
+local function means_of(linear)
+  local noted, means, count, settled = {}, nil, PLACES, false
+  repeat
+    local seen, before = {}, means
+    for _, i in ipairs(orbits.places(linear.states, count)) do
+      noted[i] = noted[i] or note(linear, linear.system, linear.states[i])
+      seen[#seen + 1] = noted[i]
+    end
+    if #seen == 0 then seen[1] = linear.first end
+    means, settled = {}, before ~= nil or linear.constant
+    for k in ipairs(linear.ranges) do
+      means[k] = mean_of(seen, k)
+      local change = abs(means[k] - (before and before[k] or 0))
+      settled = settled and (linear.constant or change <= CLOSE * means[k])
+    end
+    count = 2 * count
+  until settled or count > MANY or #seen == #linear.states
+  return means
+end
+
+-- Frequencies of the oscillations, the largest first: of those that hardly change, or are fast
+-- beside the orbit, the mean; the others are the turns of the orbit itself, where it has some.
+local function modes_of(linear)
+  local still = linear.constant or linear.system.place
+  local turns = still and {} or orbits.frequencies(linear.states, linear.system.Q.dimension)
   local modes, left = {}, {}
-  for _, mode in ipairs(out.means) do
-    local mean = mode.sum / #out.matrices
-    local steady = mode.count == #out.matrices and mode.most - mode.least <= SAME * mode.most
+  for k, mean in ipairs(means_of(linear)) do
+    local mode = linear.ranges[k]
+    local steady = mode.count == #linear.matrices and mode.most - mode.least <= SAME * mode.most
     local list = (steady or mean > FASTER * (turns[#turns] or 0)) and modes or left
     list[#list + 1] = mean
   end
@@ -111,19 +150,23 @@ local function modes_of(out, turns)
   return modes
 end
 
--- The system linearised along the orbit of a cell: { fastest, matrices, modes = frequencies, the
--- largest first, constant, T = the time that was looked at, where it is less than all }; nil and
--- why. Where three states have one matrix all do; else it is looked at again about the fastest one.
+---- of a cell ----
+
+-- The system linearised along the orbit of a cell: { fastest, matrices, ranges of its
+-- frequencies, constant, states, T = the time that was looked at, where it is less than all }; nil
+-- and why. Where three states have one matrix all do; else it is looked at again about the fastest
+-- one.
 local function along_orbit(map, cell)
   local system, options = map.system_of(cell), map.options
   if system.field then return fields.along_orbit(map, cell, system) end
   local start = { q = map.start.q(cell), v = map.start.v and map.start.v(cell),
     p = map.start.p and map.start.p(cell), t = options.t0 or 0 }
   local T = options.t or options.steps * map.h[1]
-  local out = { fastest = 0, matrices = {}, means = {}, constant = true }
-  local fine, why = note(out, system, start)
-  if not fine then return nil, why end
+  local out = { fastest = 0, matrices = {}, ranges = {}, constant = true, system = system }
+  local first, why = note(out, system, start)
+  if not first then return nil, why end
   local states, done = orbits.states(system, start, T, out.fastest, options.project)
+  out.first, out.states, out.where = first, states, states[1]
   for i, k in ipairs(orbits.places(states, PLACES)) do
     if i > 3 and out.constant then break end
     note(out, system, states[k])
@@ -132,8 +175,6 @@ local function along_orbit(map, cell)
     look_closer(out, system, states, options.project)
   end
   if not (out.fastest > 0) then return nil, "nothing oscillates along the orbit" end
-  local still = out.constant or system.place
-  out.modes = modes_of(out, still and {} or orbits.frequencies(states, system.Q.dimension))
   out.T = done < T and not (out.constant and #states > 3) and done or nil
   return out
 end
@@ -177,7 +218,7 @@ function M.resonances(map, cell, axis)
   local linear, why, told = theory_of(map, cell)
   if not linear then return nil, why end
   local out, last = {}, nil
-  for _, omega in ipairs(linear.modes) do
+  for _, omega in ipairs(linear.modes or modes_of(linear)) do
     if not last or abs(omega - last) > 1e-6 * last then
       for _, r in ipairs(told.resonances) do
         local h = r.z / omega

@@ -51,6 +51,18 @@ ok(#fast == 4 and #slow >= 1, "resonances of the spring, and of the swing", #fas
 for _, r in ipairs(fast) do near(r.omega, sqrt(k), 0.01 * sqrt(k), "the spring") end
 for _, r in ipairs(slow) do near(r.omega, frequency(2), 5e-3, "the swing") end
 
+-- an oscillator whose frequency a heavy rotor changes, from 60 to 10 in a seventh of a turn: its mean over the time, wherever the orbit begins
+local function beats(angle) return 10 + 50 * dm.exp(-20 * (1 - dm.cos(angle))) end
+local rotor = dm.system { Q = dm.R(2), L = function(q, v) return (v[1] ^ 2 + 1e8 * v[2] ^ 2 - beats(q[2]) ^ 2 * q[1] ^ 2) / 2 end }
+local mean = 0
+for i = 1, 1000 do mean = mean + beats(2 * pi * i / 1000) / 1000 end
+for _, angle in ipairs { 0, 2 } do
+  for _, x in ipairs { 0, 1 } do
+    local r = map_of(rotor, { x, angle }, { 0, 0.3 }, { t = 4 * pi / 0.3 }):resonances(1)[1]
+    near(r.omega, mean, 0.03 * mean, ("the mean of a frequency that changes, from the angle %g, amplitude %g"):format(angle, x))
+  end
+end
+
 -- a free rotor beside: nothing turns, and nothing oscillates
 local free = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
 local none, why = map_of(free, { 0 }, { 1 }, { t = 10 }):theory(1)
