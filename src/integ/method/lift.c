@@ -112,6 +112,7 @@ static dm_status open(dm_stepper *s) {
         dm_kernel_prepare(&l->above->down, l->below);
     } else {
         dm_kernel_prepare(&m->group->directions, l->X);
+        dm_kernel_prepare(&m->group->directions, l->gauge);
         dm_kernel_prepare(&m->group->momentum, l->J);
     }
     const dm_status status = dm_stepper_open(&l->base);

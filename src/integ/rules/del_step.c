@@ -248,6 +248,7 @@ static int solve_near(dm_del *e, const dm_stepper *s, dm_newton_report *report) 
     find_units(e);
     for (int k = 0; k < MOST; k++) {
         if (equation(e, r, J, e->z) != DM_OK) return 0;
+        report->jacobians++;
         report->residual = dm_del_norm(r, n);
         if (!isfinite(report->residual) || dm_lu_factor(J, pivot, n) != DM_OK) return 0;
         dm_lu_solve(r, J, pivot, n);

@@ -159,4 +159,11 @@ for _, e in ipairs { 0.01, 1 } do
   local off = path:drift(path:momentum(turn)).largest
   ok(off < 5e-14, "del keeps J of an Ld that is not symmetric", off)
 end
+
+-- the report counts matrices: del takes the exact one at its iterates, at least one a step
+local swing = dm.solver { dm.discrete_lagrangian { Q = dm.R(1), h = 0.1,
+  Ld = function(a, b, h) return h * (((b[1] - a[1]) / h) ^ 2 / 2 + dm.cos((a[1] + b[1]) / 2)) end } }
+swing:run { q = { 1 }, p = { 0 }, steps = 100 }
+local cost = swing:report()
+ok(cost.matrices >= 100 and cost.matrices <= cost.newton, "matrices of del are counted", cost.matrices, cost.newton)
 tap.done()
