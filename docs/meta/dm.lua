@@ -999,13 +999,13 @@ function dm_diffeo_class:spatial_velocity(t) end
 ---@class dm.discrete_lagrangian
 local dm_discrete_lagrangian_class = {}
 
----Ld:against_exact{q=, v=, h={...}} -> { h, value, momentum, value_slope, momentum_slope }
+---Ld:against_exact{q=, v=, h={...}, t0=} -> { h, value, momentum, value_slope, momentum_slope }
 ---
 ---The discrete Lagrangian of a system and a rule beside the exact one, for several steps h, between
----the ends of the motion from q with velocity v: value is |Ld - L_exact|, momentum the largest
----difference of a Legendre transform from the momentum of the motion. The slopes are exponents of h,
----2s + 1 and 2s for gauss(s); nil where fewer than two errors are above round-off (Leok 5.1.1, Marsden
----& West 2001, 2.3). Raises for a formula Ld(q0, q1) of a script.
+---the ends of the motion from q with velocity v at the time t0 (0): value is |Ld - L_exact|, momentum
+---the largest difference of a Legendre transform from the momentum of the motion. The slopes are
+---exponents of h, 2s + 1 and 2s for gauss(s); nil where fewer than two errors are above round-off
+---(Leok 5.1.1, Marsden & West 2001, 2.3). Raises for a formula Ld(q0, q1) of a script.
 ---@param options? table
 ---@return table
 function dm_discrete_lagrangian_class:against_exact(options) end
@@ -1057,25 +1057,27 @@ function dm_discrete_lagrangian_class:emit_c() end
 ---@return table
 function dm_discrete_lagrangian_class:hamilton_pontryagin(q0, q1, t) end
 
----Ld:legendre_minus(q0, q1) -> dm.vector
+---Ld:legendre_minus(q0, q1 [, t]) -> dm.vector
 ---
----The momentum p0 = -D1 Ld(q0, q1) - F1 at q0, F1 the discrete force (Leok 2.3, 2.8.2).
+---The momentum p0 = -D1 Ld(q0, q1) - F1 at q0, F1 the discrete force (Leok 2.3, 2.8.2). t: of a system and a rule, the time at q0 (0).
 ---@param q0? any
 ---@param q1? any
+---@param t? any
 ---@return dm.vector
-function dm_discrete_lagrangian_class:legendre_minus(q0, q1) end
+function dm_discrete_lagrangian_class:legendre_minus(q0, q1, t) end
 
----Ld:legendre_plus(q0, q1) -> dm.vector
+---Ld:legendre_plus(q0, q1 [, t]) -> dm.vector
 ---
----The momentum p1 = D2 Ld(q0, q1) + F2 at q1, F2 the discrete force (Leok 2.3, 2.8.2).
+---The momentum p1 = D2 Ld(q0, q1) + F2 at q1, F2 the discrete force (Leok 2.3, 2.8.2). t: of a system and a rule, the time at q0 (0).
 ---@param q0? any
 ---@param q1? any
+---@param t? any
 ---@return dm.vector
-function dm_discrete_lagrangian_class:legendre_plus(q0, q1) end
+function dm_discrete_lagrangian_class:legendre_plus(q0, q1, t) end
 
----Ld:momentum(group, q0, q1 [, {block=}]) -> dm.vector of dim G entries   or   Ld:momentum(action, q0, q1)
+---Ld:momentum(group, q0, q1 [, {block=, t=}]) -> dm.vector of dim G entries   or   Ld:momentum(action, q0, q1, t)
 ---
----The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept along a path when Ld is invariant.
+---The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept along a path when Ld is invariant. t: of a system and a rule, the time at q0 (0).
 ---@param group? any
 ---@param q0? any
 ---@param q1? any
@@ -1083,11 +1085,12 @@ function dm_discrete_lagrangian_class:legendre_plus(q0, q1) end
 ---@return dm.vector
 function dm_discrete_lagrangian_class:momentum(group, q0, q1, options) end
 
----Ld:order([{q=, v=, p=}]) -> number
+---Ld:order([{q=, v=, p=, t0=}]) -> number
 ---
 ---The order, measured on the system itself: by how much runs over the same time approach each other
 ---when their step is halved, from q and the velocity v or momentum p (left out: a point without
----meaning). A formula Ld(q0, q1, h) must use its h. Raises when no rate is to be seen.
+---meaning) at the time t0 (0). A formula Ld(q0, q1, h) must use its h. Raises when no rate is to be
+---seen.
 ---@param options? table
 ---@return number
 function dm_discrete_lagrangian_class:order(options) end
@@ -1099,17 +1102,18 @@ function dm_discrete_lagrangian_class:order(options) end
 ---@return dm.solver
 function dm_discrete_lagrangian_class:solver(options) end
 
----Ld:two_form(q0, q1) -> dm.matrix
+---Ld:two_form(q0, q1 [, t]) -> dm.matrix
 ---
----The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = -d2Ld/dq0dq1 dq0 ^ dq1.
+---The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = -d2Ld/dq0dq1 dq0 ^ dq1. t: of a system and a rule, the time at q0 (0).
 ---@param q0? any
 ---@param q1? any
+---@param t? any
 ---@return dm.matrix
-function dm_discrete_lagrangian_class:two_form(q0, q1) end
+function dm_discrete_lagrangian_class:two_form(q0, q1, t) end
 
 ---Ld:value(q0, q1 [, t]) -> number
 ---
----The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the curve of that rule from q0 at the time t (0) to q1, found by Newton to round-off.
+---The discrete Lagrangian, the same as Ld(q0, q1 [, t]): of a rule, the action of the curve of that rule from q0 at the time t (0) to q1, found by Newton to round-off.
 ---@param q0? any
 ---@param q1? any
 ---@param t? any
@@ -3807,13 +3811,14 @@ function dm_solver_class:backward_error(options) end
 ---@return dm.ensemble
 function dm_solver_class:ensemble(options) end
 
----solver:fold{q=, v= | p=, up_to=} -> {h, fold, q1, why}
+---solver:fold{q=, v= | p=, t0=, up_to=} -> {h, fold, q1, why}
 ---
 ---Up to which step does an implicit step from this state have a solution? The solution q1 of p + D1
 ---Ld(q, q1) = 0 is followed from small h to up_to (default 256 steps of the solver) and the fold,
 ---where two solutions meet, found where det D1D2 Ld vanishes; h is infinite when there is none. fold =
 ---false with a finite h: Newton's method gives up although the matrix is regular, as where the chart
----of a group ends, at half a turn. Stage rules and discrete Lagrangians; lie(s) on groups.
+---of a group ends, at half a turn. Stage rules and discrete Lagrangians, without constraints and
+---forces; lie(s) on groups. t0: the time of the start (0).
 ---@param options? table
 ---@return table
 function dm_solver_class:fold(options) end

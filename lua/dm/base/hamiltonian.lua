@@ -121,16 +121,44 @@ local function is_number(x, n)
   return true
 end
 
--- of numbers L = p.v - H, by a plain call of H, with which the trace is compared
+-- of numbers L = p.v - H, by a plain call of H, with which the trace is compared; where the two
+-- differ an upvalue or params have changed since the derivative was made
 local function legendre(H, n)
   local slope
   return function(q, v, t, params)
     local of = bound(H, params)
     local plain = type(t) == "number" and is_number(q, n) and is_number(v, n)
-    if not (plain and slope) then slope = core.derivative(of, n, n, "number") end
-    local p, b = momentum(slope, n, q, v, t)
-    if plain then return p:dot(core.vector(v)) - of(core.vector(q), p, t) end
-    return p:dot(core.vector(v) - b) / 2 - of(core.vector(q), core.zeros(n), t)
+    local function by_slope()
+      local p, b = momentum(slope, n, q, v, t)
+      return p, p:dot(core.vector(v) - b) / 2 - of(core.vector(q), core.zeros(n), t)
+    end
+    local kept = plain and slope
+    if not kept then slope = core.derivative(of, n, n, "number") end
+    local p, L = by_slope()
+    if not plain then return L end
+    local value = p:dot(core.vector(v)) - of(core.vector(q), p, t)
+    if not kept or abs(value - L) <= EXACT * (abs(value) + abs(L)) then return value end
+    slope = core.derivative(of, n, n, "number")
+    p = by_slope()
+    return p:dot(core.vector(v)) - of(core.vector(q), p, t)
+  end
+end
+
+--- L(g, xi, t, params) of an H(g, mu, t, params) on a group that is quadratic in mu, of d entries:
+-- element(flat(g)) is g again, by N numbers.
+function M.on_elements(H, N, d, flat, element)
+  return function(g, xi, t, params)
+    local of, q = bound(H, params), core.vector(flat(g))
+    local slope = core.derivative(function(x, mu, s) return of(element(x), mu, s) end, N, d,
+      "number")
+    local second = core.derivative(function(x, mu, s) return part(slope(x, mu, s), N, d) end, N, d,
+      "number")(q, core.zeros(d), t)
+    local b, A = part(slope(q, core.zeros(d), t), N, d), core.matrix(d, d)
+    for i = 1, d do
+      for j = 1, d do A[i][j] = second[i][N + j] end
+    end
+    local w = core.vector(xi) - b
+    return A:solve(w):dot(w) / 2 - of(g, core.zeros(d), t)
   end
 end
 

@@ -48,6 +48,11 @@ local function invariant_lagrangian(self, Ld, formula)
     fail("this discrete Lagrangian is found by solving a rule and has no formula: give one, or one "
       .. "of the midpoint or trapezoidal rule")
   end
+  for _, key in ipairs { "constraint", "force", "rolling", "map" } do
+    if Ld[key] ~= nil then
+      fail("this discrete Lagrangian has '%s', which an invariant one leaves out", key)
+    end
+  end
   if Ld.Q.dimension ~= self.m then
     fail("Ld is on %s, the action on a space of dimension %d", tostring(Ld.Q), self.m)
   end

@@ -39,6 +39,20 @@ local function ends_of(Ld, g0, g1)
   return out[1], out[2]
 end
 
+---- what stays while a trace stays ----
+
+-- what `make` gives, made again when the trace of f is another one: upvalues and params may have
+-- changed since
+local function while_same(f, lengths, make)
+  local text, made
+  return function()
+    local now = core.trace(f, table.unpack(lengths)):graph()
+    if now ~= text then made = make() end
+    text = now
+    return made
+  end
+end
+
 ---- a formula ----
 
 -- Ld(g0 near(e0), g1 near(e1)) of (q0, e0, q1, e1)
@@ -52,11 +66,12 @@ local function by_formula(Ld)
   local P, N, d = Ld.place, Ld.place.size, Ld.place.dimension
   local zero = core.zeros(d)
   local f = moved(P, Ld.Ld, Ld.h)
-  local slopes = core.derivative(f, N, d, N, d)
+  local slopes = while_same(function(q0, q1) return f(q0, zero, q1, zero) end, { N, N },
+    function() return core.derivative(f, N, d, N, d) end)
   local way = {}
   function way.value(q0, q1) return f(q0, zero, q1, zero) end
   function way.momenta(q0, q1)
-    local y = slopes(q0, zero, q1, zero)
+    local y = slopes()(q0, zero, q1, zero)
     return -part(y, N, d), part(y, 2 * N + d, d)
   end
   -- -D1 D2 Ld
@@ -142,7 +157,7 @@ local function curves_of(rule)
   return math.tointeger(tonumber(s)), tau == "pade(1)" and "cayley" or tau, c
 end
 
--- S(q0, e, V) = h sum_i b_i L(g0 near(e) tau(xi_i), dtau_L(xi_i) xi'_i)
+-- S(q0, e, V, t) = h sum_i b_i L(g0 near(e) tau(xi_i), dtau_L(xi_i) xi'_i, t + c_i h)
 local function action(Ld, L, s, tau, c)
   local P, N, d, h = Ld.place, Ld.place.size, Ld.place.dimension, Ld.h
   local chart = place.chart(P, tau)
@@ -152,25 +167,26 @@ local function action(Ld, L, s, tau, c)
     for j = 1, s do sum = sum + part(V, (j - 1) * d, d) * (factor * row[j]) end
     return sum
   end
-  return function(q0, e, V)
+  return function(q0, e, V, t)
     local sum = 0
     for i = 1, #c.b do
       local y = chart(q0, e, combined(c.a[i], V, h), combined(c.d[i], V, 1))
-      sum = sum + h * c.b[i] * L(P.element(part(y, 0, N)), part(y, N, d), 0)
+      sum = sum + h * c.b[i] * L(P.element(part(y, 0, N)), part(y, N, d), t + c.c[i] * h)
     end
     return sum
   end
 end
 
---- The action S(q0, e, V) of a step of Ld, of a rule lie(s): what solves for its ends otherwise
--- (reduce/mechanical) differentiates `value`. inverse: that of the right-trivialized differential
--- of tau.
+--- The action S(q0, e, V) of a step of Ld, of a rule lie(s), from the time 0: what solves for its
+-- ends otherwise (reduce/mechanical) differentiates `value`. inverse: that of the right-trivialized
+-- differential of tau.
 function M.action(Ld)
   local kit, given = kits.of(Ld.Q), Ld.system.given
   local s, tau, line = curves_of(Ld.rule)
   local c = line:coefficients()
   local _, inverse = M.map(kit, tau)
-  return { value = action(Ld, bound(given.L, given.params), s, tau, c), coefficients = c,
+  local S = action(Ld, bound(given.L, given.params), s, tau, c)
+  return { value = function(q0, e, V) return S(q0, e, V, 0) end, coefficients = c,
     stages = #c.beta, tau = tau, inverse = inverse }
 end
 
@@ -187,20 +203,20 @@ local function slope_of_stationary(H, c, h, N, d)
 end
 
 -- V and S_1 with dS/dV_j = h beta_j S_1 and h sum_j beta_j V_j = xi, by Newton's method
-local function stationary(S, c, h, q0, xi)
+local function stationary(S, c, h, q0, xi, t)
   local d, N = #xi, #q0
   local m, zero, last = #c.beta * d, core.zeros(d), math.huge
   local z = core.zeros(m + d)
   for k = 1, m do z[k] = xi[(k - 1) % d + 1] / h end
   local function equation()
     local V = part(z, 0, m)
-    local G, R = S:gradient(q0, zero, V), core.zeros(m + d)
+    local G, R = S:gradient(q0, zero, V, t), core.zeros(m + d)
     for a = 1, d do R[m + a] = -xi[a] end
     for k = 1, m do
       local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
       R[k], R[m + a] = G[N + d + k] - hb * z[m + a], R[m + a] + hb * V[k]
     end
-    return R, slope_of_stationary(S:hessian(q0, zero, V), c, h, N, d)
+    return R, slope_of_stationary(S:hessian(q0, zero, V, t), c, h, N, d)
   end
   for _ = 1, 30 do
     local R, J = equation()
@@ -217,35 +233,47 @@ local function stationary(S, c, h, q0, xi)
   return part(z, 0, m), part(z, m, d)
 end
 
+-- the action as a traced function, the same as long as L is
+local function traced_action(Ld, s, tau, c)
+  local P, given = Ld.place, Ld.system.given
+  local N, d = P.size, P.dimension
+  local function L(g, xi, t) return bound(given.L, given.params)(g, xi, t) end
+  local f = action(Ld, L, s, tau, c)
+  return while_same(place.of_velocity(P, L), { N, d, "number" }, function()
+    return core.trace(f, N, d, s * d, "number")
+  end)
+end
+
 local function by_rule(Ld)
   local kit, P, N, d = kits.of(Ld.Q), Ld.place, Ld.place.size, Ld.place.dimension
-  local given = Ld.system.given
-  local L = bound(given.L, given.params)
   local s, tau, of_line = curves_of(Ld.rule)
   local c = of_line:coefficients()
-  local S = core.trace(action(Ld, L, s, tau, c), N, d, s * d)
+  local action_now = traced_action(Ld, s, tau, c)
   local back, inverse = M.map(kit, tau)
   local zero = core.zeros(d)
-  local function between(q0, q1)
-    local g0, g1 = P.element(q0), P.element(q1)
+  local function between(q0, q1, t)
+    local S, g0, g1 = action_now(), P.element(q0), P.element(q1)
     local xi = back(kit.compose(kit.inverse(g0), g1))
-    local V, S1 = stationary(S, c, Ld.h, q0, xi)
-    return V, S1, xi
+    local V, S1 = stationary(S, c, Ld.h, q0, xi, t)
+    return S, V, S1, xi
   end
   local function transposed(xi, mu)
     return linear.matrix_of(function(x) return inverse(xi, x) end, d):transpose() * mu
   end
   local way = {}
-  function way.value(q0, q1) return S(q0, zero, (between(q0, q1))) end
-  function way.momenta(q0, q1)
-    local V, S1, xi = between(q0, q1)
-    return transposed(xi, S1) - part(S:gradient(q0, zero, V), N, d), transposed(-xi, S1)
+  function way.value(q0, q1, t)
+    local S, V = between(q0, q1, t)
+    return S(q0, zero, V, t)
+  end
+  function way.momenta(q0, q1, t)
+    local S, V, S1, xi = between(q0, q1, t)
+    return transposed(xi, S1) - part(S:gradient(q0, zero, V, t), N, d), transposed(-xi, S1)
   end
   -- dp0 = Omega u1 at u0 = 0: xi moves by dtau_L^-1 u1, V and S1 by the equations that they solve
   local turned = core.derivative(transposed, d, d)
-  function way.two_form(q0, q1)
-    local V, S1, xi = between(q0, q1)
-    local H, m = S:hessian(q0, zero, V), s * d
+  function way.two_form(q0, q1, t)
+    local S, V, S1, xi = between(q0, q1, t)
+    local H, m = S:hessian(q0, zero, V, t), s * d
     local J, slope = slope_of_stationary(H, c, Ld.h, N, d), turned(xi, S1)
     return linear.matrix_of(function(u)
       local dxi = core.vector(inverse(-xi, u))
@@ -266,33 +294,43 @@ local function method(name, f, doc)
   core.method("dm.group_lagrangian", name, blame.caller(f), doc)
 end
 
-function Class.__call(Ld, g0, g1) return Ld.way.value(ends_of(Ld, g0, g1)) end
+-- q0, q1 and the time of q0, 0 where none is given; a formula has none
+local function asked(Ld, g0, g1, t)
+  if t ~= nil and not Ld.system then error("Ld: a formula Ld(g0, g1) has no time", 0) end
+  options.number({ t = t }, "t", "Ld", "the time of g0, a finite number")
+  local q0, q1 = ends_of(Ld, g0, g1)
+  return q0, q1, t or 0
+end
 
-method("value", function(Ld, g0, g1) return Ld.way.value(ends_of(Ld, g0, g1)) end, [[
-Ld:value(g0, g1) -> number
-The same as Ld(g0, g1): approximately the action between two elements in the time h.]])
-method("legendre_minus", function(Ld, g0, g1)
-  return (Ld.way.momenta(ends_of(Ld, g0, g1)))
+function Class.__call(Ld, g0, g1, t) return Ld.way.value(asked(Ld, g0, g1, t)) end
+
+method("value", function(Ld, g0, g1, t) return Ld.way.value(asked(Ld, g0, g1, t)) end, [[
+Ld:value(g0, g1 [, t]) -> number
+The same as Ld(g0, g1 [, t]): approximately the action between two elements in the time h. t: of an
+L that depends on time, when it begins (0).]])
+method("legendre_minus", function(Ld, g0, g1, t)
+  return (Ld.way.momenta(asked(Ld, g0, g1, t)))
 end, [[
-Ld:legendre_minus(g0, g1) -> dm.vector of dim G entries
-The body momentum at g0, -D1 Ld along g0 exp(e).]])
-method("legendre_plus", function(Ld, g0, g1)
-  local _, p1 = Ld.way.momenta(ends_of(Ld, g0, g1))
+Ld:legendre_minus(g0, g1 [, t]) -> dm.vector of dim G entries
+The body momentum at g0, -D1 Ld along g0 exp(e). t: the time at g0 (0).]])
+method("legendre_plus", function(Ld, g0, g1, t)
+  local _, p1 = Ld.way.momenta(asked(Ld, g0, g1, t))
   return p1
 end, [[
-Ld:legendre_plus(g0, g1) -> dm.vector of dim G entries
-The body momentum at g1, D2 Ld along g1 exp(e).]])
-method("two_form", function(Ld, g0, g1) return Ld.way.two_form(ends_of(Ld, g0, g1)) end, [[
-Ld:two_form(g0, g1) -> dm.matrix, dim G x dim G
+Ld:legendre_plus(g0, g1 [, t]) -> dm.vector of dim G entries
+The body momentum at g1, D2 Ld along g1 exp(e). t: the time at g0 (0).]])
+method("two_form", function(Ld, g0, g1, t) return Ld.way.two_form(asked(Ld, g0, g1, t)) end, [[
+Ld:two_form(g0, g1 [, t]) -> dm.matrix, dim G x dim G
 -D1 D2 Ld, row e0, column e1: the discrete symplectic form in the left-invariant frames at g0 and
-g1.]])
+g1. t: the time at g0 (0).]])
 method("momentum", function(Ld, group, g0, g1, given)
-  local q0, q1 = ends_of(Ld, g0, g1)
-  local _, p1 = Ld.way.momenta(q0, q1)
+  local q0, q1, t = asked(Ld, g0, g1, type(given) == "table" and given.t or nil)
+  local _, p1 = Ld.way.momenta(q0, q1, t)
   return momentum.at(Ld.place, group, given, Ld.place.element(q1), p1)
 end, [[
-Ld:momentum(group, g0, g1 [, {side=, action=}]) -> dm.vector
-Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body.]])
+Ld:momentum(group, g0, g1 [, {side=, action=, t=}]) -> dm.vector
+Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body. t:
+the time at g0 (0).]])
 method("solver", function(Ld, given)
   given = options.check(given or {}, { "newton", "backend" }, "Ld:solver",
     "{ newton =, backend = }: rule and h are those of Ld")
@@ -334,7 +372,7 @@ local function of_system(system, given)
   options.need(given, "h", WHERE, "the time between two elements")
   options.positive(given, "h", WHERE, "a step")
   local own = system.given
-  if not own.L or own.constraint or own.rolling or own.force then
+  if not own.L or own.constraint or own.rolling or own.force or own.control then
     error(WHERE .. ": on groups of an L without constraints and forces", 0)
   end
   local Ld = setmetatable({ Q = system.Q, h = given.h, rule = given.rule, system = system,

@@ -79,9 +79,9 @@ local function map_of(place, group, side)
 end
 
 -- J and its dimension; raises where there is none, and for options that would change nothing
-local function found(place, group, given)
-  local options = require "dm.base.options".check(given or {}, { "side", "action" }, "momentum",
-    "{ side =, action = }")
+local function found(place, group, given, known)
+  local options = require "dm.base.options".check(given or {}, known or { "side", "action" },
+    "momentum", "{ side =, action = }")
   local side = options.side or "left"
   if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
   local J, d = given_action(place, group, options)
@@ -97,8 +97,10 @@ local function found(place, group, given)
     :format(tostring(group), tostring(place.space)), 0)
 end
 
---- That of one element g with the body momentum mu.
-function M.at(place, group, options, g, mu) return (found(place, group, options))(g, mu) end
+--- That of one element g with the body momentum mu, of somebody whose options have a time, too.
+function M.at(place, group, options, g, mu)
+  return (found(place, group, options, { "side", "action", "t" }))(g, mu)
+end
 
 --- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
 -- rotations and translations of space (right: of the body), of any group by its action on elements,

@@ -18,6 +18,7 @@ local blame = require "dm.base.blame"
 local changes = require "dm.group.change"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
+local hamiltonians = require "dm.base.hamiltonian"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
 local spheres = require "dm.group.spheres"
@@ -136,11 +137,11 @@ function M.unfold(given)
   return out, place
 end
 
---- L(g, xi, ...) of a function of (q, v, ...), as it was found for an H.
-function M.on_elements(place, f)
-  return function(g, xi, ...)
-    return f(core.vector(place.flat(g)), M.padded(place, xi, "the velocity"), ...)
-  end
+--- L(g, xi, t, params) of the H that the system was given, by entries of matrices: other
+-- coordinates of symbols are long expressions.
+function M.on_elements(place)
+  local P = M.of(place.space, { columns = "matrix" })
+  return hamiltonians.on_elements(place.given.H, P.size, P.dimension, P.flat, P.element)
 end
 
 ---- charts about an element, as steps use them ----

@@ -11,6 +11,11 @@ local abs, min, huge = math.abs, math.min, math.huge
 
 local START = "{ q =, v = } or { q =, p = }"
 
+-- the time of a step, for discrete Lagrangians of a system; formulas have none
+local function time_of(solver, t0)
+  return not solver.system.Ld and t0 or nil
+end
+
 -- the discrete Lagrangian of a solver with another step
 local function with_step(solver, h)
   local system = solver.system
@@ -35,11 +40,12 @@ end
 
 -- q1 with p0 + D1 Ld(q0, q1) = 0 from a guess, and det(-h D1D2 Ld), which tends to that of the mass
 -- with h; nil: none was found
-local function solve(solver, moves, q0, p0, guess, h)
+local function solve(solver, moves, start, guess, h)
+  local q0, p0, t = start.q, start.p, start.t
   local Ld, q1, last = with_step(solver, h), guess, huge
   for _ = 1, 30 do
-    local fine, r = blame.try(Ld.legendre_minus, Ld, q0, q1)
-    local also, W = blame.try(Ld.two_form, Ld, q0, q1)
+    local fine, r = blame.try(Ld.legendre_minus, Ld, q0, q1, t)
+    local also, W = blame.try(Ld.two_form, Ld, q0, q1, t)
     if not (fine and also) then return nil end
     local solved, d = blame.try(W.solve, W, p0 - r)
     if not solved then return nil end
@@ -49,7 +55,9 @@ local function solve(solver, moves, q0, p0, guess, h)
     local size = d:norm() / moves.size(q0, q1)
     if size ~= size or size > 1e3 then return nil end
     if size < 1e-14 or (size < 1e-11 and size >= 0.5 * last) then
-      return q1, (Ld:two_form(q0, q1) * h):det()
+      fine, W = blame.try(Ld.two_form, Ld, q0, q1, t)
+      if not fine then return nil end
+      return q1, (W * h):det()
     end
     last = size
   end
@@ -65,16 +73,16 @@ end
 
 -- follow the solution from a small step; the last two points with one, and whether the end `up_to`
 -- was reached
-local function follow(solver, moves, q0, p0, v0, from, up_to)
-  local before, here = nil, { h = 0, q1 = q0 }
+local function follow(solver, moves, start, from, up_to)
+  local before, here = nil, { h = 0, q1 = start.q }
   local h, grow = from, 1.25
   while true do
-    local guess = moves.plus(q0, v0 * h)
+    local guess = moves.plus(start.q, start.v * h)
     if before then
       local ratio = (h - here.h) / (here.h - before.h)
       guess = moves.plus(here.q1, moves.minus(here.q1, before.q1) * ratio)
     end
-    local q1, det = solve(solver, moves, q0, p0, guess, h)
+    local q1, det = solve(solver, moves, start, guess, h)
     local sign = q1 and (here.det == nil or det * here.det > 0)
     if sign then
       before, here = here, { h = h, q1 = q1, det = det }
@@ -94,6 +102,13 @@ local SMALL = 0.05  -- of det: the matrix is singular at the end
 
 -- is the step of this solver one equation for q1, from the start as it is given?
 local function check_start(solver, options, what, rule)
+  local given = solver.system.given or solver.system
+  for _, key in ipairs { "constraint", "rolling", "force" } do
+    if given[key] ~= nil then
+      error(("%s: for steps without constraints and forces (this one has '%s')")
+        :format(what, key), 0)
+    end
+  end
   if solver.system.Ld then
     if options.p then return end
     error(what .. ": a discrete Lagrangian knows no velocity: give the momentum p", 0)
@@ -109,13 +124,16 @@ local function check_start(solver, options, what, rule)
   end
 end
 
--- q, p and the velocity of the start
-local function start_of(system, options)
-  local p = core.vector(options.p or system:legendre(options.q, options.v))
+-- q, p, the velocity and the time of the start
+local function start_of(solver, options)
+  local system = solver.system
+  local t = time_of(solver, options.t0 or 0)
+  local p = core.vector(options.p or system:legendre(options.q, options.v, t))
   local v = options.v and core.vector(options.v)
-    or not system.Ld and system:velocity(options.q, p) or p * 0
+    or not system.Ld and system:velocity(options.q, p, t) or p * 0
   local place = system.place
-  return place and place.kit.element(options.q) or core.vector(options.q), p, v
+  return { q = place and place.kit.element(options.q) or core.vector(options.q), p = p, v = v,
+    t = t }
 end
 
 local FOLD = "%s: fold at h = %.8g: two solutions of the step equation meet there, its matrix is "
@@ -145,13 +163,14 @@ M.fold = blame.caller(function(solver, options)
   end
   options, solver = starts.lists(options, solver)
   local what, rule = "solver:fold", tostring(solver.rule or "del")
-  option.check(options, { "q", "v", "p", "up_to" }, what, START)
+  option.check(options, { "q", "v", "p", "t0", "up_to" }, what, START)
   option.need(options, "q", what, START)
+  option.number(options, "t0", what)
   check_start(solver, options, what, rule)
   local up_to = option.positive(options, "up_to", what, "a step", 256 * solver.h)
-  local q0, p0, v0 = start_of(solver.system, options)
+  local start = start_of(solver, options)
   local least, moves = min(solver.h, up_to) / 64, moves_of(solver.system)
-  local before, here, reached = follow(solver, moves, q0, p0, v0, least, up_to)
+  local before, here, reached = follow(solver, moves, start, least, up_to)
   if not here then
     error(("%s: not even h = %g has a solution near q + h v"):format(what, least), 0)
   end
@@ -160,16 +179,17 @@ M.fold = blame.caller(function(solver, options)
     return core.result { h = huge, fold = false, q1 = here.q1, why = why:format(rule, up_to) }
   end
   local small = here.h / 512
-  local found, det = solve(solver, moves, q0, p0, moves.plus(q0, v0 * small), small)
+  local found, det = solve(solver, moves, start, moves.plus(start.q, start.v * small), small)
   return describe_end(rule, before, here, found and det or here.det)
 end)
 
 class.method("dm.solver", "fold", M.fold, [[
-solver:fold{q=, v= | p=, up_to=} -> {h, fold, q1, why}
+solver:fold{q=, v= | p=, t0=, up_to=} -> {h, fold, q1, why}
 Up to which step does an implicit step from this state have a solution? The solution q1 of p + D1
 Ld(q, q1) = 0 is followed from small h to up_to (default 256 steps of the solver) and the fold,
 where two solutions meet, found where det D1D2 Ld vanishes; h is infinite when there is none. fold =
 false with a finite h: Newton's method gives up although the matrix is regular, as where the chart
-of a group ends, at half a turn. Stage rules and discrete Lagrangians; lie(s) on groups.]])
+of a group ends, at half a turn. Stage rules and discrete Lagrangians, without constraints and
+forces; lie(s) on groups. t0: the time of the start (0).]])
 
 return M

@@ -16,7 +16,7 @@ local GOOD, BAD = 0.02, 0.2
 local function with_step(Ld, h)
   if Ld.system then return Ld.system:solver { rule = Ld.rule, h = h } end
   local copy = core.discrete_lagrangian { Q = Ld.Q, h = h, Ld = Ld.Ld, params = Ld.params,
-    constraint = Ld.constraint }
+    constraint = Ld.constraint, force = Ld.force, rolling = Ld.rolling, reaction = Ld.reaction }
   return copy:solver {}, copy
 end
 
@@ -32,14 +32,15 @@ end
 
 -- p0 of a start in position and velocity: by the Legendre transform, or by two positions a short
 -- step apart
-local function momentum(Ld, q, v, h)
-  if Ld.system then return Ld.system:momentum(q, v) end
+local function momentum(Ld, q, v, h, t0)
+  if Ld.system then return Ld.system:momentum(q, v, t0) end
   local _, copy = with_step(Ld, h)
   return copy:legendre_minus(q, core.vector(q) + h * core.vector(v))
 end
 
 local function last(Ld, start, h, steps)
-  local path = with_step(Ld, h):run { q = start.q, p = start.p, steps = steps, every = steps }
+  local path = with_step(Ld, h):run { q = start.q, p = start.p, t0 = start.t0,
+    steps = steps, every = steps }
   return path.q[#path]
 end
 
@@ -92,14 +93,15 @@ local function search(Ld, start)
 end
 
 local function order(Ld, options)
-  options = starts.lists(option.check(options or {}, { "q", "v", "p" }, "Ld:order",
+  options = starts.lists(option.check(options or {}, { "q", "v", "p", "t0" }, "Ld:order",
     "{ q =, v = } or none"), Ld)
+  local t0 = option.number(options, "t0", "Ld:order")
   local q, v = anywhere(Ld.Q.dimension)
-  if not Ld.system and Ld.constraint and not options.q then
+  if not Ld.system and (Ld.constraint or Ld.rolling) and not options.q then
     error("Ld:order: a start on the constraint is needed, Ld:order { q =, v = }", 2)
   end
-  local start = { q = options.q or q }
-  start.p = options.p or momentum(Ld, start.q, options.v or v, Ld.h / 1024)
+  local start = { q = options.q or q, t0 = t0 }
+  start.p = options.p or momentum(Ld, start.q, options.v or v, Ld.h / 1024, t0)
   local p = search(Ld, start)
   if not p then
     error("no order is to be seen: runs with smaller steps do not approach each other at a steady "
@@ -110,10 +112,11 @@ local function order(Ld, options)
 end
 
 local doc = [[
-Ld:order([{q=, v=, p=}]) -> number
+Ld:order([{q=, v=, p=, t0=}]) -> number
 The order, measured on the system itself: by how much runs over the same time approach each other
 when their step is halved, from q and the velocity v or momentum p (left out: a point without
-meaning). A formula Ld(q0, q1, h) must use its h. Raises when no rate is to be seen.]]
+meaning) at the time t0 (0). A formula Ld(q0, q1, h) must use its h. Raises when no rate is to be
+seen.]]
 order = blame.caller(order)
 core.method("dm.discrete_lagrangian", "order", order, doc)
 

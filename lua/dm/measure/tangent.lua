@@ -182,6 +182,10 @@ M.reversal = blame.caller(function(solver, options)
   check_options(options, "solver:reversal")
   local what = "solver:reversal"
   refuse(solver, what)
+  if (solver.system.given or solver.system).control then
+    error(what .. ": a control is held from the start of a step, which run backwards is its end",
+      0)
+  end
   prolonged.check_start(options)
   local steps = steps_of(solver, options)
   local there = solver:run { q = options.q, v = options.v, p = options.p, t0 = options.t0,

@@ -43,8 +43,7 @@ void dml_place_lagrangian(lua_State *L, int place) {
         lua_getfield(L, place, "given");
         push_module(L, "on_elements");
         lua_pushvalue(L, place);
-        lua_pushvalue(L, -4);
-        lua_call(L, 2, 1);
+        lua_call(L, 1, 1);
         lua_setfield(L, -2, "L");
     }
     lua_settop(L, top);

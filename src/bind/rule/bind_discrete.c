@@ -46,10 +46,21 @@ static momenta of_formula(lua_State *L) {
     return (momenta){out, out + n, out + 2 * (size_t)n};
 }
 
+/* a formula of the script has no time, and a third argument may have been meant for its h */
+static void check_time(lua_State *L) {
+    const dml_system *s = check(L);
+    if (s->ruled || lua_isnoneornil(L, 4)) return;
+    luaL_checknumber(L, 4);
+    if (dml_discrete_source(L), lua_isnil(L, -1))
+        luaL_error(L, "a formula Ld(q0, q1) has no time; its h is %f", s->h);
+    lua_pop(L, 1);
+}
+
 /* Of a formula by its derivatives, of a rule by solving for its stages: the methods below do not
  * care. */
 static momenta find_ends(lua_State *L) {
     dm_discrete d;
+    check_time(L);
     if (!check(L)->ruled) return of_formula(L);
     dml_solveruled(L, &d);
     return (momenta){d.p0, d.p1, d.two_form};
@@ -82,14 +93,34 @@ static int discrete_two_form(lua_State *L) {
     return 1;
 }
 
+/* push option t of the options at `at`, nil without it; the options there lose it */
+static void push_time(lua_State *L, int at) {
+    if (!lua_istable(L, at) || lua_getfield(L, at, "t") == LUA_TNIL) {
+        lua_settop(L, at);
+        lua_pushnil(L);
+        return;
+    }
+    luaL_argcheck(L, lua_type(L, -1) == LUA_TNUMBER, at, "option 't' must be a number");
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, at);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -4);
+    }
+    lua_pushnil(L);
+    lua_setfield(L, -2, "t");
+    lua_replace(L, at);
+}
+
 /* Ld:momentum(group, q0, q1): <J, xi> = D2 Ld . xi_Q(q1) */
 static int discrete_momentum(lua_State *L) {
     const uint32_t n = check(L)->n;
     lua_settop(L, 5);
+    push_time(L, 5);
     const dm_action action = dml_standard_action(L, 2, 5, n);
     double *q1 = lua_newuserdatauv(L, n * sizeof *q1, 0);
     dml_vectorarg(L, 4, "q1", q1, n);
-    lua_pushnil(L);
+    lua_pushvalue(L, 6);
     lua_replace(L, 5);
     lua_remove(L, 2); /* q0, q1 are wanted at 2, 3, a time or nil at 4 */
     const momenta e = find_ends(L);
@@ -120,6 +151,7 @@ static double value_of_formula(lua_State *L) {
 static int discrete_call(lua_State *L) {
     dm_discrete d;
     lua_settop(L, 4);
+    check_time(L);
     if (check(L)->ruled)
         dml_solveruled(L, &d);
     else
@@ -257,37 +289,39 @@ static int discrete_new(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", discrete_tostring, NULL},
                                {"__call", discrete_call, NULL},
                                {NULL, NULL, NULL}};
-static const dml_row methods[] =
-    {{"value", discrete_value,
-      "Ld:value(q0, q1 [, t]) -> number\n"
-      "The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the curve of that "
-      "rule from q0 at the time t (0) to q1, found by Newton to round-off."},
-     {"hamilton_pontryagin", hamilton_pontryagin,
-      "Ld:hamilton_pontryagin(q0, q1 [, t]) -> {value, p0, p1, q, v, p, residual}\n"
-      "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the curves "
-      "of the rule from q0 to q1: positions, velocities and momenta p_i = dL/dv at its points "
-      "(matrices, a row each), the multipliers p0 and p1 of the ends, which are the discrete "
-      "Legendre transforms, and what is left of its equations (Leok 5.2)."},
-     {"coefficients", dml_discrete_coefficients,
-      "Ld:coefficients() -> {a, d, b, c, beta}\n"
-      "Of a system and a rule, what its curves are made of (Leok 2.4): with velocities V_j, Q_i = "
-      "q0 + h sum_j a_ij V_j and Qdot_i = sum_j d_ij V_j at the times c_i h, where L is taken with "
-      "the weights h b_i; q1 = q0 + h sum_j beta_j V_j."},
-     {"legendre_minus", discrete_minus,
-      "Ld:legendre_minus(q0, q1) -> dm.vector\n"
-      "The momentum p0 = -D1 Ld(q0, q1) - F1 at q0, F1 the discrete force (Leok 2.3, 2.8.2)."},
-     {"legendre_plus", discrete_plus,
-      "Ld:legendre_plus(q0, q1) -> dm.vector\n"
-      "The momentum p1 = D2 Ld(q0, q1) + F2 at q1, F2 the discrete force (Leok 2.3, 2.8.2)."},
-     {"two_form", discrete_two_form,
-      "Ld:two_form(q0, q1) -> dm.matrix\n"
-      "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
-      "-d2Ld/dq0dq1 dq0 ^ dq1."},
-     {"momentum", discrete_momentum,
-      "Ld:momentum(group, q0, q1 [, {block=}]) -> dm.vector of dim G entries\n"
-      "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept "
-      "along a path when Ld is invariant."},
-     {NULL, NULL, NULL}};
+static const dml_row methods[] = {
+    {"value", discrete_value,
+     "Ld:value(q0, q1 [, t]) -> number\n"
+     "The discrete Lagrangian, the same as Ld(q0, q1 [, t]): of a rule, the action of the curve of "
+     "that rule from q0 at the time t (0) to q1, found by Newton to round-off."},
+    {"hamilton_pontryagin", hamilton_pontryagin,
+     "Ld:hamilton_pontryagin(q0, q1 [, t]) -> {value, p0, p1, q, v, p, residual}\n"
+     "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the curves "
+     "of the rule from q0 to q1: positions, velocities and momenta p_i = dL/dv at its points "
+     "(matrices, a row each), the multipliers p0 and p1 of the ends, which are the discrete "
+     "Legendre transforms, and what is left of its equations (Leok 5.2)."},
+    {"coefficients", dml_discrete_coefficients,
+     "Ld:coefficients() -> {a, d, b, c, beta}\n"
+     "Of a system and a rule, what its curves are made of (Leok 2.4): with velocities V_j, Q_i = "
+     "q0 + h sum_j a_ij V_j and Qdot_i = sum_j d_ij V_j at the times c_i h, where L is taken with "
+     "the weights h b_i; q1 = q0 + h sum_j beta_j V_j."},
+    {"legendre_minus", discrete_minus,
+     "Ld:legendre_minus(q0, q1 [, t]) -> dm.vector\n"
+     "The momentum p0 = -D1 Ld(q0, q1) - F1 at q0, F1 the discrete force (Leok 2.3, 2.8.2). t: of "
+     "a system and a rule, the time at q0 (0)."},
+    {"legendre_plus", discrete_plus,
+     "Ld:legendre_plus(q0, q1 [, t]) -> dm.vector\n"
+     "The momentum p1 = D2 Ld(q0, q1) + F2 at q1, F2 the discrete force (Leok 2.3, 2.8.2). t: of a "
+     "system and a rule, the time at q0 (0)."},
+    {"two_form", discrete_two_form,
+     "Ld:two_form(q0, q1 [, t]) -> dm.matrix\n"
+     "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
+     "-d2Ld/dq0dq1 dq0 ^ dq1. t: of a system and a rule, the time at q0 (0)."},
+    {"momentum", discrete_momentum,
+     "Ld:momentum(group, q0, q1 [, {block=, t=}]) -> dm.vector of dim G entries\n"
+     "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept "
+     "along a path when Ld is invariant. t: of a system and a rule, the time at q0 (0)."},
+    {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"discrete_lagrangian", discrete_new,
       "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "

@@ -57,9 +57,9 @@ also_of_actions("dm.path", blame.caller(function(path, action)
   return action.group.dimension == 1 and core.vector(first) or core.matrix(rows)
 end), "path:momentum(action)")
 
-also_of_actions("dm.discrete_lagrangian", blame.caller(function(Ld, action, q0, q1)
-  local p1 = Ld:legendre_plus(q0, q1)  -- checks the points
+also_of_actions("dm.discrete_lagrangian", blame.caller(function(Ld, action, q0, q1, t)
+  local p1 = Ld:legendre_plus(q0, q1, t)  -- checks the points
   return blockwise(action, core.vector(q1), p1)
-end), "Ld:momentum(action, q0, q1)")
+end), "Ld:momentum(action, q0, q1, t)")
 
 return {}
