@@ -139,19 +139,39 @@ local function lists(self)
   return separable and FIRST_SEPARABLE or FIRST, many and FOR_MANY or SECOND
 end
 
+-- where steps are more than the times that are wanted, one time in so many of them is anywhere and
+-- one is in the shortest of them: what is passed once, in a few short steps, is looked at too
+local function add_sparse(t, every, seed, add)
+  for k = 1, #t - 1, every do
+    local last, shortest = min(k + every, #t), k
+    for i = k + 1, last - 1 do
+      if t[i + 1] - t[i] < t[shortest + 1] - t[shortest] then shortest = i end
+    end
+    local anywhere = t[k] + (t[last] - t[k]) * (1 - 0.9 * (k * seed % 1))
+    local inside = t[shortest] + (t[shortest + 1] - t[shortest]) * (1 - 0.9 * (k * seed % 1))
+    add(min(anywhere, inside))
+    add(max(anywhere, inside))
+  end
+end
+
 --- times between those of the steps of the first method: about `count` of them, in every step at
 -- other places
 function M:mesh(count, seed)
   local t, out, last = self.times, {}, self.t0
   local parts, every = max(1, min(256, count // max(1, #t - 1))), max(1, (#t - 1) // count)
-  for k = 1, #t - every, every do
-    for j = 1, parts do
-      local x = t[k] + (t[k + every] - t[k]) * (j - 0.9 * ((k * parts + j) * seed % 1)) / parts
-      if x > last then out[#out + 1], last = x, x end
+  local function add(x)
+    if x > last then out[#out + 1], last = x, x end
+  end
+  if every > 1 then
+    add_sparse(t, 2 * every, seed, add)
+  else
+    for k = 1, #t - 1 do
+      for j = 1, parts do
+        add(t[k] + (t[k + 1] - t[k]) * (j - 0.9 * ((k * parts + j) * seed % 1)) / parts)
+      end
     end
   end
-  local finish = self.t0 + self.T
-  if last < finish then out[#out + 1] = finish end
+  add(self.t0 + self.T)
   return out
 end
 

@@ -19,31 +19,40 @@ local function error_beside(scene, c, N, times, reference)
   return pilot.apart_between(scene.problem, record, reference), record
 end
 
-local PARTS, MOST = 8, 8000 -- of the time between two rows where the error is sharp; times in all
+local PARTS, MOST = 8, 1000 -- of the time between two rows; rows about which is looked at most
 
--- times between those of the check where the error may be larger than at them
-local function sharp_times(scene, record, err)
-  local t, out = scene.check_times, {}
-  local places = pilot.unresolved(scene.problem, record, scene.checked, err)
+--- Times between those of the check where the error may be larger than at them, `most` rows of the
+-- check at most, and the largest error that may be left where these were too few, else 0. Where
+-- it may be largest is looked at first, wherever that is.
+function M.sharp_times(t, places, most)
+  local by_size, taken, out = {}, {}, {}
+  for i in pairs(places) do by_size[#by_size + 1] = i end
+  table.sort(by_size, function(a, b)
+    local x, y = places[a], places[b]
+    return x > y or x == y and a < b
+  end)
+  for k = 1, min(most, #by_size) do
+    taken[by_size[k]], taken[by_size[k] + 1] = true, true -- what is before, what is behind
+  end
   for i = 2, #t do
-    for j = 1, (places[i] or places[i - 1]) and PARTS or 0 do
+    for j = 1, taken[i] and PARTS or 0 do
       out[#out + 1] = t[i - 1] + (t[i] - t[i - 1]) * j / PARTS
     end
-    if #out > MOST then break end
   end
-  return out
+  return out, places[by_size[most + 1]] or 0
 end
 
 local UNSEEN = 1.5 -- times the error at the check: where there is no time to look between them
 
 -- the same between the times of the check, where the error has peaks: as of rows inside of a step
 local function error_in_peaks(scene, c, N, record, err)
-  local times = sharp_times(scene, record, err)
+  local places = pilot.unresolved(scene.problem, record, scene.checked, err)
+  local times, unseen = M.sharp_times(scene.check_times, places, MOST)
   if #times == 0 then return err end
   local left = scene.began + scene.allowed - core.cpu()
   local fine, path = blame.try(scene.reference.path, scene.reference, times, max(LEAST, left / 2))
   if not fine then return UNSEEN * err end
-  return max(err,
+  return max(err, min(unseen, UNSEEN * err),
     (error_beside(scene, c, N, times, pilot.record(scene.problem, path))))
 end
 

@@ -198,15 +198,19 @@ end
 local SHARP, NEARLY = 0.1, 0.8 -- of the largest difference: a second one, what may be as large
 
 --- Numbers of the rows about which the difference bends so much that it may be the largest between
--- them: { i = true }; err: what apart_between told.
+-- them, and how large, in tolerances: { i = largest }; err: what apart_between told.
 function M.unresolved(problem, a, b, err)
   local out = {}
   for _, name in ipairs(problem.columns) do
     local d = (a[name] - b[name]):totable()
-    local most = err / MARGIN * problem.tolerance[name]
+    local tolerance = problem.tolerance[name]
+    local most = err / MARGIN * tolerance
     for i = 2, #d - 1 do
       local bend = abs(d[i - 1] - 2 * d[i] + d[i + 1])
-      if bend > SHARP * most and abs(d[i]) + bend > NEARLY * most then out[i] = true end
+      local here = abs(d[i]) + bend
+      if bend > SHARP * most and here > NEARLY * most then
+        out[i] = max(out[i] or 0, MARGIN * here / tolerance)
+      end
     end
   end
   return out

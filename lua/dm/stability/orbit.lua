@@ -26,17 +26,20 @@ end
 
 --- A list of { q, p, t } along the orbit of a start { q, v | p, t } over a time T, and the time
 -- that it goes to: T, or less where that takes too many steps. Pieces of it grow from that of the
--- fastest oscillation on, so that only the last one may be longer than wanted.
+-- fastest oscillation on; none is longer than what is left of the steps, at the mean of the last
+-- one, has room for.
 function M.states(system, start, T, fastest, project)
   local out, t0, at, done = {}, start.t, start, 0
   local long = fastest > 0 and min(T, FIRST / fastest) or T
   while done < T and #out < ROWS do
     local path = piece(system, at, min(long, T - done), T / PIECES, project)
     if not path then break end
+    local mean = (path.t[#path] - path.t[1]) / (#path - 1)
     for i = #out == 0 and 1 or 2, #path do
       out[#out + 1] = { q = path.q[i], p = path.p[i], t = path.t[i] }
     end
-    at, long = out[#out], 2 * long
+    at = out[#out]
+    long = min(2 * long, max(1, ROWS - #out) * mean)
     done = at.t - t0
     if T - done <= NEAR * T + ROUND_OFF * max(math.abs(t0), math.abs(at.t)) then done = T end
   end

@@ -70,4 +70,12 @@ ok(none == nil and why:find "nothing oscillates", "nothing oscillates", why)
 -- a start at a late time ends where it should
 local late = map_of(pendulum, { 1 }, { 0 }, { t = 60, t0 = 1e9 })
 near(late:resonances(1)[1].omega, frequency(1), 1e-3, "at a late time")
+
+-- an orbit that is too long is looked at for so many steps and not for up to twice as many: the last piece has the steps that are left
+do
+  local oscillator = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  local states, done = require "dm.stability.orbit".states(oscillator, { q = { 1 }, v = { 0 }, t = 0 }, 1e6, 1)
+  tap.ok(#states > 0.9 * 2 ^ 15 and #states < 1.1 * 2 ^ 15 and done < 1e6, "steps of an orbit that is cut", #states, done)
+  tap.near(states[#states].q[1], math.cos(done), 1e-2, "which are those of the orbit")
+end
 tap.done()

@@ -1,0 +1,62 @@
+-- long scenes: which times are looked at where there are more of them than can be
+local tap = require "tap"
+local dm = require "dm"
+local choice = require "dm.scene.choice"
+local engine = require "dm.reference.engine"
+local ok = tap.ok
+
+-- peaks of the error that grow with time, more than are looked at: the largest are, and what is left is told
+local t, places = {}, {}
+for i = 1, 30001 do t[i] = i / 7 end
+for i = 3, 30000, 3 do places[i] = i / 30000 end
+local times, unseen = choice.sharp_times(t, places, 1000)
+ok(#times == 16000, "eight times before and behind each", #times)
+ok(times[1] > t[26998] and times[#times] == t[30001], "the largest ones, which are the last", times[1], times[#times])
+ok(unseen == places[27000], "the largest that is left", unseen)
+local sorted = true
+for i = 2, #times do sorted = sorted and times[i] > times[i - 1] end
+ok(sorted, "in the order of time")
+times, unseen = choice.sharp_times(t, { [5] = 0.7 }, 1000)
+ok(#times == 16 and unseen == 0, "nothing is left where all are looked at", #times, unseen)
+
+-- a mesh of fewer times than the reference has steps: what it passed once, in four short steps, is looked at too
+for _, place in ipairs { 1, 777, 20000, 49990 } do
+  local steps, at = { 0 }, 0
+  for i = 1, 50000 do
+    at = at + (i >= place and i < place + 4 and 1e-3 or 1)
+    steps[i + 1] = at
+  end
+  for _, count in ipairs { 1000, 20000 } do
+    local mesh = setmetatable({ times = steps, t0 = 0, T = at }, engine):mesh(count, 0.4142135623730951)
+    local inside, last = false, 0
+    sorted = true
+    for _, x in ipairs(mesh) do
+      sorted, last = sorted and x > last, x
+      inside = inside or x > steps[place] and x <= steps[place + 4]
+    end
+    ok(inside and sorted and last == at, ("steps %d to %d of 50000 in %d times"):format(place, place + 3, count))
+    ok(#mesh > 0.7 * count and #mesh < 1.5 * count, "about so many", #mesh)
+  end
+end
+
+-- fast steps that go on and a close passage, once: Kepler of e = 0.6 over 1100 periods, more steps of the reference than times of the check; its closed form in the
+-- passages near the end, where the error is largest
+local e, periods = 0.6, 1100
+local T = 2 * math.pi * periods
+local scene = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }, q = { 1 - e, 0 }, v = { 0, math.sqrt((1 + e) / (1 - e)) },
+  watch = { "p1" }, tolerance = 0.05, until_t = T, seconds = 60, rules = { "kahan-li(8)" } }
+local at, worst = {}, 0
+for period = periods - 20, periods - 1 do
+  for i = 0, 500 do at[#at + 1] = 2 * math.pi * period + 3 * (1 - e) ^ 1.5 * (i / 250 - 1) end
+end
+local run = scene:run { at = at }
+local p1 = run:column "p1"
+for i = 1, #at do
+  local mean = at[i] % (2 * math.pi)
+  local E = mean + e * math.sin(mean)
+  for _ = 1, 50 do E = E - (E - e * math.sin(E) - mean) / (1 - e * math.cos(E)) end
+  worst = math.max(worst, math.abs(p1[i] + math.sin(E) / (1 - e * math.cos(E))))
+end
+ok(worst <= run.error_estimate and run.error_estimate <= 0.05, "Kepler over many periods errs by no more than is told", worst, run.error_estimate)
+ok(#scene.reference.times > 10000 and worst > 1e-4, "and it is a long one", #scene.reference.times, worst)
+tap.done()
