@@ -6272,25 +6272,26 @@ function dm.scaling(options) end
 ---("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
 ---tolerance: the largest error of each watched number at every time up to until_t, in its units, or a
 ---table name -> tolerance. Models: the system as given; without coordinates that nothing watched
----feels; in the plane of motion where turns change nothing; cyclic coordinates reduced away (Routh),
----also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear,
----in the modes that are seen, with drag, gyroscopic terms and forces in t too that are sums of c t^k
----e^(mu t), solved in closed form (scene.best.rule is "exact"); stiff terms of L as constraints;
----coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
----all of dm.rules(), log-hamiltonian(...) and "controlled(rk8)", whose steps are as long as their
----error allows, or a list `rules`. All of it is measured against two unlike methods with controlled
----steps that jump over nothing hidden in the forces, and checked at other times and between them;
----where the tolerance cannot be promised, scene:run() raises with everything that was measured
----(docs/theory/trust.md). Costs are counted operations (scene.best.work), so that two scenes choose
----alike; costs = "clock" measures ns; profile: a file of scene.profile:save(file) has them. seconds:
----CPU time to be spent on looking (default 20); scene.cut says what they left out. frame, per_step:
----each frame of model time costs at most per_step seconds, as exactly as rules of fixed work can,
----under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
----raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
----"energy" and functions (g, xi, t, mu); the model is the system as given, as it is of an H without a
----Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(),
----scene:why(), scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension),
----work, ns, error (of the tolerance, 1 at most) }.
+---feels; in relative coordinates where a common motion changes nothing; in the plane of motion where
+---turns change nothing; cyclic coordinates reduced away (Routh), also those of a symmetry = { action =
+---f(theta, q), section = f(x) } as for system:routh; linear, in the modes that are seen, with drag,
+---gyroscopic terms and forces in t too that are sums of c t^k e^(mu t), solved in closed form
+---(scene.best.rule is "exact"); stiff terms of L as constraints; coordinates at rest held; terms left
+---out where that stays inside the tolerance. Rules: all of dm.rules(), log-hamiltonian(...) and
+---"controlled(rk8)", whose steps are as long as their error allows, or a list `rules`. All of it is
+---measured against two unlike methods with controlled steps that jump over nothing hidden in the
+---forces, and checked at other times and between them; where the tolerance cannot be promised,
+---scene:run() raises with everything that was measured (docs/theory/trust.md). Costs are counted
+---operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
+---a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
+---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
+---seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
+---(scene.best.worst_step; with a tolerance: both, or it raises). On a group entries of the element are
+---watched (R31, of factor k R31_k), body momenta (p1), "energy" and functions (g, xi, t, mu); the
+---model is the system as given, as it is of an H without a Lagrangian; one that is reduced
+---(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(), scene:animate(file);
+---scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns, error (of the
+---tolerance, 1 at most) }.
 ---@param options? table
 ---@return dm.scene
 function dm.scene(options) end

@@ -118,7 +118,7 @@ function M.model(problem, options)
   local other = model_of.problem(system, { q = { 0, start.r },
     v = { start.across / start.r, start.along }, t0 = problem.t0, until_t = options.until_t,
     watch = lifted(problem, at), tolerance = problem.tolerance })
-  other.parent = problem
+  other.parent = problem.parent or problem
   other.group = { theta = true }
   local out = model_of.given(other)
   out.steps = { "in polar coordinates of the plane of motion, as turns change nothing" }

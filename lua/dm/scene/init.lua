@@ -14,6 +14,7 @@ local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
 local reduce = require "dm.scene.reduce"
+local relative = require "dm.scene.relative"
 local report = require "dm.scene.report"
 local rows = require "dm.scene.rows"
 local runs = require "dm.scene.run"
@@ -226,7 +227,9 @@ local function decide(scene)
   scene.candidates = scene.search.candidates
   if scene.options.frame then return keep_deadline(scene, given) end
   local elsewhere = not whole.is(scene.system)
+  local less = elsewhere and relative.model(scene.problem, scene.options) or nil
   local splits = elsewhere and { central.model(scene.problem, scene.options) } or {}
+  splits[#splits + 1] = less and central.model(less.problem, scene.options) or nil
   if scene.options.symmetry then
     splits[#splits + 1] = require "dm.scene.symmetry".model(scene.problem, scene.options)
   end
@@ -237,9 +240,9 @@ local function decide(scene)
   end
   allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, splits,
-    elsewhere and linear.models(scene.problem, scene.options) or {})
+    elsewhere and linear.models(scene.problem, scene.options) or {}, less)
   allow(RULES_TIME, 1 / 4)
-  for _, rung in ipairs(search.smallest_first(scene.rungs)) do search.model(scene.search, rung) end
+  search.models(scene.search, scene.rungs)
   scene.finalists = search.finalists(scene.search)
   allow(1, 1)
   choice.choose(scene)
@@ -295,25 +298,26 @@ The cheapest model and method that deliver what is watched. watch: names of coor
 ("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
 tolerance: the largest error of each watched number at every time up to until_t, in its units, or a
 table name -> tolerance. Models: the system as given; without coordinates that nothing watched
-feels; in the plane of motion where turns change nothing; cyclic coordinates reduced away (Routh),
-also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear,
-in the modes that are seen, with drag, gyroscopic terms and forces in t too that are sums of c t^k
-e^(mu t), solved in closed form (scene.best.rule is "exact"); stiff terms of L as constraints;
-coordinates at rest held; terms left out where that stays inside the tolerance. Rules:
-all of dm.rules(), log-hamiltonian(...) and "controlled(rk8)", whose steps are as long as their
-error allows, or a list `rules`. All of it is measured against two unlike methods with controlled
-steps that jump over nothing hidden in the forces, and checked at other times and between them;
-where the tolerance cannot be promised, scene:run() raises with everything that was measured
-(docs/theory/trust.md). Costs are counted operations (scene.best.work), so that two scenes choose
-alike; costs = "clock" measures ns; profile: a file of scene.profile:save(file) has them. seconds:
-CPU time to be spent on looking (default 20); scene.cut says what they left out. frame, per_step:
-each frame of model time costs at most per_step seconds, as exactly as rules of fixed work can,
-under constraints rattle and its compositions (scene.best.worst_step; with a tolerance: both, or it
-raises). On a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1),
-"energy" and functions (g, xi, t, mu); the model is the system as given, as it is of an H without a
-Lagrangian; one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(),
-scene:why(), scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension),
-work, ns, error (of the tolerance, 1 at most) }.]]
+feels; in relative coordinates where a common motion changes nothing; in the plane of motion where
+turns change nothing; cyclic coordinates reduced away (Routh), also those of a symmetry = { action =
+f(theta, q), section = f(x) } as for system:routh; linear, in the modes that are seen, with drag,
+gyroscopic terms and forces in t too that are sums of c t^k e^(mu t), solved in closed form
+(scene.best.rule is "exact"); stiff terms of L as constraints; coordinates at rest held; terms left
+out where that stays inside the tolerance. Rules: all of dm.rules(), log-hamiltonian(...) and
+"controlled(rk8)", whose steps are as long as their error allows, or a list `rules`. All of it is
+measured against two unlike methods with controlled steps that jump over nothing hidden in the
+forces, and checked at other times and between them; where the tolerance cannot be promised,
+scene:run() raises with everything that was measured (docs/theory/trust.md). Costs are counted
+operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
+a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
+scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
+seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
+(scene.best.worst_step; with a tolerance: both, or it raises). On a group entries of the element are
+watched (R31, of factor k R31_k), body momenta (p1), "energy" and functions (g, xi, t, mu); the
+model is the system as given, as it is of an H without a Lagrangian; one that is reduced
+(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(), scene:animate(file);
+scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns, error (of the
+tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.of_system(options)

@@ -153,7 +153,7 @@ local function model_with(problem, options, q, modes, all)
   local other = model_of.problem(system, { q = y, v = w, t0 = problem.t0,
     until_t = options.until_t, watch = watched_at(problem, lifted(problem, q, modes)),
     tolerance = problem.tolerance })
-  other.parent = problem
+  other.parent = problem.parent or problem
   local out = model_of.given(other)
   out.steps = { ("linear about an equilibrium, %d of %d modes"):format(k, all) }
   return out
@@ -187,7 +187,7 @@ function M.solved(problem, options, size, motion, words)
   local other = model_of.problem(system, { q = rest, v = rest, t0 = problem.t0,
     until_t = options.until_t, tolerance = problem.tolerance,
     watch = watched_at(problem, function(_, _, t) return motion(t) end) })
-  other.parent = problem
+  other.parent = problem.parent or problem
   local out = model_of.given(other)
   out.steps = { words }
   out.is_solved = true

@@ -68,47 +68,80 @@ local STANDARD, PROBES = 1e-9, { 64, 4096 }
 local PLACES = 0.6180339887  -- where the mean of V is taken: never in step with the motion
 local FEWEST = 16            -- the part of the steps of a probe that must be made at least
 
--- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1
+-- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1; and whether
+-- V has both signs
 local function own_rate(model)
   local start, given, problem = model:ready().start, model.system.given, model.problem
   local V = bound(given.L, given.params)
-  local fine, mean = blame.try(function()
+  local fine, mean, signs = blame.try(function()
     local path = model.system:solver({ rule = "rk8", h = problem.T / 256 }):run(options_of(model, {
       at = M.times(problem, PROBES[1], PLACES), control = { tolerance = 1e-3 } }))
-    local sum = 0
-    for i = 1, #path do sum = sum + abs(V(path.q[i], 0 * start.q, path.t[i])) end
-    return sum / #path
+    local sum, least, most = 0, huge, -huge
+    for i = 1, #path do
+      local value = V(path.q[i], 0 * start.q, path.t[i])
+      sum, least, most = sum + abs(value), min(least, value), max(most, value)
+    end
+    return sum / #path, least < 0 and most > 0
   end)
-  return fine and mean > 0 and mean < huge and mean or 1
+  return fine and mean > 0 and mean < huge and mean or 1, fine and signs
+end
+
+local SHORTER, TRIES = 1 / 16, 3
+
+-- the length of the motion in the time of a rule that has its own, with steps that are short enough
+-- to tell: shorter ones where they fail
+local function length_of(model, rule, finish)
+  local mean, signs = own_rate(model)
+  if signs then
+    error(("%s: V changes its sign on the way, where its steps have no length"):format(rule), 0)
+  end
+  local h, count, steps, failed = mean * model.problem.T / PROBES[1], 0, nil, nil
+  for _ = 1, TRIES + 2 do
+    local solver = model:ready().system:solver { rule = rule, h = h }
+    local fine, why = blame.try(solver.run, solver, options_of(model, { at = finish }))
+    if fine then
+      count, steps = count + 1, solver:report().steps
+      if count == 2 then return h * max(1, steps), steps end
+      h = h * max(1, steps) / PROBES[2]
+    else
+      failed, h = why, h * SHORTER
+      if type(why) == "table" and why.code == "stopped" then break end
+    end
+  end
+  error(failed, 0)
 end
 
 -- how many steps a rule with lengths of its own makes of the whole, and at which tolerance, or how
--- long it is in its own time; found once for a model
-local function scale_of(model, rule)
-  model.scales = model.scales or {}
-  local known = model.scales[rule]
-  if known then return known end
-  local T, inner, out = model.problem.T, M.controlled(rule), nil
+-- long it is in its own time
+local function measured_scale(model, rule)
+  local T, inner = model.problem.T, M.controlled(rule)
   local finish = { model.problem.t0 + T }
   if inner then
     local solver = model:ready().system:solver { rule = inner, h = T / 256 }
     solver:run(options_of(model, { at = finish, control = { tolerance = STANDARD,
       largest = T / 2, hidden = model.untouched and model.problem.hidden or nil } }))
-    out = { solver = solver, N = max(4, solver:report().steps), order = solver.order }
-  else
-    local h = own_rate(model) * T / PROBES[1]
-    for _ = 1, 2 do -- the second one with steps that are short enough to tell
-      local solver = model:ready().system:solver { rule = rule, h = h }
-      solver:run(options_of(model, { at = finish }))
-      out = { length = h * max(1, solver:report().steps), steps = solver:report().steps }
-      h = out.length / PROBES[2]
-    end
-    if out.steps < PROBES[2] / FEWEST then
-      error(("%s: V almost vanishes at the start, where its steps are too long"):format(rule), 0)
-    end
+    return { solver = solver, N = max(4, solver:report().steps), order = solver.order }
   end
-  model.scales[rule] = out
-  return out
+  local length, steps = length_of(model, rule, finish)
+  if steps < PROBES[2] / FEWEST then
+    error(("%s: V almost vanishes at the start, where its steps are too long"):format(rule), 0)
+  end
+  return { length = length }
+end
+
+-- the same, found once for a model, and so is that there is none
+local function scale_of(model, rule)
+  model.scales = model.scales or {}
+  local known = model.scales[rule]
+  if not known then
+    local fine, out = blame.try(measured_scale, model, rule)
+    if not fine and type(out) == "table" and out.code == "stopped" then error(out, 0) end
+    known = fine and out
+      or { why = "cannot step this system: " .. M.first_line(out):gsub("^[^:]*: ", "") }
+    model.scales[rule] = known
+  end
+  if known.why then error(known.why, 0) end
+  return known
 end
 
 -- the solver, and what its runs have beside

@@ -236,9 +236,22 @@ local function with_others(search, rungs, others)
   end
 end
 
+-- the relative motion, and that of it which what is watched feels; the smallest of those kept, or
+-- the base
+local function with_relative(search, rungs, base, relative)
+  local count = #rungs
+  local n, operations = base:size()
+  relative.problem.as_given = relative
+  with_others(search, rungs, { relative, M.connected(relative) })
+  local last = rungs[#rungs]
+  local m, fewer = last:size()
+  return #rungs > count and m < n and fewer <= operations and last or base
+end
+
 --- The models of a scene that deliver what is watched, from the system as given to the smallest;
--- splits: the same in coordinates of symmetries, others: further models.
-function M.ladder(search, given, splits, others)
+-- splits: the same in coordinates of symmetries, others: further models; relative: that of the
+-- relative motion.
+function M.ladder(search, given, splits, others, relative)
   local problem, rungs, base = given.problem, { given }, given
   note(search, given, 0, "the system as given", true)
   search.seen = {}
@@ -253,6 +266,8 @@ function M.ladder(search, given, splits, others)
       rungs[#rungs + 1] = base
     end
     with_others(search, rungs, others)
+    if relative then base = with_relative(search, rungs, base, relative) end
+    problem = base.problem
     for _, model in ipairs(together(search, base, singles(search, base, changes.all(problem)))) do
       rungs[#rungs + 1] = model
     end

@@ -264,21 +264,7 @@ local function take_solved(search, model)
   end
 end
 
---- Look at all rules for a model; adds candidates to the search.
-function M.model(search, model)
-  search.refused = search.refused or {}
-  if model.is_solved then return take_solved(search, model) end
-  for _, row in ipairs(search.rules) do
-    if core.cpu() > search.deadline then
-      search.cut = true
-      return
-    end
-    try_rule(search, model, row)
-  end
-end
-
---- Models in the order in which rules are tried on them: what costs little rules out the most
-function M.smallest_first(rungs)
+local function smallest_first(rungs)
   local out, size = {}, {}
   for i, rung in ipairs(rungs) do
     local n, operations = rung:size()
@@ -291,6 +277,25 @@ function M.smallest_first(rungs)
     return x[3] < y[3]
   end)
   return out
+end
+
+--- Look at all rules for all models; adds candidates to the search. Each rule on every model, the
+-- smallest first: what is small is not always what costs least, and a good bound spares the rest.
+function M.models(search, rungs)
+  search.refused = {}
+  local stepped = {}
+  for _, model in ipairs(smallest_first(rungs)) do
+    if model.is_solved then take_solved(search, model) else stepped[#stepped + 1] = model end
+  end
+  for _, row in ipairs(search.rules) do
+    for _, model in ipairs(stepped) do
+      if core.cpu() > search.deadline then
+        search.cut = true
+        return
+      end
+      try_rule(search, model, row)
+    end
+  end
 end
 
 local AS_GOOD = 1.15    -- costs that differ by less are equal: the smaller model is then preferred

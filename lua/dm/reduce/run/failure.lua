@@ -157,21 +157,21 @@ local function around_origin(path, info, run, row)
 end
 
 -- The first wrong step of a run, { path, row, code, why, whole = the path that begins with the
--- start }, or nothing; run(options) steps again, all_steps(path) makes all of them where these are
--- not too many.
-local function wrong(path, info, run, all_steps, failed)
+-- start }, or nothing; again.run(options) steps again, again.all_steps(path) makes all of them where
+-- these are not too many; again.none: steps are as long as their error allows, and h is not theirs.
+local function wrong(path, info, again, failed)
   if path.watched or #path < 1 then return nil end
   local found, dense, row, whole = nil, path, nil, path
-  if #path >= path.steps + 1 then
+  if #path >= path.steps + 1 or again.none then
     found = first_wrong(path, info, path)
   else
-    local all = not failed and all_steps(path)
+    local all = not failed and again.all_steps(path)
     if all then
       if path.t[1] > all.t[1] or #path < 2 then whole = all end
       found, dense = first_wrong(all, info, whole), all
     else
-      found, row = first_between(path, info, run)
-      dense = (found or failed) and around_origin(path, info, run, row) or nil
+      found, row = first_between(path, info, again.run)
+      dense = (found or failed) and around_origin(path, info, again.run, row) or nil
       if dense then found = first_wrong(dense, info, path) or found end
     end
   end
@@ -226,9 +226,9 @@ end
 
 -- raises for a path that lost its way; a run that failed at an edge keeps that reason, with what
 -- was wrong before
-local function look(path, info, run, all_steps, failure)
+local function look(path, info, again, failure)
   local stopped = failure and failure.code == "stopped"
-  local fine, found = blame.try(wrong, path, info, run, all_steps, failure and not stopped)
+  local fine, found = blame.try(wrong, path, info, again, failure and not stopped)
   if failure then explain(path.system, info, failure) end
   if not fine or not found or not found.code and not failure then return end
   if not failure or failure.reason ~= "edge" and not found.alone then raise(found.whole, found) end
@@ -267,10 +267,12 @@ function M.run(plain, solver, options)
   if not fine and not failure then error(path, 0) end
   if failure then path = failure.path end
   if path then
-    look(path, info, function(again)
-      again.project = options.project
-      return plain(solver, again)
-    end, all_steps_of(plain, solver, options), failure)
+    look(path, info, { all_steps = all_steps_of(plain, solver, options),
+      none = type(options) == "table" and options.control ~= nil,
+      run = function(again)
+        again.project = options.project
+        return plain(solver, again)
+      end }, failure)
   end
   if failure then error(failure, 0) end
   return path
