@@ -59,9 +59,9 @@ end
 
 ---- coordinates ----
 
--- coordinates x of the relative motion: left, their numbers; basis, of the common motion; across[f],
--- the directions of q for x_f, orthogonal to the basis by the mass; weigh(p), the rates of the
--- common motion of momenta A p
+-- coordinates x of the relative motion: left, their numbers; basis, of the common motion; across,
+-- the directions of q for each, orthogonal to the basis by the mass; weigh(p), the rates of the
+-- common motion of momenta A' p
 local function coordinates(problem, basis, mass)
   local n, m, is_common = problem.n, #basis, {}
   for _, a in ipairs(basis) do is_common[a.at] = true end
@@ -227,7 +227,8 @@ local function carried(problem, at, mass, pull)
       s[j], w[j] = s0[j] + tau * w0[j], w0[j]
       if a0[j] ~= 0 then s[j], w[j] = s[j] + a0[j] / 2 * tau * tau, w[j] + a0[j] * tau end
     end
-    return across(x) + directions.along(at.basis, s, n), across(y) + directions.along(at.basis, w, n)
+    return across(x) + directions.along(at.basis, s, n),
+      across(y) + directions.along(at.basis, w, n)
   end
 end
 

@@ -157,8 +157,9 @@ local function around_origin(path, info, run, row)
 end
 
 -- The first wrong step of a run, { path, row, code, why, whole = the path that begins with the
--- start }, or nothing; again.run(options) steps again, again.all_steps(path) makes all of them where
--- these are not too many; again.none: steps are as long as their error allows, and h is not theirs.
+-- start }, or nothing; again.run(options) steps again, again.all_steps(path) makes all of them
+-- where these are not too many; again.none: steps are as long as their error allows, and h is not
+-- theirs.
 local function wrong(path, info, again, failed)
   if path.watched or #path < 1 then return nil end
   local found, dense, row, whole = nil, path, nil, path
