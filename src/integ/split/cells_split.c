@@ -175,13 +175,22 @@ static int are_within(const dm_cells_split *s, double bound) {
     return step <= bound * size;
 }
 
+/* Are the equations of values without mass numbers? Not where the others have grown too large. */
+static int are_numbers(const dm_cells_split *s) {
+    double sum = 0.0; /* 0 * infinity is NaN */
+    for (uint32_t i = 0; i < s->m->n; i++)
+        if (s->m->held[i] == DM_MASSLESS) sum += 0.0 * s->force[i];
+    return sum == 0.0;
+}
+
 /* Values without mass, no two of which meet in L, and forces anew; what is settled stays as it is,
  * so that a run that is cut here has the bits of a whole one. Where Newton's method finds no root
  * the values become NaN. One thread does it all, with the bits of one. */
 static void eliminate(dm_cells_split *s) {
     const dm_model *m = s->m;
+    const int passes = are_numbers(s) ? ELIMINATIONS : 1;
     s->lost = 0;
-    for (int pass = 0; pass < ELIMINATIONS; pass++) {
+    for (int pass = 0; pass < passes; pass++) {
         dm_curvature_at(m->curvature, s->factor, s->x);
         if (are_within(s, SETTLED)) return;
         s->lost = pass + 1 == ELIMINATIONS && !are_within(s, FAR);

@@ -132,6 +132,10 @@ raises("a force acts on the cell {5}, which has no kinetic energy", function()
   plate:field { data = { rho = rho }, massless = "eliminate", L = heavy, force = function(_, v) return -1 * v end }
 end)
 raises("a force acts on the cell", function() plate:field { data = { rho = rho }, massless = "eliminate", L = heavy, absorbing = "boundary" } end)
+-- a step beyond the limit ends in numbers that are none, not in a root that is not found
+raises("a value became NaN or infinite", function()
+  field:solver { rule = "verlet", h = 2 }:run { q = function(x, y, z) return { y, z, x * x } end, v = function() return { 0, 0, 0 } end, steps = 3000 }
+end)
 -- what is settled stays: bits of a run do not depend on where it is cut; rules that do not eliminate are refused
 local function q(x, y, z) return { sin(3 * y), x * z, sin(pi * x) } end
 local function still() return { 0, 0, 0 } end
