@@ -4442,6 +4442,13 @@ function dm_strip_class:cells(lower, upper, t, h, value) end
 ---@return dm.vector
 function dm_strip_class:energies(options) end
 
+---strip:follows(f) -> boolean
+---
+---Does f, traced again, do what the function did that the strip was made of?
+---@param f? any
+---@return boolean
+function dm_strip_class:follows(f) end
+
 ---strip:limit(u, least, most) -> number
 ---
 ---The height at which the fastest oscillation about u begins to grow.

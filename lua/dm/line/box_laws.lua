@@ -4,6 +4,7 @@ local columns = require "dm.data.columns"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local sample = require "dm.line.sample"
 local row_times = require "dm.line.box_strip".row_times
 
 local MOST = 3e8  -- numbers of all levels
@@ -61,16 +62,25 @@ local function of_law(run, density, flux)
   return largest
 end
 
+-- Raises where S is not that of the run any more, since what it reads has changed.
+local function check_S(run, where)
+  if not sample.same(sample.values_of_S(run.boxes), run.level.values) then
+    option.fail(where, "S is not that of the run any more: what it reads has changed")
+  end
+end
+
 local laws = {}
 
 function laws.energy(run)
   local b = run.boxes
+  check_S(run, "run:balance")
   return of_law(run, function(m, D) return b.S(m) - pairing(b.K, m, D) / 2 end,
     function(m, D) return pairing(b.K, m, D) / 2 end)
 end
 
 function laws.momentum(run)
   local b = run.boxes
+  check_S(run, "run:balance")
   return of_law(run, function(m, D) return pairing(b.M, m, D) / 2 end,
     function(m, D) return b.S(m) - pairing(b.M, m, D) / 2 end)
 end
@@ -170,6 +180,7 @@ local function entry_of(boxes, name)
 end
 
 columns.give("dm.box_run", "run", function(run, name)
+  if name == "energy" then check_S(run, "run:column") end
   if totals[name] then return total(run, totals[name]) end
   local component, i = entry_of(run.boxes, tostring(name))
   if not component then

@@ -5,6 +5,7 @@ local core = require "dm.core"
 local lacking = require "dm.base.lacking"
 local option = require "dm.base.options"
 local picture = require "dm.line.picture"
+local sample = require "dm.line.sample"
 local start = require "dm.line.box_start"
 local stream = require "dm.line.stream"
 local strips = require "dm.line.box_strip"
@@ -109,6 +110,7 @@ end
 -- the level that a run begins with, and its strip
 local function level_of(solver, options, plan)
   local ending = solver.ending
+  strips.follow(solver)
   if ending then
     checkpoint.check_options(options, { "z", "t0" })
     return { z = ending.u, u = ending.u, from = ending.from, slope = ending.slope, moved = {},
@@ -131,6 +133,7 @@ function M.run(solver, options)
     file = option.text(options, "file", where) }
   local saved_in = option.text(options, "checkpoint", where)
   local level = level_of(solver, options, plan)
+  level.values = sample.values_of_S(solver.boxes)
   local outcome = stream.go(solver, level, plan, writer(solver.boxes, level))
   local run = new_run(solver, level, plan, outcome)
   if saved_in then run:checkpoint(saved_in) end

@@ -1,5 +1,6 @@
 --- The strip of boxes (core.strip): their equations, and where components begin that only two steps
 -- tell.
+local algebra = require "dm.line.box_algebra"
 local core = require "dm.core"
 local follow = require "dm.line.box_follow"
 local lists = require "dm.base.lists"
@@ -18,6 +19,27 @@ function M.row_times(matrix, i, v)
 end
 
 local row_times = M.row_times
+
+--- Derivatives of S as it is now.
+function M.derive(boxes)
+  local gradient = core.derivative(boxes.S, boxes.d)
+  boxes.gradient = gradient
+  boxes.hessian = core.derivative(function(z) return gradient(z) end, boxes.d)
+  for c in pairs(boxes.gain) do
+    if algebra.depends(boxes, c) then
+      option.fail("dm.multisymplectic", "'%s' gains a constant round the ring, but S depends on it",
+        boxes.names[c])
+    end
+  end
+end
+
+--- A solver of S as it is now: what S reads may have changed since the last run.
+function M.follow(solver)
+  local boxes = solver.boxes
+  M.derive(boxes)
+  solver.gauges, solver.held = algebra.gauges(boxes, solver.h), {}
+  for k, gauge in ipairs(solver.gauges) do solver.held[k] = boxes.names[gauge.held] end
+end
 
 -- M D_t m_x z + K D_x m_t z - grad S(m z), as a function for core.strip
 local function equations(boxes, slope)

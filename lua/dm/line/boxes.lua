@@ -10,6 +10,7 @@ local grids = require "dm.line.grid"
 local lacking = require "dm.base.lacking"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local strips = require "dm.line.box_strip"
 
 local M = {}
 
@@ -105,16 +106,10 @@ M.multisymplectic = blame.caller(function(options)
   end
   local names, number = names_of(options.names, d)
   local gain = gain_of(options.gain, number)
-  local gradient = core.derivative(options.S, d)
-  local hessian = core.derivative(function(z) return gradient(z) end, d)
   local boxes = setmetatable({ M = MM, K = K, S = options.S, names = names, number = number,
-    gain = gain, gradient = gradient, hessian = hessian, from = grid.from, to = grid.to,
-    cells = grid.cells, dx = grid.dx, grid = grid, d = d }, Boxes)
-  for c in pairs(gain) do
-    if algebra.depends(boxes, c) then
-      fail("'%s' gains a constant round the ring, but S depends on it", names[c])
-    end
-  end
+    gain = gain, from = grid.from, to = grid.to, cells = grid.cells, dx = grid.dx, grid = grid,
+    d = d }, Boxes)
+  strips.derive(boxes)
   return boxes
 end)
 
@@ -144,8 +139,8 @@ core.method("dm.boxes", "solver", blame.caller(function(boxes, options)
       .. "with K w = 0 has no mean and no difference, so no step determines it; take %d cells",
       boxes.cells, boxes.cells + 1)
   end
-  local solver = { boxes = boxes, h = h, gauges = algebra.gauges(boxes, h), held = {} }
-  for k, gauge in ipairs(solver.gauges) do solver.held[k] = boxes.names[gauge.held] end
+  local solver = { boxes = boxes, h = h }
+  strips.follow(solver)
   return setmetatable(solver, Solver)
 end), [[
 boxes:solver{h=} -> dm.box_solver

@@ -87,16 +87,6 @@ local function of_matrix(A)
   return fingerprint(out)
 end
 
-local function of_S(boxes)
-  local random, out = core.random(17), {}
-  for row = 1, 4 do
-    local z = core.zeros(boxes.d)
-    for c = 1, boxes.d do z[c] = 0.1 + 0.8 * random:uniform(row, c) end
-    out[row] = sample.number(boxes.S, z)
-  end
-  return fingerprint(out)
-end
-
 M.boxes = {
   head = "dmlua boxes 1", what = "a run of boxes", where = "boxes:resume", name = "the boxes",
   run = "dm.box_run", of = "boxes",
@@ -106,7 +96,8 @@ M.boxes = {
     for c, name in ipairs(boxes.names) do if boxes.gain[c] then gain[#gain + 1] = name end end
     return { { "from", boxes.from * 1.0 }, { "to", boxes.to * 1.0 }, { "cells", boxes.cells },
       { "names", table.concat(boxes.names, ",") }, { "gain", table.concat(gain, ",") .. "." },
-      { "M", of_matrix(boxes.M) }, { "K", of_matrix(boxes.K) }, { "S", of_S(boxes) } }
+      { "M", of_matrix(boxes.M) }, { "K", of_matrix(boxes.K) },
+      { "S", fingerprint(sample.values_of_S(boxes)) } }
   end,
 
   ending = function(run)

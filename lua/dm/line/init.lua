@@ -109,7 +109,8 @@ M.field = blame.caller(function(options)
     nodes = grid.nodes, periodic = grid.periodic, values = n, fixed = fixed,
     absorbing = absorbing, L = with_params(options), params = options.params or {}, grid = grid,
     given = options }, Field)
-  check_speeds(field.L, n, grid)
+  field.check = function() check_speeds(field.L, n, grid) end
+  field.check()
   field.held = at_ends(grid, n, function(side) return fixed[side] and 1 or 0 end)
   return field
 end)

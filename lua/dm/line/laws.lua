@@ -6,6 +6,7 @@ local grids = require "dm.line.grid"
 local lists = require "dm.base.lists"
 local moving = require "dm.line.moving"
 local option = require "dm.base.options"
+local sample = require "dm.line.sample"
 
 local M = {}
 
@@ -121,6 +122,9 @@ local function of_place(run, where)
   local u, t = all_levels(run, where)
   local strip, n = run.level.strip, field.values
   if not solver.moves then
+    if not sample.same(sample.values_of(field), run.level.values) then
+      option.fail(where, "L is not that of the run any more: what it reads has changed")
+    end
     local zeros = core.zeros(field.nodes * (n + 1))
     strip = core.strip(moving.action(field.L, solver.points, n, field.dx), { values = n + 1,
       cells = field.cells, ring = field.periodic, held = zeros, absorbs = { 0, 0 },

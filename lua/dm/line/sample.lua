@@ -34,6 +34,25 @@ function M.values_of(field, time)
   return out
 end
 
+--- Are numbers of values_of those of another time? NaN is NaN.
+function M.same(a, b)
+  for i = 1, #a do
+    if a[i] ~= b[i] and (a[i] == a[i] or b[i] == b[i]) then return false end
+  end
+  return true
+end
+
+--- S of boxes at four random z.
+function M.values_of_S(boxes)
+  local random, out = core.random(17), {}
+  for row = 1, 4 do
+    local z = core.zeros(boxes.d)
+    for c = 1, boxes.d do z[c] = 0.1 + 0.8 * random:uniform(row, c) end
+    out[row] = M.number(boxes.S, z)
+  end
+  return out
+end
+
 --- Does L not depend on t? Looked at with numbers.
 function M.is_autonomous(field)
   local now, later = M.values_of(field),

@@ -49,6 +49,16 @@ function M.strip(solver, held)
     action
 end
 
+--- The strip of a solver whose nodes stay, made anew where L does what it did not when the last one
+-- was made, since what it reads has changed.
+local function current(solver)
+  if not solver.strip:follows(solver.action) then
+    solver.field.check()
+    solver.strip, solver.action = M.strip(solver)
+  end
+  return solver.strip, solver.action
+end
+
 -- momenta of the first level: slopes by ut of the integral of L
 local function momenta(solver, u, ut, t)
   local field, n = solver.field, solver.field.values
@@ -150,10 +160,12 @@ local function first_level(solver, options, t0)
   local field, h = solver.field, solver.h
   local u, ut, p = start_of(field, options)
   if not solver.moves then
-    return { strip = solver.strip, action = solver.action, u = u,
+    local strip, action = current(solver)
+    return { strip = strip, action = action, u = u,
       p = p or momenta(solver, u, ut, t0), guess = u + h * ut }
   end
   if p then option.fail("solver:run", "with free = \"x\" a run starts from 'ut'") end
+  field.check()
   local n = field.values
   local frozen = moving.affine(field.grid, u, n)
   local from = moving.joined(u, nil, field.nodes, n)
@@ -203,8 +215,12 @@ end
 local function last_level(solver, options)
   local ending = solver.ending
   checkpoint.check_options(options, { "u", "ut", "p", "t0" })
-  local strip, action = solver.strip, solver.action
-  if solver.moves then strip, action = M.strip(solver, ending.frozen) end
+  local strip, action
+  if solver.moves then
+    strip, action = M.strip(solver, ending.frozen)
+  else
+    strip, action = current(solver)
+  end
   return { strip = strip, action = action, u = ending.u, p = ending.p, from = ending.from,
     frozen = ending.frozen }
 end
@@ -228,6 +244,7 @@ local function run(solver, options)
   local plan = plan_of(solver, options)
   local level = solver.ending and last_level(solver, options)
     or first_level(solver, options, plan.t0)
+  level.values = sample.values_of(solver.field)
   if not solver.ending then check_trace(solver, level, plan.t0) end
   local started = os.clock()
   local outcome = stream.go(solver, level, plan, stream.of_field(solver))

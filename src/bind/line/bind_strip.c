@@ -299,6 +299,14 @@ static int strip_limit(lua_State *L) {
     return 1;
 }
 
+/* strip:follows(f) */
+static int strip_follows(lua_State *L) {
+    const dml_strip *d = dml_checkstrip(L);
+    lua_settop(L, 2);
+    lua_pushboolean(L, dml_strip_follows(L, d));
+    return 1;
+}
+
 /* how an outcome, the table at 1, ended: its status, a number, or else its code */
 static dm_status status_of(lua_State *L) {
     dm_status status = DM_OK;
@@ -356,6 +364,9 @@ static const dml_row methods[] =
      {"limit", strip_limit,
       "strip:limit(u, least, most) -> number\n"
       "The height at which the fastest oscillation about u begins to grow."},
+     {"follows", strip_follows,
+      "strip:follows(f) -> boolean\n"
+      "Does f, traced again, do what the function did that the strip was made of?"},
      {NULL, NULL, NULL}};
 
 static const dml_row functions[] =

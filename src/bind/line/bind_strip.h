@@ -3,6 +3,7 @@
 #define DML_STRIP_H
 
 #include "bind/core/bind.h"
+#include "bind/trace/trace.h"
 #include "field/line/strip_run.h"
 
 #define DML_STRIP "dm.strip"
@@ -13,6 +14,7 @@ typedef struct {
     dm_strip_room room;
     dm_arena *arena, *large; /* of kernels, of levels; kept by user values 1 and 2 */
     dm_compile *compile;
+    dml_traced trace; /* with a log */
     dm_graph *graph;
     const dm_node *out; /* S of a cell, or the equations of a box */
     dm_node *slopes;    /* [4 values] dS, lower then upper; of boxes: the equations */
@@ -33,6 +35,9 @@ void dml_strip_wantafter(lua_State *L, dml_strip *d);
 void dml_strip_wantenergy(lua_State *L, dml_strip *d);
 void dml_strip_wantclock(lua_State *L, dml_strip *d);
 void dml_strip_wanthessian(lua_State *L, dml_strip *d);
+
+/* Does the function at stack index 2 what was traced? Raises what it raises. */
+int dml_strip_follows(lua_State *L, const dml_strip *d);
 
 /* core.strip, as a C function (strip_new.c). */
 int dml_strip_new(lua_State *L);

@@ -162,16 +162,22 @@ static void read_shape(lua_State *L, dml_strip *d) {
     s->absorbs[0] = absorbs[0], s->absorbs[1] = absorbs[1];
 }
 
+/* what the traced function takes and gives */
+static dml_signature signature_of(const dml_strip *d) {
+    const int n = (int)d->strip.layout.values;
+    return (dml_signature){.what = d->strip.boxes ? "S" : "L",
+                           .arguments = 4,
+                           .length = {2 * n, 2 * n, 1, DM_STRIP_SCALARS},
+                           .outputs = d->strip.boxes ? n : DML_SCALAR_ARGUMENT};
+}
+
 /* trace the function at 1, compare it with plain calls, differentiate it */
 static void trace(lua_State *L, dml_strip *d) {
     const int n = (int)d->strip.layout.values;
-    const dml_signature signature = {.what = d->strip.boxes ? "S" : "L",
-                                     .arguments = 4,
-                                     .length = {2 * n, 2 * n, 1, DM_STRIP_SCALARS},
-                                     .outputs = d->strip.boxes ? n : DML_SCALAR_ARGUMENT};
-    dml_traced t;
+    const dml_signature signature = signature_of(d);
     dm_kernel plain;
-    dml_trace(L, 1, &signature, d->arena, &t);
+    dml_retrace(L, 1, &signature, d->arena, NULL, &d->trace);
+    const dml_traced t = d->trace;
     check_status(L, dm_tape_build(&plain, t.graph, t.out, t.outputs, d->arena));
     dml_trace_check(L, 1, &signature, &plain, NULL);
     d->graph = t.graph;
@@ -182,6 +188,15 @@ static void trace(lua_State *L, dml_strip *d) {
     else
         dm_gradient(t.graph, *t.out, 0, 4 * (uint32_t)n, d->slopes);
     check_status(L, dm_graph_status(t.graph));
+}
+
+int dml_strip_follows(lua_State *L, const dml_strip *d) {
+    const dml_signature signature = signature_of(d);
+    dml_traced now;
+    dml_retrace(L, 2, &signature, dml_pusharena(L), &d->trace, &now);
+    const int same = now.graph == d->trace.graph;
+    if (same) dml_sparearena(L, lua_gettop(L));
+    return same;
 }
 
 /* core.strip(f, options) */
