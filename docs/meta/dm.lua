@@ -4783,9 +4783,10 @@ function dm_system_class:mechanical_connection(options) end
 ---
 ---n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 ---omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
----beyond x, with near = x nearest to x. t: the time of L, needed where L or the force depends on it.
----Cells that are fixed or without mass stay at 0. Of unit vectors (on = dm.S(m)) q must be given;
----forms are tangent there, and where q is no equilibrium the constraint's force is that of q.
+---beyond x, with near = x nearest to x. t: the time of L, needed where L depends on it. They are
+---those of L: forces beside it are left out. Cells that are fixed or without mass stay at 0. Of unit
+---vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
+---constraint's force is that of q.
 ---@param n? any
 ---@param options? table
 ---@return table
@@ -4945,7 +4946,8 @@ function dm_system_class:stability(options) end
 ---
 ---The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
 ---which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
----Infinite where no step is too large. t: the time of L, needed where L or the force depends on it.
+---Infinite where no step is too large. t: the time of L, needed where L depends on it; forces beside L
+---are left out.
 ---@param rule? any
 ---@param options? table
 ---@return number

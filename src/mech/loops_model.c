@@ -186,6 +186,25 @@ static dm_status read_cyclic(const builder *b) {
     return DM_OK;
 }
 
+/* K:field looks at the masses that L has there; L may read something that has changed since */
+static const char *why_unfit(const builder *b) {
+    const dm_model *m = b->m;
+    for (uint32_t i = 0; i < m->n; i++) {
+        const int held = m->held ? m->held[i] : 0;
+        if (held == DM_MASSLESS && b->mass[i] != 0.0)
+            return "what L reads has changed since K:field, and values that it eliminated have a "
+                   "mass now; make the field anew";
+        if (!held && b->mass[i] < 0.0)
+            return "what L reads has changed since K:field, and some values have a negative mass "
+                   "now: every explicit rule is unstable there, whatever its step";
+        if (m->sphere && !held &&
+            fabs(b->mass[i] - b->mass[i - i % m->sphere]) > 1e-14 * b->mass[i])
+            return "what L reads has changed since K:field, and values of one unit vector have "
+                   "unlike masses now, which rattle does not know";
+    }
+    return NULL;
+}
+
 /* as a diagonal model has it: 1/m, m, no shift */
 static dm_status keep_mass(const builder *b) {
     const uint32_t n = b->m->n;
@@ -200,6 +219,7 @@ static dm_status keep_mass(const builder *b) {
             b->m->massless += cells->held[i] == DM_MASSLESS;
         b->m->sphere = cells->sphere;
         b->m->mass_matrix = b->mass; /* also where it is singular */
+        b->m->unfit = why_unfit(b);
     }
     for (uint32_t i = 0; i < n; i++) {
         const int held = b->m->held && b->m->held[i];

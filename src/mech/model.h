@@ -93,6 +93,7 @@ typedef struct {
     uint32_t sphere; /* q is cut into unit vectors of so many entries (DM_CELLS); 0: it is not */
     const uint8_t *held; /* [n]: DM_HELD, DM_MASSLESS or 0 (DM_CELLS); NULL: nowhere */
     uint32_t massless;   /* entries that are DM_MASSLESS */
+    const char *unfit;   /* why no rule steps these masses of a field, a sentence; NULL */
     uint32_t operations; /* of L itself */
     uint32_t params;     /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;

@@ -61,6 +61,8 @@ static int avi_new(lua_State *L) {
     const dml_model *m = dml_pushmodel(L, 1);
     if (!m->model.inverse_mass || !(m->model.structure & DM_CELLS))
         return luaL_error(L, "rule 'avi' is for fields on meshes (K:field)");
+    if (m->model.unfit)
+        return luaL_error(L, "rule 'avi' cannot step this system: %s", m->model.unfit);
     if (m->model.massless)
         return luaL_error(L, "rule 'avi' cannot eliminate values without mass; take verlet");
     if (m->model.sphere)

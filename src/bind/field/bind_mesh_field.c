@@ -22,12 +22,33 @@ static int field_system(lua_State *L) {
 }
 
 /* core.field_masses(system): one for every entry of q, nil where the kinetic energy is of another
- * kind */
+ * kind; why no rule steps them */
 static int field_masses(lua_State *L) {
     const dml_system *s = dml_checksystem(L, 1);
     const dml_model *m = dml_pushlast(L, 1, NULL);
     if (!m->model.mass_matrix || !(m->model.structure & DM_CELLS)) return 0;
     memcpy(dml_pushvector(L, s->n), m->model.mass_matrix, s->n * sizeof(double));
+    lua_pushstring(L, m->model.unfit);
+    return 2;
+}
+
+/* does a sum read t, input 2 n, in a column that its term depends on? */
+static int reads_time(const dm_sum *s, uint32_t n) {
+    for (uint32_t c = 0; c < s->columns; c++)
+        if (!s->column[c].data && s->column[c].first == 2 * n &&
+            dm_depends(s->term, &s->value, 1, c, 1))
+            return 1;
+    return 0;
+}
+
+/* core.field_is_timed(system): does L itself depend on t, whatever the forces beside it do? */
+static int field_is_timed(lua_State *L) {
+    const uint32_t n = dml_checksystem(L, 1)->n;
+    const dml_model *m = dml_pushlast(L, 1, NULL);
+    luaL_argcheck(L, m->graph != NULL, 1, "it is no field");
+    int timed = dm_depends(m->graph, &m->lagrangian, 1, 2 * n, 1);
+    for (const dm_sum *s = dm_sums(m->graph); s; s = s->next) timed |= !s->work && reads_time(s, n);
+    lua_pushboolean(L, timed);
     return 1;
 }
 
@@ -130,8 +151,12 @@ static const dml_row functions[] = {
      "cells "
      "read them."},
     {"field_masses", field_masses,
-     "core.field_masses(system) -> dm.vector or nil\n"
-     "The mass of every value; nil where the kinetic energy is no sum of m v^2 / 2."},
+     "core.field_masses(system) -> dm.vector or nil, text or nil\n"
+     "The mass of every value; nil where the kinetic energy is no sum of m v^2 / 2. The text says "
+     "why no rule steps these masses."},
+    {"field_is_timed", field_is_timed,
+     "core.field_is_timed(system) -> boolean\n"
+     "Does L itself depend on t, whatever the forces beside it do?"},
     {"field_force", field_force,
      "core.field_force(system, q [, t]) -> dm.vector\nThe force dL/dq at v = 0."},
     {"field_check", field_check,

@@ -39,6 +39,7 @@ const char *dm_rule_fits(const dm_rule *rule, const dm_model *m) {
         return "it needs a Lagrangian, and this H has none (d2H/dp2 is singular, or H is not "
                "quadratic in p); gauss(s), lobatto(s), midpoint, verlet and explicit Runge-Kutta "
                "rules step any H(q, p)";
+    if (m->unfit) return m->unfit;
     if (m->sphere && !e->spheres)
         return "the values of this field are unit vectors; take rattle, or a composition of it";
     if (m->worked && !e->works)

@@ -39,10 +39,24 @@ end
 -- the time at which L is looked at
 local function time_of(system, options, where)
   local t = option.number(options, "t", where)
-  if not t and not system:structure().autonomous then
-    option.fail(where, "L or the force depends on t: give { t = }, the time it is looked at")
+  if not t and core.field_is_timed(system) then
+    option.fail(where, "L depends on t: give { t = }, the time it is looked at")
   end
   return t or 0
+end
+
+-- The masses, which L may have changed since K:field looked at them.
+local function masses_of(system, f, where)
+  local masses, unfit = core.field_masses(system)
+  if unfit then option.fail(where, unfit) end
+  local eliminated = {}
+  for _, i in ipairs(f.massless or {}) do eliminated[i] = true end
+  for i = 1, f.n do
+    if masses[i] == 0 and not f.held[i] and not eliminated[i] then
+      option.fail(where, "what L reads has changed since K:field: value %d has no mass now", i)
+    end
+  end
+  return masses
 end
 
 -- S and M as an operator of the values; of unit vectors, of tangent ones, and their basis
@@ -58,7 +72,7 @@ local function pencil(system, f, options, where)
   end
   core.field_check(system, q, t)
   if f.sphere then return tangent_pencil(system, f, q, t) end
-  local kind, masses = operator.primal(f.degree), f.masses
+  local kind, masses = operator.primal(f.degree), masses_of(system, f, where)
   local keep = core.constant(f.n, 1)
   for i = 1, f.n do if f.held[i] or masses[i] == 0 then keep[i] = 0 end end
   local S = -1 * core.field_hessian(system, q, t)
@@ -90,9 +104,10 @@ end, [[
 field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
 n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
-beyond x, with near = x nearest to x. t: the time of L, needed where L or the force depends on it.
-Cells that are fixed or without mass stay at 0. Of unit vectors (on = dm.S(m)) q must be given;
-forms are tangent there, and where q is no equilibrium the constraint's force is that of q.]])
+beyond x, with near = x nearest to x. t: the time of L, needed where L depends on it. They are
+those of L: forces beside it are left out. Cells that are fixed or without mass stay at 0. Of unit
+vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
+constraint's force is that of q.]])
 
 ---- the largest step ----
 
@@ -165,6 +180,7 @@ end, [[
 field:stability_limit(rule, {q=, t=}) -> number
 The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
 which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
-Infinite where no step is too large. t: the time of L, needed where L or the force depends on it.]])
+Infinite where no step is too large. t: the time of L, needed where L depends on it; forces beside L
+are left out.]])
 
 return {}
