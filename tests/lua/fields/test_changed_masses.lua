@@ -3,7 +3,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local sin, cos, pi = math.sin, math.cos, math.pi
+local sin, cos = math.sin, math.cos
 
 local plate = dm.mesh { triangle = 3 }
 local function still() return 0 end
