@@ -76,8 +76,11 @@ typedef struct {
     dm_graph *momenta;       /* inputs q[n], p[n]: */
     const dm_node *momentum; /* [2n + d] coordinates on the group, mu there, divisors of q */
     dm_model *lifted;        /* NULL: nobody asked yet */
-    struct dm_constraints *constraints; /* of it, or NULL */
-    dm_cache_entry *cache;              /* kernels of methods: not those of the other lift */
+    /* the same without the stage kernel, out of which slope and mass are taken where it is there
+     * and round in another way than alone; NULL: nobody asked, or of an H */
+    dm_model *plain;
+    struct dm_constraints *constraints; /* of both, or NULL */
+    dm_cache_entry *cache[2];           /* kernels of methods, of either: not those of all lifts */
     dm_kernel up;                       /* takes (q[n] on the group, mu[n], t), gives p[n] */
     dm_kernel down;                     /* takes (q[n], p[n], t), gives what `momentum` is */
 } dm_homogeneous;
@@ -149,8 +152,8 @@ dm_status dm_group_directions(dm_node *X, dm_graph *g, const dm_chart_trace *exp
 dm_status dm_group_lift(dm_group *out, const dm_model *m, dm_compile *compile);
 
 /* The homogeneous one, where coordinates are, with the kernels `want` of it and of its constraints
- * that are missing; with none, its structure alone. DM_SINGULAR: its mass is constant and singular.
- */
+ * that are missing: `plain` where the stage kernel is not among them; with none, the structure of
+ * `lifted` alone. DM_SINGULAR: its mass is constant and singular. */
 dm_status dm_group_homogeneous(dm_group *out, const dm_model *m, unsigned want,
                                dm_compile *compile);
 

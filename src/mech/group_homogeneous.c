@@ -227,20 +227,38 @@ static dm_status pull_constraints(pulling *l, dm_homogeneous *to) {
     return status;
 }
 
-/* a new one with its structure, and the kernels between its states and those of the group */
-static dm_status begin(dm_homogeneous *out, pulling *l, dm_compile *compile) {
+/* a new one in a graph of its own, with its structure */
+static dm_status make_model(dm_model **out, pulling *l) {
     dm_model *lifted = dm_arena_take(l->arena, sizeof *lifted);
     if (!lifted) return DM_NO_MEMORY;
     const int phase = (l->m->structure & DM_HAMILTONIAN) != 0;
     dm_node value = 0;
     dm_graph *g = phase ? pull_hamiltonian(l, &value) : pull_lagrangian(l, &value);
     if (!g || dm_graph_status(g) != DM_OK) return g ? dm_graph_status(g) : DM_NO_MEMORY;
-    dm_status status =
+    const dm_status status =
         (phase ? dm_hamiltonian_build : dm_model_build)(lifted, g, value, l->n, 0, NULL, l->arena);
+    if (status == DM_OK) *out = lifted;
+    return status;
+}
+
+/* the first one, and the kernels between its states and those of the group */
+static dm_status begin(dm_homogeneous *out, pulling *l, dm_compile *compile) {
+    dm_model *lifted = NULL;
+    dm_status status = make_model(&lifted, l);
     if (status == DM_OK && l->m->constraints) status = pull_constraints(l, out);
     if (status == DM_OK) status = make_up(l, &out->up, compile);
     if (status == DM_OK) status = make_down(l, &out->down, compile);
     if (status == DM_OK) out->lifted = lifted;
+    return status;
+}
+
+/* the one that serves the wishes */
+static dm_status choose(dm_model **out, dm_homogeneous *h, pulling *l, unsigned want) {
+    *out = h->lifted;
+    const unsigned stage = DM_WANT_STAGE | DM_WANT_STAGE_LATER;
+    if (!want || want & stage || h->lifted->structure & DM_HAMILTONIAN) return DM_OK;
+    const dm_status status = h->plain ? DM_OK : make_model(&h->plain, l);
+    *out = h->plain;
     return status;
 }
 
@@ -257,7 +275,7 @@ static dm_status want_moves(dm_group *out, const pulling *l, dm_compile *compile
 
 /* what dm_model_build does not know */
 static void attach(dm_model *lifted, const dm_model *m, dm_homogeneous *h) {
-    lifted->source.cache = m->source.cache ? &h->cache : NULL;
+    lifted->source.cache = m->source.cache ? h->cache + (lifted == h->plain) : NULL;
     lifted->constraints = h->constraints;
     if (h->constraints && h->constraints->structure & DM_CONSTRAINTS_TIMED)
         lifted->structure &= ~(unsigned)DM_AUTONOMOUS;
@@ -268,9 +286,10 @@ dm_status dm_group_homogeneous(dm_group *out, const dm_model *m, unsigned want,
     dm_homogeneous *h = &out->homogeneous;
     pulling l = {.m = m, .h = h, .arena = m->source.arena, .n = m->n, .d = out->momenta};
     dm_status status = h->lifted ? DM_OK : begin(h, &l, compile);
+    dm_model *lifted = NULL;
     if (status == DM_OK) status = want_moves(out, &l, compile);
+    if (status == DM_OK) status = choose(&lifted, h, &l, want);
     if (status != DM_OK) return status;
-    dm_model *lifted = h->lifted;
     const dm_source *s = &lifted->source;
     const unsigned of_model = want & ~(unsigned)DM_WANT_CONSTRAINTS;
     if (of_model & ~lifted->has)

@@ -192,9 +192,10 @@ static void want_homogeneous(lua_State *L, dml_model *m, unsigned want, const ch
         luaL_error(L, "the system in coordinates of the group: %s", dm_status_text(status));
 }
 
-/* The homogeneous lift with the kernels that the rule asks for, where it is the one to step. */
+/* The homogeneous lift with the kernels that the rule asks for, where it is the one to step;
+ * complete: none is left for later. */
 static void lift_homogeneous(lua_State *L, int arg, dml_model *m, const dm_rule *rule,
-                             const char *backend) {
+                             const char *backend, int complete) {
     const dm_model *now = dm_lifted_model(rule, &m->model);
     if (now && now == m->group.lifted) return;
     if (!m->group.homogeneous.rates) place_homogeneous(L, arg, &m->group.homogeneous);
@@ -202,7 +203,8 @@ static void lift_homogeneous(lua_State *L, int arg, dml_model *m, const dm_rule 
     want_homogeneous(L, m, 0, backend);
     now = m->group.homogeneous.lifted;
     if (dm_rule_fits(rule, now)) return;
-    const unsigned want = dm_rule_engine(rule, now)->wants(rule, now);
+    unsigned want = dm_rule_engine(rule, now)->wants(rule, now);
+    if (complete && want & DM_WANT_STAGE_LATER) want |= DM_WANT_STAGE;
     want_homogeneous(L, m, want | (now->structure & DM_HAMILTONIAN ? DM_WANT_FIELD : DM_WANT_MASS),
                      backend);
 }
@@ -216,12 +218,12 @@ static int has_lift(const dml_model *m) {
 
 /* Rules of coordinates step the lift, where there is one. */
 void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *rule,
-                      const char *backend) {
+                      const char *backend, int complete) {
     luaL_Buffer b;
     const char *separator = "";
     if (rule->method->traits & (DM_ON_GROUPS | DM_OF_FUNCTIONS | DM_OWN_TIME)) return;
     if (model->group.liftable && has_lift(model)) dml_want(L, model, DM_WANT_LIFT, backend);
-    lift_homogeneous(L, arg, model, rule, backend);
+    lift_homogeneous(L, arg, model, rule, backend, complete);
     if (model->group.liftable || model->group.homogeneous.rates) return;
     luaL_buffinit(L, &b);
     for (const dm_method *const *m = dm_methods; *m; m++) {

@@ -41,9 +41,10 @@ void dml_place_charts(lua_State *L, int arg, dm_group *out);
 void dml_place_taus(lua_State *L, int arg, dm_group *out, unsigned wants);
 
 /* Raise where the rule does not step groups, as that of the system at `arg`; a rule of coordinates
- * gets the lift of the model, where the group has one. */
+ * gets the lift of the model, where the group has one; complete: with all kernels that it may ask
+ * for, since threads cannot make any. */
 void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *rule,
-                      const char *backend);
+                      const char *backend, int complete);
 
 /* Make the kernels of the chart that these bits (DM_WANT_ON_GROUP) say; raises where the group has
  * no such map. */

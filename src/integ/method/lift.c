@@ -28,8 +28,14 @@ static int is_kept(const dm_rule *rule, const dm_model *m) {
     return (m->n == m->group->momenta || keeps) && !dm_rule_fits(rule, lifted);
 }
 
+/* Of two homogeneous ones that with the stage kernel, where the rule wants it. */
 const dm_model *dm_lifted_model(const dm_rule *rule, const dm_model *m) {
-    return is_kept(rule, m) ? m->group->lifted : m->group->homogeneous.lifted;
+    const dm_homogeneous *h = &m->group->homogeneous;
+    if (is_kept(rule, m)) return m->group->lifted;
+    if (!h->lifted || h->lifted->structure & DM_HAMILTONIAN || dm_rule_fits(rule, h->lifted))
+        return h->lifted;
+    const unsigned wants = dm_rule_engine(rule, h->lifted)->wants(rule, h->lifted);
+    return wants & (DM_WANT_STAGE | DM_WANT_STAGE_LATER) ? h->lifted : h->plain;
 }
 
 /* that steps the lifted model */

@@ -144,17 +144,24 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
     separable_part(out, g, &e);
 }
 
-/* Sizes, nodes, points and weights, as doubles: two rules that differ in less have the same table
- * to round-off. */
+/* both halves of numbers[size]: tables have them, too */
+static uint32_t add_numbers(double *key, uint32_t count, const long double *numbers, int size) {
+    for (int i = 0; i < size; i++) {
+        const double top = (double)numbers[i];
+        key[count++] = top;
+        key[count++] = (double)(numbers[i] - top);
+    }
+    return count;
+}
+
+/* Sizes, nodes, points and weights. */
 uint32_t dm_stage_key(double *key, const dm_galerkin *g) {
     const int s = g->s, r = g->q.r;
-    uint32_t count = 0;
-    key[count++] = s;
-    key[count++] = r;
-    for (int j = 0; j < s; j++) key[count++] = (double)g->node[j];
-    for (int i = 0; i < r; i++) key[count++] = (double)g->q.c[i];
-    for (int i = 0; i < r; i++) key[count++] = (double)g->q.b[i];
-    return count;
+    key[0] = s;
+    key[1] = r;
+    uint32_t count = add_numbers(key, 2, g->node, s);
+    count = add_numbers(key, count, g->q.c, r);
+    return add_numbers(key, count, g->q.b, r);
 }
 
 /* A tableau is no function of the key, so it is filled anew. */

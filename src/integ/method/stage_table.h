@@ -50,7 +50,7 @@ void dm_stage_table_find(dm_stage_table *out, const dm_galerkin *g, const dm_mod
 
 /* What tells a g without tableau from all others, for numbers to keep; returns how many there
  * are. */
-enum { DM_STAGE_KEY = 2 + 3 * DM_QUADRATURE_NODES };
+enum { DM_STAGE_KEY = 2 + 6 * DM_QUADRATURE_NODES };
 uint32_t dm_stage_key(double *key, const dm_galerkin *g);
 
 #endif
