@@ -26,8 +26,7 @@ static const char *backend_name(lua_State *L) {
 static const char spare_key;
 enum { LARGEST_SPARE = 1 << 22, LINE = 64 }; /* bytes */
 
-/* a userdata of that size: the block of the last run where it is large enough, which saves the
- * collector work */
+/* a userdata of that size: the last run's where that is large enough, less for the collector */
 static void *push_block(lua_State *L, size_t size) {
     lua_rawgetp(L, LUA_REGISTRYINDEX, &spare_key);
     if (lua_rawlen(L, -1) < size) {
