@@ -17,7 +17,8 @@ enum { LONGEST_SUM = 48, LONGEST_SQUARE = 8 };
 /* terms on their way, parts before wholes */
 typedef struct {
     dm_terms *s;
-    dm_scaled *now; /* [terms] what each became */
+    dm_scaled *now;       /* [terms] what each became */
+    const uint32_t *uses; /* [terms] how often each was a part */
     dm_part list[LONGEST_SUM * (LONGEST_SQUARE + 1)];
     uint32_t count;
 } expansion;
@@ -222,13 +223,32 @@ static int collapse(expansion *x) {
     return 0;
 }
 
-/* parts that became sums are opened in place, then pairs collapse as long as there are some */
+/* parts[count] of what they became, none opened */
+static dm_scaled closed_sum(expansion *x, const dm_part *parts, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        const dm_scaled now = x->now[parts[i].t];
+        x->s->scratch[i] = (dm_part){.c = dm_terms_times(x->s, parts[i].c, now.c), .t = now.t};
+    }
+    return dm_terms_sum(x->s, count);
+}
+
+/* Is one of these parts a sum that others have, too? */
+static int is_shared(const expansion *x, const dm_part *parts, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (x->uses[parts[i].t] > 1 && is_open(x->s, x->now[parts[i].t].t)) return 1;
+    return 0;
+}
+
+/* parts that became sums are opened in place, then pairs collapse as long as there are some. Where
+ * nothing meets shared parts stay closed: a force and its opposite are one sum then, and opposite
+ * to the last bit. */
 static dm_scaled expand_sum(expansion *x, dm_term t) {
     dm_terms *s = x->s;
     const uint32_t count = s->entries[t].count;
     dm_part kept[LONGEST_SUM];
     if (count > LONGEST_SUM) return (dm_scaled){1.0, t};
     memcpy(kept, s->parts + s->entries[t].first, count * sizeof *kept);
+    const int shared = is_shared(x, kept, count);
     x->count = 0;
     for (uint32_t i = 0; i < count; i++) {
         const dm_scaled now = x->now[kept[i].t];
@@ -242,7 +262,9 @@ static dm_scaled expand_sum(expansion *x, dm_term t) {
             x->list[x->count++].c *= c;
         }
     }
+    const uint32_t opened = x->count;
     dm_scaled sum = sum_of_list(x, (dm_scaled){1.0, t});
+    int met = !(s->entries[sum.t].kind == DM_TERM_SUM && s->entries[sum.t].count == opened);
     while (s->entries[sum.t].kind == DM_TERM_SUM) {
         const dm_term_entry *e = s->entries + sum.t;
         x->count = e->count;
@@ -251,8 +273,10 @@ static dm_scaled expand_sum(expansion *x, dm_term t) {
             x->list[k].c *= sum.c;
         }
         if (!collapse(x)) break;
+        met = 1;
         sum = sum_of_list(x, sum);
     }
+    if (shared && !met && dm_terms_reserve(s, count)) return closed_sum(x, kept, count);
     return sum;
 }
 
@@ -281,6 +305,7 @@ void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m) {
     if (dm_graph_status(s->g) != DM_OK) return;
     x->s = s;
     x->now = now;
+    x->uses = uses;
     for (uint32_t i = 0; i < count; i++) {
         const dm_term t = order[i];
         const uint8_t kind = s->entries[t].kind;

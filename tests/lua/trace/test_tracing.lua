@@ -220,6 +220,25 @@ local powers = dm.trace(function(x)
 end, 2)
 near(powers { 6e11, 4e11 }, 1, 1e-13, "coefficients are not lost to underflow")
 
+-- a force and its opposite are one sum: that between two springs is w2 - w1, rounded once
+local random = dm.random(5)
+for _, c in ipairs { { 1 / 2, 0.3, 0.25 }, { 0.7, -1.1, 0.37 }, { 1, 1 / 3, 0.6 } } do
+  local V = dm.trace(function(q)
+    local sum = 0
+    for i = 1, 2 do
+      local d = q[i + 1] - q[i]
+      sum = sum + c[1] * d ^ 2 + c[2] * d ^ 3 + c[3] * d ^ 4
+    end
+    return sum
+  end, 3)
+  local exact = 0
+  for i = 1, 200 do
+    local g = V:gradient { random:uniform(i, 1), random:uniform(i, 2), random:uniform(i, 3) }
+    exact = exact + (g[2] == -(g[1] + g[3]) and 1 or 0)
+  end
+  ok(exact == 200, "forces and their opposites, to the last bit", exact)
+end
+
 -- an upvalue that changes what numbers see, and not what symbols see, is found out from the same start, too
 local lies = false
 local liar = dm.system({ Q = dm.R(1), L = function(q, v)
