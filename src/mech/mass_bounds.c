@@ -10,14 +10,15 @@
 enum { MOST_NODES = 2000, MOST = 12 }; /* nodes of M, and dim Q, that looks are worth */
 
 void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const dm_interval *rate_in,
-                         double *bend, dm_interval *scratch) {
+                         double *shift, double *bend, dm_interval *scratch) {
     dm_interval *value = scratch, *rate = value + b->size, *bent = rate + b->size;
     dm_bounds(b->graph, in, value);
     dm_bounds_rate(b->graph, rate_in, value, rate);
     dm_bounds_bend(b->graph, NULL, value, rate, bent);
     for (uint32_t i = 0; i < b->n * b->n; i++) {
-        const dm_interval x = bent[b->roots[i]];
+        const dm_interval x = bent[b->roots[i]], y = rate[b->roots[i]];
         bend[i] = fmax(fabs(x.lo), fabs(x.hi));
+        shift[i] = fmax(fabs(y.lo), fabs(y.hi));
     }
 }
 
@@ -25,15 +26,16 @@ void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const d
 static int bend_anywhere(dm_mass_bounds *b, dm_arena *arena) {
     const size_t boxes = 2 * (size_t)b->inputs + 3 * (size_t)b->size;
     dm_interval *in = dm_arena_take(arena, boxes * sizeof *in);
-    double *bend = dm_arena_take(arena, (size_t)b->n * b->n * sizeof *bend);
-    if (!in || !bend) return 0;
+    double *shift = dm_arena_take(arena, 2 * (size_t)b->n * b->n * sizeof *shift);
+    if (!in || !shift) return 0;
+    double *bend = shift + (size_t)b->n * b->n;
     dm_interval *rate_in = in + b->inputs;
     for (uint32_t i = 0; i < b->inputs; i++) {
         in[i] = (dm_interval)DM_ANYWHERE;
         rate_in[i] = i < b->n ? (dm_interval){-1.0, 1.0} : (dm_interval){0.0, 0.0};
     }
-    dm_mass_bounds_bend(b, in, rate_in, bend, rate_in + b->inputs);
-    b->bend = bend;
+    dm_mass_bounds_bend(b, in, rate_in, shift, bend, rate_in + b->inputs);
+    b->shift = shift, b->bend = bend;
     return 1;
 }
 

@@ -11,9 +11,9 @@ typedef struct dm_mass_bounds {
     uint32_t n, inputs, size; /* size: nodes of the graph */
     int timed;                /* M depends on t, too */
     int shifted;              /* p is not M v alone */
-    /* [n*n] how large |d2M/ds2| can be along straight lines with |dq_i/ds| <= 1 anywhere;
-     * infinite where that is not bounded */
-    const double *bend;
+    /* [n*n] how large |dM/ds| and |d2M/ds2| can be along straight lines with |dq_i/ds| <= 1
+     * anywhere; infinite where that is not bounded */
+    const double *shift, *bend;
 } dm_mass_bounds;
 
 /* Is L(q, v, t) a sum of squares of what is linear in v, so that no value of M is negative
@@ -25,9 +25,9 @@ int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena);
 const dm_mass_bounds *dm_mass_bounds_new(dm_graph *g, const dm_node *momentum, const dm_node *mass,
                                          uint32_t n, dm_arena *arena);
 
-/* bend[n*n] = how large |d2M/ds2| can be along lines in the box in[inputs], straight ones, with
- * rates in rate_in[inputs]; scratch: 3 intervals a node. */
+/* shift[n*n], bend[n*n] = how large |dM/ds|, |d2M/ds2| can be along lines in the box in[inputs],
+ * straight ones, with rates in rate_in[inputs]; scratch: 3 intervals a node. */
 void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const dm_interval *rate_in,
-                         double *bend, dm_interval *scratch);
+                         double *shift, double *bend, dm_interval *scratch);
 
 #endif

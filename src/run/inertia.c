@@ -9,7 +9,7 @@
 enum { MOST = 512 }; /* steps between looks */
 /* Of the steps until a value vanishes, the part that is not looked at: of a mass that depends on
  * positions alone, and of others. */
-static const double OF_POSITION = 0.8, OF_VELOCITY = 0.4;
+static const double OF_POSITION = 0.5, OF_VELOCITY = 0.4;
 
 int dm_inertia_may_change(const dm_model *m) {
     const unsigned never = DM_CONSTANT_MASS | DM_LINEAR_IN_V | DM_LOOPS;

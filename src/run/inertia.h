@@ -17,8 +17,9 @@ typedef struct {
     /* How much M can bend in a unit of time squared, over what it was at the start: for unit
      * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
     double anywhere, bend, speed, until;
-    long wide;     /* steps that a region is made for */
-    int wait;      /* looks until the next one is tried */
+    double shift_anywhere, shift; /* how much it can move in a unit of time, alike */
+    long wide;                    /* steps that a region is made for */
+    int wait;                     /* looks until the next one is tried */
     double credit; /* nodes whose bounds may be found yet: looks cost a part of the steps */
     double at;     /* the time of the last look */
     int open;      /* the next step may go over a place that looks do not see */

@@ -194,6 +194,17 @@ static int walk_openly(parts *w) {
     return hides;
 }
 
+/* Is the end of the step, `to`, beyond a place that the parts have not gone over, as far as they
+ * came? A step that is too long for its rule may jump over what lies ahead of the motion. */
+static int leaps(parts *w, const double *to) {
+    const double end = w->t + w->h, credit = w->x->seen.credit;
+    if (!w->x->model->mass_bounds) return 0;
+    w->x->seen.credit = OF_PARTS;
+    const int hides = dm_inertia_hides(w->x, w->state, end, to, end);
+    w->x->seen.credit = credit;
+    return hides == DM_INERTIA_HIDDEN;
+}
+
 static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
     const size_t size = dm_state_size(x->model->n), memory = x->memory_size;
     parts w = {.x = x,
@@ -212,7 +223,7 @@ static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
 }
 
 /* by one of both ways; what the engine has of the step behind it is kept */
-static int vanishes_in_parts(dm_inertia *x, dm_stepper *s, double t, double h,
+static int vanishes_in_parts(dm_inertia *x, dm_stepper *s, const double *to, double t, double h,
                              int (*way)(parts *)) {
     const size_t size = dm_state_size(x->model->n);
     const dm_report report = s->report;
@@ -223,7 +234,7 @@ static int vanishes_in_parts(dm_inertia *x, dm_stepper *s, double t, double h,
     parts w = begin(x, s, t, h);
     int out = dm_inertia_at(x, w.state, t, &negative, &w.first);
     w.least = w.first;
-    out = out && way(&w);
+    out = out && (way(&w) || leaps(&w, to));
     copy_memory(&w, NULL, kept);
     s->report = report;
     return out;
@@ -234,8 +245,8 @@ int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, const double *to, double t
     const int hides = open ? dm_inertia_hides(x, x->state, t, to, t + h) : 0;
     const int in_parts = !(s->rule->method->traits & DM_OWN_TIME);
     if (hides == DM_INERTIA_HIDDEN) return 1;
-    if (hides && in_parts && vanishes_in_parts(x, s, t, h, walk_openly)) return 1;
-    return steep && in_parts && vanishes_in_parts(x, s, t, h, walk);
+    if (hides && in_parts && vanishes_in_parts(x, s, to, t, h, walk_openly)) return 1;
+    return steep && in_parts && vanishes_in_parts(x, s, to, t, h, walk);
 }
 
 int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, const double *to,

@@ -12,6 +12,9 @@
 
 /* Of the least value, what M may bend inside a step. */
 static const double SLIGHT = 0.25;
+/* Of the least value, what M may move at speeds that are counted on until the next look: half of
+ * that at the present one. */
+static const double MOVED = 1.5;
 /* Steps that regions are made for, and by what the next one is longer or shorter; where none can be
  * made so many steps are looked into one by one. */
 enum { FIRST = 64, LEAST = 4, WIDEST = 4096, WIDER = 8, NARROWER = 4, WAIT = 6 };
@@ -70,10 +73,11 @@ void dm_inertia_expect(dm_inertia *x) {
     dm_inertia_seen *s = &x->seen;
     double longest = 0.0;
     s->wide = FIRST, s->wait = 0, s->credit = CREDIT;
-    s->anywhere = s->bend = INFINITY;
+    s->anywhere = s->bend = s->shift_anywhere = s->shift = INFINITY;
     if (!b || b->timed) return;
     for (uint32_t i = 0; i < b->n; i++) longest = fmax(longest, x->scale[i]);
     s->anywhere = size_of(x, b->bend) * longest * longest;
+    s->shift_anywhere = size_of(x, b->shift) * longest;
 }
 
 /* Is a second derivative by time too small to matter within a step of h? */
@@ -115,8 +119,9 @@ static int enclose(dm_inertia *x, const double *q, double t, double h, double sp
     }
     r.in[2 * n] = (dm_interval){fmin(t, end), fmax(t, end)};
     r.rate_in[2 * n] = (dm_interval){1.0, 1.0};
-    dm_mass_bounds_bend(b, r.in, r.rate_in, r.radius, r.nodes);
+    dm_mass_bounds_bend(b, r.in, r.rate_in, r.centre, r.radius, r.nodes);
     x->seen.bend = size_of(x, r.radius);
+    x->seen.shift = size_of(x, r.centre);
     x->seen.speed = FASTER * speed, x->seen.until = end;
     x->seen.credit -= PASSES * (double)b->size;
     return is_slight(x, x->seen.bend, h);
@@ -145,6 +150,17 @@ static double safe_steps(dm_inertia *x, const double *state, double t, double h,
     return (double)find_region(x, state, t, h, speed);
 }
 
+/* Steps from here in which no value can fall to zero and rise again, all of them between looks;
+ * infinite: no bound is known. */
+static double short_steps(dm_inertia *x, const double *state, double t, double h, int surely) {
+    const dm_inertia_seen *s = &x->seen;
+    const double speed = dm_inertia_speed(x, state, t, surely);
+    const int inside = steps_inside(x, state, t, h, speed) >= 1.0;
+    const double anywhere = s->shift_anywhere * FASTER * speed;
+    const double rate = inside ? fmin(s->shift, anywhere) : anywhere;
+    return rate < INFINITY ? MOVED * s->least / (rate * fabs(h)) : INFINITY;
+}
+
 /* Longest step that comes next. */
 static double next_step(const dm_inertia *x, double t, long done) {
     static const double GROW = 4.0; /* of steps that choose their length */
@@ -166,6 +182,11 @@ void dm_inertia_foresee(dm_inertia *x, const double *state, double t, long done)
     s->open = steps < 1.0;
     const long least = steps < 1.0 ? 1 : steps < WIDEST ? (long)steps : WIDEST;
     if (steps < INFINITY && s->due > done + least) s->due = done + least;
+    for (int surely = b->shifted; surely < 2 && s->due > done + 1; surely++) {
+        const double few = short_steps(x, state, t, h, surely);
+        if (few >= (double)(s->due - done)) return;
+        if (surely) s->due = done + (few < 1.0 ? 1 : (long)few);
+    }
 }
 
 /* ---- one step ---- */
