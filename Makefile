@@ -32,7 +32,7 @@ all: $(B)/dmlua $(B)/dm/core.so modules
 
 # what the machine offers: made by .ci/setup, which installs what is missing for these goals,
 # after which make reads this file again
-INSTALLING = demo test setup san valgrind bench docs
+INSTALLING = demo test setup san tsan valgrind bench docs
 QUIET_GOALS = clean help format uninstall
 ifneq ($(or $(filter-out $(QUIET_GOALS),$(MAKECMDGOALS)),$(if $(MAKECMDGOALS),,all)),)
 include $(B)/config.mk
@@ -125,6 +125,12 @@ san:
 	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
 sanitized: programs
 	@UNDER=san tests/run $(TEST_FILES)
+TSAN = -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+THREADS = $(shell grep -ls threads $(LUA_TESTS))
+tsan:
+	+@$(MAKE) --no-print-directory B=$(B)/tsan CFLAGS="$(TSAN)" threaded
+threaded: programs
+	@UNDER=tsan setarch -R tests/run $(THREADS)
 valgrind: programs
 	@.ci/setup --install valgrind test
 	@UNDER=valgrind tests/run $(C_TESTS) $(LUA_TESTS)
@@ -211,6 +217,7 @@ help:
 	@echo "make demo       set up, build, run examples/ and leave their pictures in $(B)/pictures"
 	@echo "make test       set up, build, run every test; the last line counts them"
 	@echo "make san        the tests under the address and undefined-behaviour sanitizers"
+	@echo "make tsan       the tests of threads under the thread sanitizer"
 	@echo "make valgrind   the tests under valgrind"
 	@echo "make house      only the checks of structure: floors, symbols, docs, sizes"
 	@echo "make bench      measured times"
@@ -224,6 +231,6 @@ help:
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
-.PHONY: all modules setup programs test house demo san sanitized valgrind bench drifts charts format lint docs \
+.PHONY: all modules setup programs test house demo san sanitized tsan threaded valgrind bench drifts charts format lint docs \
   install uninstall rock deb site clean help always
--include $(shell find $(B) -name '*.d' -type f -not -path '$(B)/san/*' -not -path '$(B)/deb/*' 2>/dev/null)
+-include $(shell find $(B) -name '*.d' -type f -not -path '$(B)/san/*' -not -path '$(B)/tsan/*' -not -path '$(B)/deb/*' 2>/dev/null)

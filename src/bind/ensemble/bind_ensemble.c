@@ -259,7 +259,9 @@ static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,
       "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, "
       "watch=, project=, energy=, a=, beside=} -> dm.ensemble\n"
-      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: "
+      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or p (q "
+      "alone "
+      "where L is linear in v): "
       "functions of the member's number (from 1) that return dim Q numbers, or a matrix or table "
       "with a row per member. vary = { name = }: numbers among the params of the system that every "
       "member has for itself, as functions or tables too; where the potential alone depends on "

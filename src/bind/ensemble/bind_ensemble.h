@@ -57,7 +57,7 @@ typedef struct {
     dml_ensemble *e;
     long first, count, steps;
     int at;       /* stack index of the ensemble */
-    int velocity; /* starts are q and v, not q and p */
+    int velocity; /* starts are q and v, not q and p; or DML_PLACES_ALONE, then v is 0 */
     int varied;   /* these are not the parameters of the system */
     int names;    /* stack index of parameters that are inputs of the kernels; 0: none are */
     const double *values; /* of these */
@@ -65,7 +65,9 @@ typedef struct {
     dm_follow *follow;    /* [members] of the ensemble beside their flows; NULL: they have none */
 } dml_part;
 
-/* The options q, and v or p: raises unless they are sources; 1 for v. */
+/* The options q, and v or p: raises unless they are sources; 1 for v, DML_PLACES_ALONE where
+ * neither is there, which is a start where L is linear in v. */
+enum { DML_PLACES_ALONE = 2 };
 int dml_check_starts(lua_State *L, const dml_solver *solver, long members);
 
 /* Their numbers into the states of a part, with momenta; the trace is checked at its first

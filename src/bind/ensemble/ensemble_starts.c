@@ -100,11 +100,12 @@ static int is_function(lua_State *L, const char *key) {
 /* q, and v or p; functions are called member by member */
 void dml_read_places(lua_State *L, const dml_part *p) {
     const char *second = p->velocity ? "v" : "p";
+    const int alone = p->velocity == DML_PLACES_ALONE;
     dml_part one = *p;
     one.count = 1;
-    if (!is_function(L, "q") && !is_function(L, second)) {
+    if (alone || (!is_function(L, "q") && !is_function(L, second))) {
         read_column(L, p, "q", 0);
-        read_column(L, p, second, p->e->n);
+        if (!alone) read_column(L, p, second, p->e->n);
         return;
     }
     for (; one.first < p->first + p->count; one.first++) {
@@ -134,15 +135,37 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
+static void refuse_starts(lua_State *L) {
+    luaL_error(L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
+}
+
 int dml_check_starts(lua_State *L, const dml_solver *solver, long members) {
-    const int velocity = has(L, "v");
-    if (velocity == has(L, "p"))
-        luaL_error(L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
+    const int velocity = has(L, "v"), momentum = has(L, "p");
+    if (velocity ? momentum : !momentum && solver->pair) refuse_starts(L);
     if (velocity && solver->pair)
         luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
     dml_check_source(L, 2, "q", members);
+    if (!velocity && !momentum) return DML_PLACES_ALONE;
     dml_check_source(L, 2, velocity ? "v" : "p", members);
     return velocity;
+}
+
+/* L is linear in v: p of member i is alpha(q), so a p that is given must be it */
+static void check_alpha(lua_State *L, const dml_part *these, const dml_stepping *r, long i) {
+    const uint32_t n = these->e->n;
+    const double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n;
+    double *alpha = r->x, *v = r->x + n, distance = 0.0, size = 0.0;
+    memset(v, 0, n * sizeof *v);
+    if (dm_legendre(&r->model->model, alpha, q, v, r->t0, r->work) != DM_OK) return;
+    for (uint32_t k = 0; k < n; k++) {
+        distance = fmax(distance, fabs(p[k] - alpha[k]));
+        size = fmax(size, fabs(alpha[k]));
+    }
+    if (distance > 1e-9 * size)
+        luaL_error(L,
+                   "member %d: no start: L is linear in v, so that p must be dL/dv = alpha(q); the "
+                   "given p is off by %f: leave it out",
+                   (int)i + 1, distance);
 }
 
 /* member i, whose q and p are known, must lie on the constraints */
@@ -208,11 +231,14 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
 /* starts: q, and p given or by the Legendre transform */
 long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
+    const int linear = (r->model->model.structure & DM_LINEAR_IN_V) != 0;
+    if (these->velocity == DML_PLACES_ALONE && !linear) refuse_starts(L);
     dml_read_places(L, these);
     if (!these->values) check_trace(L, these, r);
     double *room = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *room, 0);
     long inside = 0;
     for (long i = these->first; i < these->first + these->count; i++) {
+        if (linear && !these->velocity) check_alpha(L, these, r, i);
         inside += !these->velocity || find_momentum(L, these, r, i, room);
         if (r->model->model.constraints) start_on_constraints(L, these, r, i);
     }

@@ -198,5 +198,24 @@ for k = 1, 8 do
   for i = 1, 6 do change = change + G[(i + 1) // 2] * (path.q[2][i] - path.q[1][i]) * (path.q[2][i] + path.q[1][i]) / 2 end
   off = off + change ^ 2 / 8
 end
+-- members: positions alone are starts, as of runs; a p that is given must be alpha(q)
+do
+  local function q(i) return { -1 + 0.1 * i, 0.1, 0.5, 1, 0.8, -0.7 } end
+  local solver = three:solver { rule = "degenerate(2)", h = 0.05 }
+  local e, same = solver:ensemble { members = 4, q = q, steps = 20, threads = 2 }, true
+  for i = 1, 4 do
+    local path = solver:run { q = q(i), steps = 20 }
+    same = same and path.q[21] == e.q[i] and path.p[21] == e.p[i]
+  end
+  ok(same, "members that start at positions are runs of their own")
+  local function alpha(i) return solver:run({ q = q(i), steps = 0 }).p[1] end
+  ok(solver:ensemble { members = 4, q = q, p = alpha, steps = 20 }.q == e.q, "the same with p = alpha(q)")
+  raises("member 3: no start: L is linear in v", solver.ensemble, solver,
+    { members = 4, q = q, p = function(i) return i == 3 and { 1, 2, 3, 4, 5, 6 } or alpha(i) end, steps = 20 })
+  local free = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
+  raises("one of 'v' and 'p' is needed", function()
+    return free:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 1, q = { { 1 } }, steps = 1 }
+  end)
+end
 ok(off < 2.5e-15 ^ 2, "three vortices keep their impulse", off ^ 0.5)
 tap.done()
