@@ -163,4 +163,19 @@ for _, case in ipairs {
   near(x[1], of({ q, low })[2], 1e-13, "curve(rk4) from outside of its domain")
   near(y[1], select(2, momenta(low)), edge or 1e-11, "and its momentum")
 end
+-- relativistic Kepler, c = 3, beside the centre: steps of more than two radii have no root. Where the root of midpoint's step ends, as it is
+-- followed from h = 0 by a program of its own in (q, p), and 3000 starts found no other beyond
+local light = dm.system { Q = dm.R(2), L = function(q, v) return -9 * (1 - v:dot(v) / 9) ^ 0.5 + 1 / q:norm() end }
+for _, row in ipairs { { -0.0073732585248317923, 0.00080781530908186896, 135.21376965075984, 35.48654955302775, 0.989 * 0.005 },
+  { -0.014887208185778246, 0.018460259102390554, 16.386739348768135, 9.8812811310382571, 0.790 * 0.02 },
+  { -0.010700544234144301, 0.014191805560775657, 19.101399045760164, 10.68573464088151, 0.592 * 0.02 },
+  { -0.0083709584068284645, 0.020599684163287727, 17.354818681033493, 2.2144101256565047, 0.741 * 0.02 } } do
+  local function step(share)
+    return pcall(function()
+      return light:solver { rule = "midpoint", h = share * row[5] }:run { q = { row[1], row[2] }, p = { row[3], row[4] }, steps = 1 }
+    end)
+  end
+  local _, failure = step(1.02)
+  ok(step(0.95) and failure.code == "no_convergence", "beside the centre steps are found up to where there are any, h = " .. row[5], failure)
+end
 tap.done()
