@@ -5,6 +5,7 @@
 #define DM_PHASE_INSIDE_H
 
 #include "integ/phase/phase.h"
+#include "integ/phase/phase_modes.h"
 #include "integ/stage/sweep/stage_sweep.h"
 #include "integ/stage/workspace/stage_limits.h"
 
@@ -32,9 +33,11 @@ typedef struct {
     dm_parts b, line; /* [width] h b; zeros */
     dm_sweep_end end;
     /* Newton's method: displacements Z[r][2n] of the stages, the field and its derivatives there
-     * [r][2n + 4n^2], arguments [2n + 1], the root of a shorter step [r][2n] */
-    double *root, *curve, *at, *shorter;
-    double ratio; /* the step over the shorter one; 0: none is continued */
+     * [r][2n + 4n^2], arguments [2n + 1] */
+    double *root, *curve, *at;
+    dm_phase_modes modes; /* of phase_chord.c */
+    double *modes_memory;
+    int sought; /* they were looked for */
     double *scratch, size;
     double *before;               /* [4n] the state, should the end not be finite */
     double *memory;               /* what a step leaves to the next one: DM_SWEPT_..., u */
@@ -67,6 +70,16 @@ size_t dm_phase_scaled(const dm_phase *g, const double **first);
  * contract too slowly. */
 dm_status dm_phase_sweep(dm_phase *g, dm_stepper *stepper);
 dm_status dm_phase_newton(dm_phase *g, dm_stepper *stepper);
+
+/* Z[r][2n] by chords, where there are some for this rule, from a guess. */
+int dm_phase_has_chords(dm_phase *g);
+dm_status dm_phase_chords(dm_phase *g, dm_stepper *stepper, double *Z);
+
+/* R[r][2n] of the equations at Z; its largest entry. */
+double dm_phase_residual(dm_phase *g, double *R, const double *Z);
+
+/* The derivatives [2n][2n] of the field at the state displaced by Z[2n], `after` its time. */
+const double *dm_phase_derivative(dm_phase *g, const double *Z, double after);
 
 /* The memory: as that of stage_sweep.h. */
 size_t dm_phase_memory_size(const dm_phase *g);

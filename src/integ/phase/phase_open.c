@@ -30,10 +30,11 @@ size_t dm_phase_work(const dm_rule *rule, const dm_model *m) {
     dm_stage_basis(&basis, rule, m);
     const size_t n = m->n, r = (size_t)basis.q.r, w = width_of(r), unknowns = 2 * n * r;
     const size_t head = (sizeof(dm_phase) + sizeof(double) - 1) / sizeof(double);
-    return head + dm_stage_table_size((size_t)basis.s, r) + 4 * r * r + 4 * r + 12 * n * w + w +
-           8 * r * w + 6 * w + 4 * (4 * n + 1) + 14 * n + r * (2 * n + 4 * n * n) + 2 * n + 1 +
-           2 * unknowns + larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m)) +
-           DM_SWEPT_END + ARRAYS * LINE;
+    return head + dm_stage_table_size((size_t)basis.s, r) + dm_phase_modes_size((uint32_t)r) +
+           4 * r * r + 4 * r + 12 * n * w + w + 8 * r * w + 6 * w + 4 * (4 * n + 1) + 14 * n +
+           r * (2 * n + 4 * n * n) + 2 * n + 1 + unknowns +
+           larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m)) + DM_SWEPT_END +
+           ARRAYS * LINE;
 }
 
 /* the next block, which begins a line; *memory moves behind it */
@@ -82,9 +83,9 @@ static double *lay_out(dm_phase *g, double *memory) {
     g->hc = (dm_weight *)(void *)take(&memory, 2 * r);
     lay_sweeps(g, &memory);
     g->root = take(&memory, unknowns);
-    g->shorter = take(&memory, unknowns);
     g->curve = take(&memory, r * (2 * n + 4 * n * n));
     g->at = take(&memory, 2 * n + 1);
+    g->modes_memory = take(&memory, dm_phase_modes_size(g->r));
     g->before = take(&memory, 4 * n);
     g->scratch = take(&memory, larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(g->m)));
     const size_t ahead = DM_SWEPT_END + 4 * n; /* u begins a line, too */
