@@ -6090,8 +6090,9 @@ function dm.multiscale(options) end
 ---
 ---The equations M z_t + K z_x = grad S(z) for z with d components, by Preissman's box: one equation a
 ---box and component, between means and differences of its four corners. M, K: antisymmetric d x d
----matrices; S(z): a function of a vector; names: of the components (default z1, z2, ...); gain: names
----of those that gain a constant round the ring (S must not depend on them).
+---matrices; S(z): a function of the vector z, or of its components by their names, z.u; names: of the
+---components (default z1, z2, ...); gain: names of those that gain a constant round the ring (S must
+---not depend on them).
 ---So Klein-Gordon, sine-Gordon, KdV, Schroedinger and Zakharov equations are written; boxes:solver{h=}
 ---steps them.
 ---@param options? table

@@ -87,6 +87,18 @@ local function gain_of(given, number)
   return gain
 end
 
+-- S, with z as a table of its components by number and by name where S does not take vectors: z.u
+local function by_names(S, names)
+  local function named(z)
+    local out = {}
+    for c, name in ipairs(names) do out[c], out[name] = z[c], z[c] end
+    return S(out)
+  end
+  local z = core.zeros(#names)
+  for c = 1, #names do z[c] = 0.2 + 0.6 / c end
+  return not blame.try(S, z) and blame.try(named, z) and named or S
+end
+
 --- The boxes of options.
 M.multisymplectic = blame.caller(function(options)
   option.check(options, KNOWN, "dm.multisymplectic")
@@ -106,9 +118,9 @@ M.multisymplectic = blame.caller(function(options)
   end
   local names, number = names_of(options.names, d)
   local gain = gain_of(options.gain, number)
-  local boxes = setmetatable({ M = MM, K = K, S = options.S, names = names, number = number,
-    gain = gain, from = grid.from, to = grid.to, cells = grid.cells, dx = grid.dx, grid = grid,
-    d = d }, Boxes)
+  local boxes = setmetatable({ M = MM, K = K, S = by_names(options.S, names), names = names,
+    number = number, gain = gain, from = grid.from, to = grid.to, cells = grid.cells, dx = grid.dx,
+    grid = grid, d = d }, Boxes)
   strips.derive(boxes)
   return boxes
 end)
@@ -117,8 +129,9 @@ core.docs[M.multisymplectic] = [[
 dm.multisymplectic{M=, K=, S=, x = {from, to, cells, periodic = true}, names=, gain=} -> dm.boxes
 The equations M z_t + K z_x = grad S(z) for z with d components, by Preissman's box: one equation a
 box and component, between means and differences of its four corners. M, K: antisymmetric d x d
-matrices; S(z): a function of a vector; names: of the components (default z1, z2, ...); gain: names
-of those that gain a constant round the ring (S must not depend on them).
+matrices; S(z): a function of the vector z, or of its components by their names, z.u; names: of the
+components (default z1, z2, ...); gain: names of those that gain a constant round the ring (S must
+not depend on them).
 So Klein-Gordon, sine-Gordon, KdV, Schroedinger and Zakharov equations are written; boxes:solver{h=}
 steps them.]]
 

@@ -257,4 +257,15 @@ raises("inside of the domain of S", function()
   dm.multisymplectic { names = { "u", "p", "q" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
     S = function(y) return y[2] ^ 2 / 2 - y[3] ^ 2 / 2 + dm.log(y[1]) end, x = { 0, 2 * pi, 33, periodic = true } }:solver { h = 0.1 }:run { z = { u = sin, p = cos }, steps = 1 }
 end)
+
+-- S of components by their names has the bits of S of a vector
+local function sine_gordon(S)
+  return dm.multisymplectic { names = { "u", "v", "w" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } },
+    K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } }, x = { 0, 2 * pi, 21, periodic = true }, S = S }
+end
+local kick = { z = { u = sin, v = cos }, steps = 4 }
+local by_name = sine_gordon(function(z) return 1 - dm.cos(z.u) + z.v ^ 2 / 2 - z.w ^ 2 / 2 end):solver { h = 0.1 }:run(kick)
+local by_number = sine_gordon(function(z) return 1 - dm.cos(z[1]) + z[2] ^ 2 / 2 - z[3] ^ 2 / 2 end):solver { h = 0.1 }:run(kick)
+ok(by_name.z == by_number.z and by_name:balance "energy" == by_number:balance "energy", "S of z.u, z.v, z.w")
+raises("number expected", function() sine_gordon(function(z) return math.cos(z.nobody) end) end)
 tap.done()
