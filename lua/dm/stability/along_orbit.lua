@@ -1,6 +1,7 @@
 --- Linear theory beside a map: the oscillations of a system along the orbit of a cell, and where a
 -- rule loses them.
 local blame = require "dm.base.blame"
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local fields = require "dm.stability.fields"
 local lines = require "dm.stability.lines"
@@ -79,6 +80,34 @@ local function note(out, system, state)
   return seen
 end
 
+local LARGEST = 100  -- coordinates, beyond which it is not asked
+
+-- second derivatives of L by (q, v) as a function of (q, v, t)
+local function second_derivatives(system)
+  local given, n = system.given, system.Q.dimension
+  local L = bound(given.L, given.params)
+  local slope = core.derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
+  local second = core.derivative(core.trace(function(q, v, t) return slope(q, v, t) end, n, n,
+    "number"), n, n, "number")
+  return core.trace(function(q, v, t)
+    local H, out = second(q, v, t), {}
+    for i = 1, 2 * n do
+      for k = 1, 2 * n do out[#out + 1] = H[i][k] end
+    end
+    return core.vector(out)
+  end, n, n, "number")
+end
+
+-- Is L of second degree in (q, v), with constants? Then one state tells all.
+local function is_quadratic(system)
+  if system.place or not system.given.L or system.Q.dimension > LARGEST then return false end
+  local fine, f = blame.try(second_derivatives, system)
+  for _, argument in ipairs(fine and f:depends() or {}) do
+    for _, some in ipairs(argument) do fine = fine and not some end
+  end
+  return fine
+end
+
 -- the states before and after the fastest one, whose frequency may be larger still between them
 local function look_closer(out, system, states, project)
   for i, state in ipairs(states) do
@@ -154,7 +183,7 @@ end
 
 -- The system linearised along the orbit of a cell: { fastest, matrices, ranges of its
 -- frequencies, constant, states, T = the time that was looked at, where it is less than all }; nil
--- and why. Where three states have one matrix all do; else it is looked at again about the fastest
+-- and why. Where states have unlike matrices it is looked at again about the fastest
 -- one.
 local function along_orbit(map, cell)
   local system, options = map.system_of(cell), map.options
@@ -165,17 +194,17 @@ local function along_orbit(map, cell)
   local out = { fastest = 0, matrices = {}, ranges = {}, constant = true, system = system }
   local first, why = note(out, system, start)
   if not first then return nil, why end
-  local states, done = orbits.states(system, start, T, out.fastest, options.project)
-  out.first, out.states, out.where = first, states, states[1]
-  for i, k in ipairs(orbits.places(states, PLACES)) do
-    if i > 3 and out.constant then break end
-    note(out, system, states[k])
+  local states, done = { start }, T
+  if not is_quadratic(system) then
+    states, done = orbits.states(system, start, T, out.fastest, options.project)
   end
+  out.first, out.states, out.where = first, states, states[1]
+  for _, k in ipairs(orbits.places(states, PLACES)) do note(out, system, states[k]) end
   if not out.constant then
     look_closer(out, system, states, options.project)
   end
   if not (out.fastest > 0) then return nil, "nothing oscillates along the orbit" end
-  out.T = done < T and not (out.constant and #states > 3) and done or nil
+  out.T = done < T and done or nil
   return out
 end
 

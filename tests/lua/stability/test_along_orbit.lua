@@ -78,4 +78,19 @@ do
   tap.ok(#states > 0.9 * 2 ^ 15 and #states < 1.1 * 2 ^ 15 and done < 1e6, "steps of an orbit that is cut", #states, done)
   tap.near(states[#states].q[1], math.cos(done), 1e-2, "which are those of the orbit")
 end
+
+-- what is the same at the start and long after it need not be so between: a spring that is stiff once, and late; a stiff bump that is met far from the start
+do
+  local function limit_of(L, q)
+    local map = dm.stability { dm.system { Q = dm.R(1), L = L }, rule = "verlet", h = { 0.05, 3, 3, "log" }, t = 60, q = { q }, v = { q == 0 and 1 or 0 }, accuracy = false, refine = false }
+    return map:theory(1)
+  end
+  local late = limit_of(function(q, v, t) return v[1] ^ 2 / 2 - (1 + 99 * dm.exp(-((t - 30) / 2) ^ 2)) * q[1] ^ 2 / 2 end, 1)
+  tap.near(late, 0.2, 1e-4, "a late pulse of the spring: 2 / sqrt(1 + 99)")
+  local still = limit_of(function(q, v) return v[1] ^ 2 / 2 - 9 * q[1] ^ 2 / 2 end, 0)
+  tap.near(still, 2 / 3, 1e-9, "an L of second degree")
+  -- V = q^2/2 + 200 (q - 40)^2 for q > 40: free of it up to t = 40, about
+  local wall = limit_of(function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2e8 - dm.where(q[1] - 40, 200 * (q[1] - 40) ^ 2, 0) end, 0)
+  tap.near(wall, 0.1, 1e-4, "a wall that is met late: 2 / sqrt(400)")
+end
 tap.done()
