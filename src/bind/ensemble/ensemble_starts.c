@@ -3,6 +3,7 @@
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/model_map.h"
 #include "bind/model/named.h"
+#include "bind/model/space_group.h"
 #include "bind/run/start_constraints.h"
 #include "bind/value/array.h"
 #include "numbers/small_copy.h"
@@ -240,7 +241,8 @@ long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     for (long i = these->first; i < these->first + these->count; i++) {
         if (linear && !these->velocity) check_alpha(L, these, r, i);
         inside += !these->velocity || find_momentum(L, these, r, i, room);
-        if (r->model->model.constraints) start_on_constraints(L, these, r, i);
+        if (r->model->model.constraints || dml_placed(L, r->system))
+            start_on_constraints(L, these, r, i);
     }
     /* where none is inside that is a mistake of the whole; room has the last one */
     if (!inside && !these->values && !these->varied) dml_checkmodel(L, r->system, r->model, room);

@@ -1,6 +1,7 @@
 /* start_constraints.c - is the start on the constraints, are they independent there, where is the
  * nearest start that is? */
 #include "bind/run/start_constraints.h"
+#include "bind/model/space_group.h"
 #include "integ/registry.h"
 
 #include "mech/constraints.h"
@@ -242,8 +243,22 @@ dm_status dml_tangent_momentum(dml_stepping *r) {
     return status == DM_OK ? dm_legendre(m, p, r->x, v, r->t0, r->work) : status;
 }
 
+/* Lifts and turns multiply momenta by each other: their squares must be numbers. */
+static void check_size(lua_State *L, const dml_stepping *r, const char *who) {
+    static const double LEAST = 1e-100, MOST = 1e100;
+    const double *p = r->state + r->solver->n;
+    double size = 0.0;
+    for (uint32_t i = 0; i < r->solver->n; i++) size = fmax(size, fabs(p[i]));
+    if (size == 0.0 || (size >= LEAST && size <= MOST) || !isfinite(size)) return;
+    luaL_error(L,
+               "%sno start: the momentum is %f, and on groups its squares would be lost: take "
+               "other units of mass (L times a constant has the same motion)",
+               who, size);
+}
+
 void dml_start_on_constraints(lua_State *L, dml_stepping *r, const char *who, int given_p) {
     const int moves = wants_projection(L);
+    if (dml_placed(L, r->system)) check_size(L, r, who);
     if (!r->model->model.constraints) return;
     take_metric(L, r, who);
     if (moves) project(L, r, who);
