@@ -46,8 +46,14 @@ end)
 
 -- a list of columns, from one column or a list of them
 local function listed(y)
-  if type(y) == "table" and type(y[1]) ~= "number" then return y end
-  return { y }
+  if type(y) ~= "table" or type(y[1]) == "number" then return { y } end
+  for key in pairs(y) do
+    if type(key) == "string" then
+      error(("plot: '%s' stands in the list of columns; options are a table behind it: "
+        .. "path:plot({ \"q1\" }, { %s = ... })"):format(key, key), 0)
+    end
+  end
+  return y
 end
 
 -- every q against time

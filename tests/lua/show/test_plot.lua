@@ -224,6 +224,12 @@ raises("needs two columns", dm.plot, 1, 2)
 raises("3 numbers x but 2 numbers y", dm.plot, u, { 1, 2 })
 raises("is empty", dm.plot, { { x = {}, y = {} } })
 raises("unknown option 'titel'", dm.plot, u, u, { titel = "x" })
+do -- options in the list of columns were lost
+  local free = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }
+  local path = free:solver({ rule = "verlet", h = 0.1 }):run { q = { 1 }, v = { 1 }, steps = 3 }
+  raises("'file' stands in the list of columns", path.plot, path, { "q1", file = "x.png" })
+  raises("'title' stands in the list of columns", path.plot, path, "t", { "q1", "p1", title = "x" })
+end
 raises("'log' must be", dm.plot, u, u, { log = "z" })
 raises("'style' must be", dm.plot, u, u, { style = "dots" })
 raises("'xrange' must be", dm.plot, u, u, { xrange = { 2, 1 } })
