@@ -2924,9 +2924,9 @@ function dm_mesh_class:points() end
 ---nil is 0).
 ---Where nothing is fixed the mean of the load is taken away, u has mean 0 and report.text says so.
 ---Factors are kept: the next solve with the same vertices fixed is cheap. report: solver, unknowns,
----note where the matrix is not positive definite, negative_stars of edges. solver = "cholesky", "lu",
----"gradients" or "dense" asks for one. Order 2 in the L2 norm, also where stars of edges are
----negative.
+---note where the matrix is not positive definite and of barycentric duals, negative_stars of edges.
+---solver = "cholesky", "lu", "gradients" or "dense" asks for one. Order 2 in the L2 norm, also where
+---stars of edges are negative; none with barycentric duals, which err by some percent on any mesh.
 ---@param options? table
 ---@return dm.form
 ---@return any
@@ -3204,11 +3204,12 @@ function dm_multigrid_class:solve(b, options) end
 ---@class dm.operator
 local dm_operator_class = {}
 
----A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver }
+---A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver, note }
 ---
 ---m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
 ---of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
----best first. Fewer where there are no more. residuals: |A a - lambda a|. Up to 300 unknowns (1200
+---best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
+---with which eigenvalues do not converge. Up to 300 unknowns (1200
 ---where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
 ---(libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
 ---self-adjoint, and where negative stars leave the forms without a norm.
@@ -5994,7 +5995,8 @@ function dm.max(x, ...) end
 ---points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or
 ---neither, for topology alone. Points alone: their Delaunay triangulation (dm.delaunay). map(x, y,
 ---...) gives the list of the moved point; dual = "barycentric" takes duals from barycentres in place
----of circumcentres. dm.complex says what is refused.
+---of circumcentres: no star is zero or negative, but solutions of equations and speeds of waves err by
+---some percent however fine the mesh is. dm.complex says what is refused.
 ---By name: grid = N (unit square), triangle = N (equilateral), annulus = {rings, m} with ratio =,
 ---hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s,
 ---bcc = N (flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L},

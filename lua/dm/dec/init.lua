@@ -86,7 +86,8 @@ A simplicial mesh of dimension 1 to 8: simplices, lists of vertex numbers from 1
 points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or
 neither, for topology alone. Points alone: their Delaunay triangulation (dm.delaunay). map(x, y,
 ...) gives the list of the moved point; dual = "barycentric" takes duals from barycentres in place
-of circumcentres. dm.complex says what is refused.
+of circumcentres: no star is zero or negative, but solutions of equations and speeds of waves err by
+some percent however fine the mesh is. dm.complex says what is refused.
 By name: grid = N (unit square), triangle = N (equilateral), annulus = {rings, m} with ratio =,
 hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s,
 bcc = N (flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L},

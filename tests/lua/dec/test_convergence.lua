@@ -132,4 +132,20 @@ local S = dm.mesh { shells = { 3, 1 } }
 local curved = S:form(1, function(x, y, z) return { y * z, x * x, x * y * z } end, { order = 9 })
 local derivative = S:form(2, function(x, y, z) return { 2 * x - z, y * z - y, x * z } end, { order = 9 })
 near((curved:d() - derivative):max(), 0, 1e-13, "the integral of da over a cell is that of a over its boundary")
+
+-- barycentric duals: a linear u is not found, on any refinement, and the report says so
+local function linear(x, y) return x + 2 * y end
+local function bent(x, y)
+  return { x + 0.08 * math.sin(2 * math.pi * x) * math.sin(math.pi * y), y + 0.06 * math.sin(math.pi * x) * math.sin(2 * math.pi * y) }
+end
+for dual, wrong in pairs { circumcentric = false, barycentric = true } do
+  local K = dm.mesh { grid = 16, dual = dual, map = bent }
+  local u, report = K:poisson { f = 0, fixed = { boundary = linear } }
+  local off, note = (u - K:form(0, linear)):max(), report.note or ""
+  tap.ok((off > 0.05) == wrong and (off < 1e-12) ~= wrong and (note:find "does not converge" ~= nil) == wrong, dual .. " duals: a linear u", off .. note)
+  tap.ok((K:laplacian(0, { fixed = "boundary" }):eigen(1).note ~= nil) == wrong, "  its eigenvalues")
+end
+local regular = dm.mesh { triangle = 6, dual = "barycentric" }
+tap.ok(select(2, regular:poisson { f = 1, fixed = { boundary = 0 } }).note == nil, "equal triangles have one centre")
+
 tap.done()

@@ -117,8 +117,8 @@ local function factored(S, weights, shift, lowest)
   local factor = lowest and shifted:factor "cholesky" or shifted:factor "lu"
   local zeros = not factor and count_zeros(weights) or 0
   if zeros > 0 then
-    fail("%d cells have zero dual volume and leave the eigenvalue problem singular: dual = "
-      .. "\"barycentric\" makes a mesh without", zeros)
+    fail("%d cells have zero dual volume and leave the eigenvalue problem singular: %s", zeros,
+      mass.REMEDY)
   end
   if not factor or distance(factor, M_) < NEAR * largest(S, weights) then at_eigenvalue(shift) end
   return factor
@@ -210,12 +210,14 @@ class.method("dm.operator", "eigen", function(A, m, options)
     forms[i] = form.new(A.mesh, A.from.degree, A.from.side, x)
   end
   return core.result { values = core.vector(values), forms = forms,
-    residuals = core.vector(residuals), solver = name, solves = solves }
+    residuals = core.vector(residuals), solver = name, solves = solves,
+    note = mass.note(A.mesh) }
 end, [[
-A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver }
+A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver, note }
 m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
 of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
-best first. Fewer where there are no more. residuals: |A a - lambda a|. Up to 300 unknowns (1200
+best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
+with which eigenvalues do not converge. Up to 300 unknowns (1200
 where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
 (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
 self-adjoint, and where negative stars leave the forms without a norm.]])

@@ -6,10 +6,24 @@ local option = require "dm.base.options"
 
 local M = {}
 
-local REMEDY = "K:make_delaunay() gives other triangles to a surface, dual = \"barycentric\" other "
-  .. "duals to any mesh"
+--- What helps where stars are zero or negative.
+M.REMEDY = "K:make_delaunay() gives other triangles to a surface, dual = \"barycentric\" other "
+  .. "duals to any mesh, with which solutions do not converge"
 
 local made = setmetatable({}, { __mode = "k" })
+
+local EQUAL = 1e-9 -- relative: lengths of a mesh of regular simplices
+
+--- What a report says of barycentric duals, or nothing: they do not stand upright on their cells
+-- but in regular simplices, and a star of one number a cell errs by the same part on every mesh.
+function M.note(K)
+  if K.dual ~= "barycentric" or K.dimension == 1 then return nil end
+  local least, most = math.huge, 0
+  for _, x in ipairs(K:volume(1)) do least, most = math.min(least, x), math.max(most, x) end
+  if most - least <= EQUAL * most then return nil end
+  return "barycentric duals are not at right angles to their cells: the solution does not "
+    .. "converge where the mesh is refined"
+end
 
 --- The masses of the k-cells: { values, zeros, negatives, zero, negative }, the last two being the
 -- first cell with such a dual. Made once for a mesh.
@@ -47,7 +61,7 @@ function M.positive(K, k, where)
   if m.negatives > 0 then
     option.fail(where, "the star is negative at %d cells of degree %d, the first is %s, so "
       .. "%d-forms have no norm and eigenvalues may be complex: %s", m.negatives, k,
-      cell_text(K, k, m.negative), k, REMEDY)
+      cell_text(K, k, m.negative), k, M.REMEDY)
   end
   return m.values
 end

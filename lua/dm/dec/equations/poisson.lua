@@ -67,6 +67,8 @@ local function floating(K, keep)
   return { false }
 end
 
+local function joined(a, b) return a and b and a .. "; " .. b or a or b end
+
 -- the sum of x over a component
 local function total(x, vertices)
   if not vertices then return x:dot(core.constant(#x, 1)) end
@@ -158,6 +160,7 @@ class.method("dm.mesh", "poisson", function(K, options)
   if #floats > 0 then note_mean(report, removed) end
   local negatives = mass.of(K, 1).negatives
   if negatives > 0 then report.negative_stars = negatives end
+  report.note = joined(report.note, mass.note(K))
   return K:form(0, u), report
 end, [[
 K:poisson{f=, fixed={boundary=, [vertex]=}, flux=, solver=} -> dm.form, report
@@ -167,8 +170,8 @@ rest of the boundary, a number or a function of the point, asked at circumcentre
 nil is 0).
 Where nothing is fixed the mean of the load is taken away, u has mean 0 and report.text says so.
 Factors are kept: the next solve with the same vertices fixed is cheap. report: solver, unknowns,
-note where the matrix is not positive definite, negative_stars of edges. solver = "cholesky", "lu",
-"gradients" or "dense" asks for one. Order 2 in the L2 norm, also where stars of edges are
-negative.]])
+note where the matrix is not positive definite and of barycentric duals, negative_stars of edges.
+solver = "cholesky", "lu", "gradients" or "dense" asks for one. Order 2 in the L2 norm, also where
+stars of edges are negative; none with barycentric duals, which err by some percent on any mesh.]])
 
 return M

@@ -46,8 +46,7 @@ end
 
 ---- the kinetic energy ----
 
-local REMEDY = "K:make_delaunay() gives other triangles to a surface, dual = \"barycentric\" other "
-  .. "duals to any mesh"
+local REMEDY = mass.REMEDY
 
 -- Raises where free cells have no kinetic energy, or a negative one.
 local function check_mass(f, masses)
