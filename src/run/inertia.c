@@ -50,7 +50,7 @@ static size_t room(const dm_model *m) {
 }
 
 size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
-    return room(m) + 3 * (dm_state_size(m->n) + memory) + dm_inertia_boxes(m) +
+    return room(m) + 4 * dm_state_size(m->n) + 3 * memory + dm_inertia_boxes(m) +
            members * 3 * (size_t)m->n;
 }
 
@@ -59,7 +59,8 @@ void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *wo
     x->state = work + room(m);
     x->memory = x->state + dm_state_size(m->n);
     x->aside = x->memory + memory;
-    x->boxes = x->aside + 2 * (dm_state_size(m->n) + memory);
+    x->end = x->aside + 2 * (dm_state_size(m->n) + memory);
+    x->boxes = x->end + dm_state_size(m->n);
     x->members = x->boxes + dm_inertia_boxes(m);
     x->scale = x->members, x->region = x->scale + m->n;
     memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);

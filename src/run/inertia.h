@@ -40,6 +40,7 @@ typedef struct {
     long done, rows;
     double t;      /* its time */
     double *aside; /* states and memories of parts of a step */
+    double *end;   /* [state] of who looks into a step that is not its last one */
     double h;      /* of the steps */
     int own;       /* steps choose their length */
     double *boxes; /* what inertia_step.c works on */

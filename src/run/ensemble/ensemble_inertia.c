@@ -12,7 +12,7 @@ void dm_block_keep(dm_block *b) {
 int dm_block_vanishes(dm_block *b, uint32_t i, double t, int steep, int open) {
     const uint32_t n = b->stepper->model->n;
     dm_lanes kept = b->lanes;
-    double *to = b->inertia->aside + dm_state_size(n);
+    double *to = b->inertia->end;
     if (b->stepper->rule->method->traits & DM_OWN_TIME) return 0;
     memcpy(to, b->lanes.alone, dm_state_size(n) * sizeof *to);
     kept.state = kept.kept;
