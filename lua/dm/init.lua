@@ -65,6 +65,7 @@ local rows = {
   ["system:acceleration"] = "dm.measure.multipliers",
   ["system:chart"] = "dm.chart",
   ["system:mechanical_connection"] = "dm.reduce.mechanical",
+  ["system:independent"] = "dm.measure.independent",
   ["system:linearize"] = "dm.measure.linearize",
   ["system:multipliers"] = "dm.measure.multipliers",
   ["system:modes"] = "dm.dec.fields.modes",

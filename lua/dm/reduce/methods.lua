@@ -30,6 +30,8 @@ local function guarded(solver, options)
   if routh and blame.try(function() return solver.system end) and routh.info(solver.system) then
     return require "dm.reduce.run.failure".run(run, solver, options)
   end
+  local independent = package.loaded["dm.measure.independent"]
+  if independent then return independent.look(solver.system, run(solver, options)) end
   return run(solver, options)
 end
 

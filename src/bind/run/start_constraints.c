@@ -113,9 +113,12 @@ static void check_rank(lua_State *L, const dm_constraints *t, const dm_constrain
                    who, name);
     luaL_error(L,
                "%sno start: the constraints are redundant at this q: %s depends on those before "
-               "it, most of all on %s; leave it out, or begin elsewhere if they are so in this "
+               "it, most of all on %s; leave it out%s, or begin elsewhere if they are so in this "
                "position only",
-               who, name, push_name(L, t, d->on));
+               who, name, push_name(L, t, d->on),
+               d->depends <= t->holonomic && !t->group
+                   ? " (system:independent{ q = } does so where it always follows)"
+                   : "");
 }
 
 /* A computation at the start that failed, as an error of the start. */

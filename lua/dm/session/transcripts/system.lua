@@ -63,6 +63,13 @@ M["system.legendre"] = [=[
 > s:legendre({ 0, 0 }, { 2, 2 })
 [2, 6]]=]
 
+M["system.independent"] = [=[
+> s = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v)/2 - q[2] end,
+>>   constraint = function(q) return { q:dot(q) - 1, 2*q:dot(q) - 2 } end }
+> once, numbers = s:independent { q = { 1, 0 } }
+> numbers, once:structure().constraints
+{ 2 }	1]=]
+
 M["system.linearize"] = [=[
 > s = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
 > around = s:linearize { q = { math.pi } }
