@@ -114,8 +114,8 @@ local function check(system, options)
   local given = system.given
   if not given.constraint then fail("this system has no constraint") end
   if system.place or system.field then
-    fail("constraints on coordinates are looked at: on groups and meshes leave the one out that the "
-      .. "start names")
+    fail("constraints on coordinates are looked at: on groups and meshes leave the one out that "
+      .. "the start names")
   end
   local n, q = system.Q.dimension, starts.list(options.q, system, "q")
   if lists.count(q) ~= n then fail("option 'q' must be %d numbers (got %s)", n, lists.got(q)) end
@@ -162,8 +162,8 @@ class.method("dm.system", "independent", independent, [[
 system:independent{q=, t=} -> system, list
 The system without the constraints that follow from those before them, and their numbers: a doubled
 one, the last bar of a frame that is rigid without it, the closing joint of a plane loop. They must
-follow near q (and at other times) and not at q only: a row that is dependent in one position, as the
-distance of the ends of a straight bar of three points, is needed there, and raises. Runs of the new
+follow near q (and at other times) and not at q only: a row that is dependent in one position, as
+the distance of the ends of a straight bar of three points, is needed there, and raises. Runs of the new
 system whose rows have q are looked through: where a constraint that was left out no longer holds
 they raise. Systems on coordinates; rolling constraints stay.]])
 
@@ -176,14 +176,12 @@ function M.look(system, path)
   for i = 1, #path do
     local worst, row = off(info.g, path.q[i], path.t[i], info.rows)
     if not (worst <= 1e-6) then
-      error(("constraint %d, which was left out as dependent (system:independent), does not hold at "
-        .. "t = %.6g: off by %.1e of its terms; the constraints passed a singular configuration")
+      error(("constraint %d, which was left out as dependent (system:independent), does not hold "
+        .. "at t = %.6g: off by %.1e of its terms; the constraints passed a singular configuration")
         :format(row, path.t[i], worst), 0)
     end
   end
   return path
 end
-
-function M.is(system) return dropped[system] ~= nil end
 
 return M
