@@ -163,9 +163,9 @@ system:independent{q=, t=} -> system, list
 The system without the constraints that follow from those before them, and their numbers: a doubled
 one, the last bar of a frame that is rigid without it, the closing joint of a plane loop. They must
 follow near q (and at other times) and not at q only: a row that is dependent in one position, as
-the distance of the ends of a straight bar of three points, is needed there, and raises. Runs of the new
-system whose rows have q are looked through: where a constraint that was left out no longer holds
-they raise. Systems on coordinates; rolling constraints stay.]])
+the distance of the ends of a straight bar of three points, is needed there, and raises. Runs of the
+new system whose rows have q are looked through: where a constraint that was left out no longer
+holds they raise. Systems on coordinates; rolling constraints stay.]])
 
 ---- runs ----
 
