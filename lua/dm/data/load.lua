@@ -102,12 +102,25 @@ end
 
 ---- both ----
 
+-- data.columns is the list of names: a column of that name gets a line behind it, once more where
+-- there is such a one, too
+local function apart_from_list(names)
+  local taken = {}
+  for _, name in ipairs(names) do taken[name] = true end
+  for c, name in ipairs(names) do
+    if name == "columns" then
+      repeat name = name .. "_" until not taken[name]
+      names[c] = name
+    end
+  end
+end
+
 local doc_load = [[
 dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
 names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
 semicolons, tabs or blanks stand between the fields; blank lines and comments, from a # on, are
-skipped. Names are in the first line, or in the last comment above the numbers; without names the
+skipped. A column of the name columns is data.columns_. Names are in the first line, or in the last comment above the numbers; without names the
 columns are c1, c2, ... A decimal comma is seen where the fields show it ("1,5;2,5"). Given:
 separator = ",", ";", "tab" or "blank", decimal = "," or ".", names = a list, skip = lines to
 leave out. Raises with the line and the column of what is not a number. Of the journal of a sweep
@@ -149,6 +162,7 @@ M.load = blame.caller(function(file, given)
   handle:close()
   if not fine then error(names, 0) end
   local data = {}
+  apart_from_list(names)
   for c, name in ipairs(names) do
     local is_array = counts and counts[c] > 0 and #columns[c] > 0
     data[name] = is_array and core.matrix(columns[c]) or core.vector(columns[c])

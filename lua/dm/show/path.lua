@@ -70,7 +70,8 @@ local doc_plot =
 Plot columns of a path: names ("t", "q1", "p1", "energy" ...) or vectors of #path numbers. With no
 arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
 in the terminal, with it to a .png, .svg or .pdf.
-Two positions of one unit get equal axes unless equal = false.]]
+Two positions of one unit get equal axes unless equal = false; where one range is 4 times the other
+or more they do not, which is written below the plot: equal = true makes them equal all the same.]]
 
 M.plot = blame.caller(function(path, x, y, options)
   if type(x) == "table" and next(x) and not x[1] then x, options = nil, x end

@@ -169,7 +169,9 @@ local function decide_equal(panel, list, options)
   end
   local x, y = panel.xrange, panel.yrange
   local ratio = (x[2] - x[1]) / (y[2] - y[1])
-  return ratio < 4 and ratio > 0.25
+  if ratio < 4 and ratio > 0.25 then return true end
+  panel.notes[#panel.notes + 1] = "axes not equal: one range is 4 times the other or more"
+  return false
 end
 
 -- options win over what the series say of themselves

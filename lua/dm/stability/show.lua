@@ -204,6 +204,12 @@ local function panel_of(map, panel, along)
       out[#out + 1] = box
     end
   end
+  -- below the limits, which may lie on them
+  local marks, steps = resonances_of(map, panel, along)
+  if #marks > 0 then
+    out[#out + 1] = { x = marks, y = steps, name = "resonances", colour = "#000000", halo = true,
+      open = true, style = "points" }
+  end
   for _, line in ipairs { { "theory", "linear theory", palette.LINES[4], "lines" },
     { "right", "limit of what is right", "#9a9a9a", "points" },
     { "limit", "measured limit", "#000000", "points" } } do
@@ -212,11 +218,6 @@ local function panel_of(map, panel, along)
       out[#out + 1] = { x = x, y = y, name = line[2], colour = line[3], halo = true,
         style = #x == 1 and "points" or line[4] }
     end
-  end
-  local marks, steps = resonances_of(map, panel, along)
-  if #marks > 0 then
-    out[#out + 1] = { x = marks, y = steps, name = "resonances", colour = "#000000", halo = true,
-      open = true, style = "points" }
   end
   local x1, x2 = 0.5, 1.5
   if along then x1, x2 = (axes.edges(along, 1)), select(2, axes.edges(along, #along)) end
