@@ -3411,7 +3411,8 @@ function dm_path_class:phases() end
 ---Plot columns of a path: names ("t", "q1", "p1", "energy" ...) or vectors of #path numbers. With no
 ---arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
 ---in the terminal, with it to a .png, .svg or .pdf.
----Two positions of one unit get equal axes unless equal = false.
+---Two positions of one unit get equal axes unless equal = false; where one range is 4 times the other
+---or more they do not, which is written below the plot: equal = true makes them equal all the same.
 ---Of a field on a mesh: path:plot("q" | "p", {row=, file=, title=, azimuth=, height=}) draws a row,
 ---the last by default, as form:plot does; columns such as "energy" as above.
 ---@param x? any
@@ -5954,7 +5955,7 @@ function dm.lagrange_poincare(options) end
 ---Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
 ---names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
 ---semicolons, tabs or blanks stand between the fields; blank lines and comments, from a # on, are
----skipped. Names are in the first line, or in the last comment above the numbers; without names the
+---skipped. A column of the name columns is data.columns_. Names are in the first line, or in the last comment above the numbers; without names the
 ---columns are c1, c2, ... A decimal comma is seen where the fields show it ("1,5;2,5"). Given:
 ---separator = ",", ";", "tab" or "blank", decimal = "," or ".", names = a list, skip = lines to
 ---leave out. Raises with the line and the column of what is not a number. Of the journal of a sweep
