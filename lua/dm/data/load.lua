@@ -123,7 +123,8 @@ semicolons, tabs or blanks stand between the fields; blank lines and comments, f
 skipped. A column of the name columns is data.columns_. Names are in the first line, or in the
 last comment above the numbers; without names the columns are c1, c2, ... A decimal comma is seen
 where the fields show it ("1,5;2,5"). Given: separator = ",", ";", "tab" or
-"blank", decimal = "," or ".", names = a list, skip = lines to leave out. Raises with the line and the column of what is not a number. Of the journal of a sweep
+"blank", decimal = "," or ".", names = a list, skip = lines to leave out.
+Raises with the line and the column of what is not a number. Of the journal of a sweep
 (dm.sweep, solver:ensemble) these are the members that ended well, by their number in column
 member.]]
 
