@@ -1,8 +1,8 @@
 /* compact.c - the same functions with fewer operations. A graph is read as sums of products of
  * powers (terms.h), rewritten there, and written back; what comes out is counted, and the
- * cheapest form found is taken, which may be the one that was there. Two roads are followed as
- * long as they gain: from the roots as they are, and from an expanded form, in which like terms
- * meet and sin^2 + cos^2 = 1 is seen. Kernels are what pays for an expression, so this runs
+ * cheapest form found is taken, which may be the one that was there. Three roads are followed as
+ * long as they gain: from the roots as they are, and from expanded forms, in which like terms
+ * meet and sin^2 + cos^2 = 1 is seen; sums that others share are opened in them, or not. Kernels are what pays for an expression, so this runs
  * before each is made.
  *
  * A compacted graph is one of its own, with its nodes in the order of a walk from the roots. So
@@ -50,20 +50,24 @@ typedef struct {
     dm_graph *g;
     uint32_t m, operations;
     dm_node *now, *best;
-    uint64_t least; /* cost of the best */
-    uint32_t kept;  /* nodes of the graph when it was found: later ones are for nothing */
-    int passes;     /* at most, on one road */
+    uint64_t least;  /* cost of the best */
+    uint32_t kept;   /* nodes of the graph when it was found: later ones are for nothing */
+    int passes;      /* at most, on one road */
+    uint32_t shared; /* sums of the expanded form whose parts others share */
 } search;
 
+/* how a road begins: as it is, expanded, expanded but for what sums share */
+typedef enum { AS_IT_IS, EXPANDED, SHARED } road;
+
 /* one pass over `now`; its cost, or UINT64_MAX where it failed */
-static uint64_t pass(search *x, int expand) {
+static uint64_t pass(search *x, road way) {
     dm_terms s;
     dm_arena *scratch = dm_arena_scratch(x->g->arena);
     dm_scaled *value = scratch ? dm_arena_take(scratch, (x->m + 1) * sizeof *value) : NULL;
     if (!value) dm_graph_fail(x->g, DM_NO_MEMORY);
     if (!value || !dm_terms_open(&s, x->g, x->operations, scratch)) return UINT64_MAX;
     if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
-    if (expand) dm_terms_expand(&s, value, x->m);
+    if (way != AS_IT_IS) x->shared = dm_terms_expand(&s, value, x->m, way == SHARED);
     dm_terms_factor(&s, value, x->m);
     if (s.unfit || dm_graph_status(x->g) != DM_OK) return UINT64_MAX;
     dm_terms_write(&s, value, x->m, x->now);
@@ -77,12 +81,12 @@ static uint64_t patience(uint64_t own) {
 
 /* passes from the roots on, each over what the one before left, as long as they help and are
  * not far behind the best; costs of the expanded road count `percent` */
-static void follow(search *x, const dm_node *roots, int expand, uint32_t percent) {
-    const uint64_t far = expand ? 140 : 105; /* percent of the best */
+static void follow(search *x, const dm_node *roots, road way, uint32_t percent) {
+    const uint64_t far = way != AS_IT_IS ? 140 : 105; /* percent of the best */
     uint64_t before = UINT64_MAX;
     memcpy(x->now, roots, x->m * sizeof *roots);
     for (int passes = 0; passes < x->passes; passes++) {
-        const uint64_t own = pass(x, expand && passes == 0);
+        const uint64_t own = pass(x, passes == 0 ? way : AS_IT_IS);
         if (own == UINT64_MAX) return;
         const uint64_t now = own * percent;
         if (now < x->least) {
@@ -112,8 +116,9 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     x.least = 100 * (uint64_t)cost_of(counts);
     if (x.least < 100 * WORTH) return;
     x.passes = x.operations > LARGE ? 1 : MOST_PASSES;
-    if (x.operations <= LARGE) follow(&x, start, 1, favour);
-    follow(&x, start, 0, 100);
+    if (x.operations <= LARGE) follow(&x, start, EXPANDED, favour);
+    if (x.shared) follow(&x, start, SHARED, favour);
+    follow(&x, start, AS_IT_IS, 100);
     if (g->status == DM_OK) dm_graph_forget(g, x.kept);
 }
 

@@ -82,8 +82,10 @@ uint32_t dm_terms_factors(const dm_terms *s, dm_term t, dm_part *to);
 
 enum { DM_MOST_FACTORS = 12 }; /* of a product that is still opened */
 
-/* Rewriting: products of sums multiplied out, so that like terms meet; at the start only. */
-void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m);
+/* Rewriting: products of sums multiplied out, so that like terms meet; at the start only. What
+ * several sums share may stay closed (`closes`) where nothing in it meets; gives the number of
+ * such sums. */
+uint32_t dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m, int closes);
 
 /* Rewriting: common factors of sums. */
 void dm_terms_factor(dm_terms *s, const dm_scaled *roots, uint32_t m);

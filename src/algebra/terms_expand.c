@@ -19,6 +19,8 @@ typedef struct {
     dm_terms *s;
     dm_scaled *now;       /* [terms] what each became */
     const uint32_t *uses; /* [terms] how often each was a part */
+    int closes;           /* shared parts that meet nothing */
+    uint32_t shared;      /* sums with such parts */
     dm_part list[LONGEST_SUM * (LONGEST_SQUARE + 1)];
     uint32_t count;
 } expansion;
@@ -240,8 +242,8 @@ static int is_shared(const expansion *x, const dm_part *parts, uint32_t count) {
 }
 
 /* parts that became sums are opened in place, then pairs collapse as long as there are some. Where
- * nothing meets shared parts stay closed: a force and its opposite are one sum then, and opposite
- * to the last bit. */
+ * nothing meets shared parts may stay closed: a force and its opposite are one sum then, and
+ * opposite to the last bit. */
 static dm_scaled expand_sum(expansion *x, dm_term t) {
     dm_terms *s = x->s;
     const uint32_t count = s->entries[t].count;
@@ -276,8 +278,9 @@ static dm_scaled expand_sum(expansion *x, dm_term t) {
         met = 1;
         sum = sum_of_list(x, sum);
     }
-    if (shared && !met && dm_terms_reserve(s, count)) return closed_sum(x, kept, count);
-    return sum;
+    if (!shared || met) return sum;
+    x->shared++;
+    return x->closes && dm_terms_reserve(s, count) ? closed_sum(x, kept, count) : sum;
 }
 
 /* the same function of what its operands became */
@@ -294,7 +297,7 @@ static dm_scaled expand_atom(expansion *x, dm_term t) {
 }
 
 /* every term after its parts */
-void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m) {
+uint32_t dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m, int closes) {
     dm_arena *arena = s->arena;
     dm_term *order;
     uint32_t *uses;
@@ -302,8 +305,9 @@ void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m) {
     expansion *x = dm_arena_take(arena, sizeof *x);
     dm_scaled *now = dm_arena_take(arena, s->size * sizeof *now);
     if (!x || !now) dm_graph_fail(s->g, DM_NO_MEMORY);
-    if (dm_graph_status(s->g) != DM_OK) return;
+    if (dm_graph_status(s->g) != DM_OK) return 0;
     x->s = s;
+    x->closes = closes, x->shared = 0;
     x->now = now;
     x->uses = uses;
     for (uint32_t i = 0; i < count; i++) {
@@ -317,4 +321,5 @@ void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m) {
         const dm_scaled r = now[roots[i].t];
         roots[i] = (dm_scaled){roots[i].c * r.c, r.t};
     }
+    return x->shared;
 }

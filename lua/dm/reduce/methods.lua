@@ -27,11 +27,13 @@ local run, run_doc = core.method("dm.solver", "run")
 -- a run of a reduced system that fails says what of the reduction is in the way
 local function guarded(solver, options)
   local routh = package.loaded["dm.reduce.routh"]
-  if routh and blame.try(function() return solver.system end) and routh.info(solver.system) then
+  local fine, system = blame.try(function() return solver.system end)
+  if not (fine and system) then return run(solver, options) end
+  if routh and routh.info(system) then
     return require "dm.reduce.run.failure".run(run, solver, options)
   end
   local independent = package.loaded["dm.measure.independent"]
-  if independent then return independent.look(solver.system, run(solver, options)) end
+  if independent then return independent.look(system, run(solver, options)) end
   return run(solver, options)
 end
 

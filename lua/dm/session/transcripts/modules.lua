@@ -242,7 +242,15 @@ M["core.field_masses"] = [=[
 > field = K:field { form = 0, L = function(u, v)
 >>   return v:dot(v)/2 - K:sum(1, function(e) return (e[2] - e[1])^2/2 end, u) end }
 > core.field_masses(field)
-[0.5, 0.5]]=]
+[0.5, 0.5]	nil]=]
+
+M["core.field_is_timed"] = [=[
+> core = require "dm.core"
+> K = dm.mesh { simplices = { { 1, 2 } }, points = { { 0 }, { 1 } } }
+> field = K:field { form = 0, L = function(u, v)
+>>   return v:dot(v)/2 - K:sum(1, function(e) return (e[2] - e[1])^2/2 end, u) end }
+> core.field_is_timed(field)
+false]=]
 
 M["core.field_system"] = [=[
 > core = require "dm.core"
