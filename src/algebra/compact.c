@@ -2,8 +2,8 @@
  * powers (terms.h), rewritten there, and written back; what comes out is counted, and the
  * cheapest form found is taken, which may be the one that was there. Three roads are followed as
  * long as they gain: from the roots as they are, and from expanded forms, in which like terms
- * meet and sin^2 + cos^2 = 1 is seen; sums that others share are opened in them, or not. Kernels are what pays for an expression, so this runs
- * before each is made.
+ * meet and sin^2 + cos^2 = 1 is seen; sums that others share are opened in them, or not. Kernels
+ * are what pays for an expression, so this runs before each is made.
  *
  * A compacted graph is one of its own, with its nodes in the order of a walk from the roots. So
  * what else the first graph holds makes no difference, and all kernels of the same roots round

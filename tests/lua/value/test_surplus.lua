@@ -76,7 +76,8 @@ do
   raises("a surplus argument: path:momentum(action)", path.momentum, path, plane, { block = 2 })
   local Ld = dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(a, b) return (b - a):dot(b - a) / 0.2 end }
   raises("unknown field 'action'", Ld.momentum, Ld, dm.SO(2), { 1, 0 }, { 0, 1 }, { action = turn })
-  raises("bad argument #5 to 'momentum' (a surplus", Ld.momentum, Ld, plane, { 1, 0 }, { 0, 1 }, 7)
+  raises("has no time", Ld.momentum, Ld, plane, { 1, 0 }, { 0, 1 }, 7)
+  raises("bad argument #5 to 'momentum' (a surplus", Ld.momentum, Ld, plane, { 1, 0 }, { 0, 1 }, 7, 8)
   local body = dm.system { Q = dm.SO(3), L = function(_, xi) return xi:dot(xi) / 2 end }
   local turned = body:solver { rule = "lie(1)", h = 0.1 }
     :run { q = dm.SO(3):identity(), v = { 1, 0, 0 }, steps = 2 }

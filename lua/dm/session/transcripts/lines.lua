@@ -173,7 +173,8 @@ M["strip.follows"] = [=[
 > function cell(k) return function(a, b, x, t)
 >>   local rate, slope = (b - a)/t[2], b[2] - b[1]
 >>   return t[2]*(rate:dot(rate)/4 - k*slope^2) end end
-> s = core.strip(cell(1), { values = 1, cells = 2, held = {0, 0, 0}, place = {0, 1}, absorbs = {0, 0} })
+> s = core.strip(cell(1), { values = 1, cells = 2, held = {0, 0, 0}, place = {0, 1},
+>>   absorbs = {0, 0} })
 > s:follows(cell(1)), s:follows(cell(2))
 true	false]=]
 
