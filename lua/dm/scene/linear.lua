@@ -223,7 +223,7 @@ local function model_of(problem, options)
   if not A then return nil end
   local parts = flow.solve(A, z, eigenvalues(A, n, marks), N)
   if not parts then return nil end
-  local rows, states = modes.sensitivities(problem, q), 0
+  local rows, states = modes.sensitivities(problem, q, motion(problem, q, parts)), 0
   local left = modes.largest(parts, function(part) return seen(problem, part, rows) end)
   for _, part in ipairs(left) do states = states + part.count end
   return modes.solved(problem, options, math.min(n, max(1, (states + 1) // 2)),

@@ -45,10 +45,25 @@ local function is_finite(row)
   return sum == 0
 end
 
---- Rows of all watched numbers by q and v at an equilibrium q and at the start, where what bends
--- (an energy) does not vanish: { row =, tolerance = }.
-function M.sensitivities(problem, q)
-  local n, out = problem.n, {}
+-- times at which a motion is looked at, in parts of the whole: in step with nothing
+local LOOKS = { 0.0131, 0.0557, 0.1459, 0.2361, 0.3820, 0.6180, 0.8541, 0.9757 }
+
+-- states q, v, t by which sensitivities are taken: an equilibrium, the start, and along the motion
+local function places_of(problem, q, motion)
+  local out = { { q, core.zeros(problem.n), problem.t0 }, { problem.q, problem.v, problem.t0 } }
+  for _, part in ipairs(LOOKS) do
+    local t = problem.t0 + part * problem.T
+    local x, v = motion(t)
+    out[#out + 1] = { x, v, t }
+  end
+  return out
+end
+
+--- Rows of all watched numbers by q and v at an equilibrium q, at the start and along a motion q, v
+-- = motion(t), where what bends (an energy, a distance squared) does not vanish: { row =,
+-- tolerance = }.
+function M.sensitivities(problem, q, motion)
+  local n, out, places = problem.n, {}, places_of(problem, q, motion)
   local slope = core.derivative(problem.L, n, n, "number")
   for name, f in pairs(problem.watched) do
     local g = core.trace(function(x, v, t)
@@ -56,9 +71,9 @@ function M.sensitivities(problem, q)
       for i = 1, n do p[i] = s[n + i] end
       return f(x, v, t, core.vector(p))
     end, n, n, "number")
-    for _, place in ipairs { { q, core.zeros(n) }, { problem.q, problem.v } } do
+    for _, place in ipairs(places) do
       -- where it has no derivative, as a distance at its zero, the other one tells
-      local fine, J = blame.try(g.jacobian, g, place[1], place[2], problem.t0)
+      local fine, J = blame.try(g.jacobian, g, place[1], place[2], place[3])
       for i = 1, fine and J.rows or 0 do
         if is_finite(J[i]) then
           out[#out + 1] = { row = J[i],
@@ -194,13 +209,19 @@ function M.solved(problem, options, size, motion, words)
   return out
 end
 
-local function solved_modes(problem, options, q, modes, all)
+-- q and v of some modes as functions of time
+local function motion_of(problem, q, modes)
   local state = lifted(problem, q, modes)
-  return M.solved(problem, options, #modes, function(t)
+  return function(t)
     local y, w = {}, {}
     for k, mode in ipairs(modes) do y[k], w[k] = exact_mode(mode, t - problem.t0) end
     return state(y, w)
-  end, ("linear about an equilibrium, %d of %d modes, solved"):format(#modes, all))
+  end
+end
+
+local function solved_modes(problem, options, q, modes, all)
+  return M.solved(problem, options, #modes, motion_of(problem, q, modes),
+    ("linear about an equilibrium, %d of %d modes, solved"):format(#modes, all))
 end
 
 --- Of a list of parts of a motion as few as are needed: the others add up to less than is seen,
@@ -237,7 +258,7 @@ function M.models(problem, options)
     local q, pull, K, mass = equilibrium.near(problem.q, pull_of(problem, L))
     if not q then return {} end
     local modes = modes_of(problem, q, pull, K, mass)
-    local rows = M.sensitivities(problem, q)
+    local rows = M.sensitivities(problem, q, motion_of(problem, q, modes))
     local left = M.largest(modes, function(mode) return seen(problem, rows, mode) end)
     local stepped = options.rules or options.frame
     return { (stepped and model_with or solved_modes)(problem, options, q, left, n) }

@@ -100,4 +100,20 @@ local turned = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return (v:
   force = function(_, v) return { -0.1 * v[1] + v[2], -0.1 * v[2] - v[1] } end }, q = { 1, 0 }, v = { 0, 1 }, t0 = 1e6, until_t = 1e6 + 20,
   watch = { r = function(q) return q:norm() end }, tolerance = 1e-7 }
 tap.ok(turned:run().error_estimate <= 1e-7 and turned.best.rule == "exact", "a distance, far from t = 0", tostring(turned))
+-- what bends, where at rest and at the start it feels one of two coordinates: w = 2, with and without drag 2 c v
+for name, f in pairs { ["r^2"] = function(x, y) return x * x + y * y end, ["x y"] = function(x, y) return x * y end } do
+  for _, c in ipairs { 0, 0.05 } do
+    local d, worst, at = sqrt(4 - c * c), 0, {}
+    for i = 1, 500 do at[i] = 20 * i / 500 end
+    local scene = dm.scene { dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 2 * q:dot(q) end,
+      force = c > 0 and function(_, v) return -2 * c * v end or nil }, q = { 1, 0 }, v = { 0, 0.7 }, until_t = 20, tolerance = 1e-7,
+      watch = { it = function(q) return f(q[1], q[2]) end } }
+    local it = scene:run({ at = at }):column "it"
+    for i, t in ipairs(at) do
+      local x, y = exp(-c * t) * (cos(d * t) + c / d * sin(d * t)), exp(-c * t) * 0.7 / d * sin(d * t)
+      worst = max(worst, abs(it[i] - f(x, y)))
+    end
+    tap.ok(scene.best.rule == "exact" and worst < 1e-11, name .. " of two modes is solved, drag " .. c, worst, tostring(scene))
+  end
+end
 tap.done()
