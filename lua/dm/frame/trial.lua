@@ -26,6 +26,7 @@ local ON_SECTION = 6     -- samples of which one must lead to the section
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
 local PUSHES = { 1, 2.5, 0.5, 3.1 }     -- of vectors of the algebra whose exp moves them
+local AGAIN = { 3, 2 }   -- of them, by dim G, for every sample that has a root
 local FAR = 1e3          -- entries beyond which digits are missing
 local VALID = 1e-9       -- how far an element may be from the group
 local NUDGE = 1e-7       -- of points, relative
@@ -234,7 +235,7 @@ local function large(G, seed)
   return other and kit.compose(other, h) or h
 end
 
--- The frame at sample `seed` and where a large element moves it; nothing where nothing is told, and
+-- The frame at sample `seed` and where large elements move it; nothing where nothing is told, and
 -- why: what the formula raises, or why there is no root; true: the sample is outside of the domain
 local function try(trial, seed)
   local frame = trial.frame
@@ -242,10 +243,12 @@ local function try(trial, seed)
   if not list then return nil, nil, true end
   local a, why = frame_of(trial, list)
   if not a then return nil, why end
-  local h = large(frame.group, seed)
-  local pushed = moved(frame, h, list)
-  local b = pushed and frame_of(trial, pushed)
-  if b then check_equivariance(frame, h, list, pushed, a, b, seed) end
+  for again = 1, not frame.solution and AGAIN[frame.r] or 1 do
+    local h = large(frame.group, seed + again - 1)
+    local pushed = moved(frame, h, list)
+    local b = pushed and frame_of(trial, pushed)
+    if b then check_equivariance(frame, h, list, pushed, a, b, seed) end
+  end
   return a
 end
 

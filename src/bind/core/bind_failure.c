@@ -63,6 +63,15 @@ static void push_advice(lua_State *L, const dml_failure *f) {
     }
 }
 
+const char dml_failure_fading[] =
+    "a value of d2L/dv2 goes to zero there, behind which the momentum determines no velocity near "
+    "this one: a fold of the momentum, where motions end, or a pole of the coordinates; "
+    "solver:singularities shows it";
+
+int dml_failure_fades(int fading, dm_status status) {
+    return fading && (status == DM_NO_CONVERGENCE || status == DM_SINGULAR);
+}
+
 static void set_number(lua_State *L, const char *key, double x) {
     lua_pushnumber(L, x);
     lua_setfield(L, -2, key);

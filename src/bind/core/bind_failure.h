@@ -19,6 +19,10 @@ typedef struct {
         *root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */
 } dml_failure;
 
+/* why a step failed where d2L/dv2 was about to lose a value, and did it fail so? */
+extern const char dml_failure_fading[];
+int dml_failure_fades(int fading, dm_status status);
+
 /* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the path so far
  * is the value at stack index `path` (0: none). */
 void dml_fail(lua_State *L, const dml_failure *f, int path);

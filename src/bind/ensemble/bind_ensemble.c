@@ -1,6 +1,7 @@
 /* bind_ensemble.c - the `dm.ensemble` that members of solver:ensemble{} end in: what can be
  * asked of it. */
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/core/bind_failure.h"
 #include "bind/model/space_group.h"
 #include "bind/trace/backend.h"
 #include "code/native/jit.h"
@@ -164,15 +165,18 @@ static long count_failed(const ensemble *e) {
     return failed;
 }
 
-/* why member i of the ensemble at 1 has no start, else what its status means */
-static void push_message(lua_State *L, long i, dm_status status) {
-    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_MESSAGES) == LUA_TTABLE) {
+int dml_ensemblereason(lua_State *L, int at, long i) {
+    const ensemble *e = luaL_checkudata(L, at, DML_ENSEMBLE);
+    const dm_member *m = e->member + i;
+    if (lua_getiuservalue(L, at, DML_ENSEMBLE_MESSAGES) == LUA_TTABLE) {
         lua_rawgeti(L, -1, i + 1);
         lua_remove(L, -2);
     }
-    if (lua_type(L, -1) == LUA_TSTRING) return;
+    if (lua_type(L, -1) == LUA_TSTRING) return 1;
     lua_pop(L, 1);
-    lua_pushstring(L, dm_status_text(status));
+    if (!dml_failure_fades(m->fading, m->status)) return 0;
+    lua_pushfstring(L, "%s: %s", dm_status_text(m->status), dml_failure_fading);
+    return 1;
 }
 
 /* e:failures() -> { {member =, code =, step =}, ... } */
@@ -187,7 +191,7 @@ static int ensemble_failures(lua_State *L) {
         lua_pushinteger(L, i + 1), lua_setfield(L, -2, "member");
         lua_pushstring(L, dm_status_code(e->member[i].status)), lua_setfield(L, -2, "code");
         lua_pushinteger(L, e->member[i].steps + 1), lua_setfield(L, -2, "step");
-        push_message(L, i, e->member[i].status);
+        if (!dml_ensemblereason(L, 1, i)) lua_pushstring(L, dm_status_text(e->member[i].status));
         lua_setfield(L, -2, "message");
         lua_rawseti(L, -2, ++count);
     }

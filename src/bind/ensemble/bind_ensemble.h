@@ -46,6 +46,10 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
 /* ensemble:path(i) */
 int dml_ensemble_path(lua_State *L);
 
+/* Push what is known of why member i of the ensemble at `at` failed, beyond its status; 0: nothing
+ * is, and nothing was pushed. */
+int dml_ensemblereason(lua_State *L, int at, long i);
+
 /* Sources of numbers for members: field `key` of the table at `arg`, a function of the member's
  * number or a table, matrix or vector with an entry for each. check: raises unless it is one.
  * push: what it has for member i (from 0). */

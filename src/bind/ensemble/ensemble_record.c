@@ -7,7 +7,8 @@
 
 /* Of a member: its length in bytes (u32, itself left out), then status (i32), rows (u32), steps
  * (i64), where members have steps of their own h (f64), steps to be made (i64), steps a row (i64),
- * then the values that vary, the state, the rows (f64 each), and why it has no start (text). */
+ * then the values that vary, the state, the rows (f64 each), and what is known of why it has no start
+ * or failed (text). */
 typedef struct {
     int32_t status;
     uint32_t rows;
@@ -43,13 +44,9 @@ static double *state_of(const record *r, long i) {
     return r->e->state + (size_t)i * dm_state_size(r->e->n);
 }
 
-/* Push why member i has no start, or "". */
+/* Push what is known of why member i failed, or "". */
 static const char *push_reason(lua_State *L, const record *r, long i, size_t *length) {
-    if (lua_getiuservalue(L, r->at, DML_ENSEMBLE_MESSAGES) == LUA_TTABLE) {
-        lua_rawgeti(L, -1, i + 1);
-        lua_remove(L, -2);
-    }
-    if (lua_type(L, -1) != LUA_TSTRING) lua_pop(L, 1), lua_pushliteral(L, "");
+    if (!dml_ensemblereason(L, r->at, i)) lua_pushliteral(L, "");
     return lua_tolstring(L, -1, length);
 }
 
@@ -127,7 +124,7 @@ static int like(lua_State *L) {
     return 1;
 }
 
-/* Member i has no start, as the text says; "" is no reason. */
+/* Member i failed, as the text says; "" is no reason. */
 static void keep_reason(lua_State *L, const record *r, long i, const char *text, size_t length) {
     if (length == 0) return;
     if (lua_getiuservalue(L, r->at, DML_ENSEMBLE_MESSAGES) != LUA_TTABLE) {

@@ -6,18 +6,14 @@
 
 /* a step that failed since d2L/dv2 was about to lose a value, not its constraints */
 static int fades(const dml_stepping *r, dm_status status) {
-    return r->fading && !r->stepper.report.dependent &&
-           (status == DM_NO_CONVERGENCE || status == DM_SINGULAR);
+    return !r->stepper.report.dependent && dml_failure_fades(r->fading, status);
 }
 
 /* what the method itself knows of it, or NULL */
 static const char *why_of(const dml_stepping *r, dm_status status) {
     dm_stepper s = r->stepper;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
-    if (fades(r, status))
-        return "a value of d2L/dv2 goes to zero there, behind which the momentum determines no "
-               "velocity near this one: a fold of the momentum, where motions end, or a pole of "
-               "the coordinates; solver:singularities shows it";
+    if (fades(r, status)) return dml_failure_fading;
     if (status == DM_NO_CONVERGENCE && r->control)
         return isnan(r->control->place)
                    ? "no step is short enough there: a singularity of the motion, such as a "

@@ -105,16 +105,17 @@ static void run_alone(dm_hand *x, long i) {
     x->ended[i] = 1;
 }
 
-/* Has member i gone over a change of inertia? Then it runs again alone, up to that step. */
-static int has_crossed(dm_hand *x, long i) {
+/* Has member i gone over a change of inertia in the steps that are done, in lanes still? Then it
+ * runs again alone, up to that step. `failed`: in the one after these. */
+static int has_crossed(dm_hand *x, long i, long done, int failed) {
     dm_inertia *inertia = inertia_of(x, i);
     double *now = x->b->lanes.alone;
-    if (!inertia || x->done == 0) return 0;
-    const int one = x->done == inertia->seen.looked + 1;
+    if (!inertia || done == 0) return 0;
+    const int one = !failed && done == inertia->seen.looked + 1;
     const int steep = one && dm_inertia_is_steep(inertia), open = one && inertia->seen.open;
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
-    const double t = dm_hand_time(x, i, now, x->done);
-    int over = dm_inertia_look(inertia, now, t, x->done);
+    const double t = dm_hand_time(x, i, now, done);
+    int over = dm_inertia_look(inertia, now, t, done);
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));
     x->seen[i] = inertia->seen;
@@ -152,12 +153,15 @@ static void repeat_alone(dm_hand *x, long i, double t, long count) {
 /* member i failed, as the method says, in the step after those that it has done of a burst */
 static void leave(dm_hand *x, long i) {
     const dm_lanes *lanes = &x->b->lanes;
-    if (has_crossed(x, i)) {
+    const long done = x->done + lanes->done[i];
+    if (has_crossed(x, i, done, 1)) {
         x->alive--;
         return;
     }
-    *dm_hand_member(x, i) =
-        (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
+    const dm_inertia *inertia = inertia_of(x, i);
+    *dm_hand_member(x, i) = (dm_member){.status = lanes->failed[i],
+                                        .steps = done,
+                                        .fading = inertia && dm_inertia_is_fading(inertia)};
     dm_lanes_get(lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     x->alive--;
     dm_hand_choose(x, i);
@@ -214,7 +218,7 @@ static void advance(dm_hand *x, long count, int last) {
 
 /* member i goes no further */
 static void end(dm_hand *x, long i, dm_status status) {
-    if (status == DM_OK && has_crossed(x, i)) return;
+    if (status == DM_OK && has_crossed(x, i, x->done, 0)) return;
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     *dm_hand_member(x, i) = (dm_member){.status = status, .steps = x->done};
     if (status == DM_OK) dm_hand_look_beside(x, i, dm_hand_state(x, i), x->done);
@@ -225,7 +229,8 @@ static void end(dm_hand *x, long i, dm_status status) {
 static void end_crossed(dm_hand *x) {
     const long before = x->alive;
     for (long i = 0; i < x->count && x->b->inertia; i++)
-        if (dm_hand_runs(x, i) && x->done >= x->seen[i].due && has_crossed(x, i)) x->alive--;
+        if (dm_hand_runs(x, i) && x->done >= x->seen[i].due && has_crossed(x, i, x->done, 0))
+            x->alive--;
     if (x->alive < before) dm_hand_pad(x);
 }
 

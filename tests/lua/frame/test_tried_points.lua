@@ -41,6 +41,22 @@ for i = 1, 50 do
 end
 ok(found >= 35, "a section of slope 50 from most points", found)
 
+-- orbits that are no circles and cut a section at two places far apart: e^2g x^2 + e^-2g z^2 = 4
+-- where |x z| < 2
+local weights = dm.action { group = dm.R(1), on = dm.R(3), domain = function(z) return z[1] end,
+  map = function(g, z)
+    local e = dm.exp(g[1])
+    return { e * z[1], e ^ 2 * z[2], z[3] / e }
+  end }
+local function weighted(section, branch)
+  return dm.moving_frame { action = weights, cross_section = section, branch = branch }
+end
+local function far(z) return z[1] ^ 2 + z[3] ^ 2 - 4 end
+raises("cuts the cross-section more than once", weighted, far)
+raises("branch holds at both", weighted, far, function(z) return z[2] ^ 2 + 1 end)
+near(weighted(far, function(z) return z[1] ^ 2 - z[3] ^ 2 end) { 2 * math.exp(3), 1, 0 }[1], -3,
+  1e-13, "the root on the branch")
+
 -- a stop passes through everything that is tried, also in a function of the user that spins
 local rest = frame(first)
 local function stopped(name, f, ...)
