@@ -7,8 +7,7 @@
 
 /* Of a member: its length in bytes (u32, itself left out), then status (i32), rows (u32), steps
  * (i64), where members have steps of their own h (f64), steps to be made (i64), steps a row (i64),
- * then the values that vary, the state, the rows (f64 each), and what is known of why it has no start
- * or failed (text). */
+ * then the values that vary, the state, the rows (f64 each), and why it failed (text). */
 typedef struct {
     int32_t status;
     uint32_t rows;

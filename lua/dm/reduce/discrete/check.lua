@@ -104,15 +104,15 @@ local function defect(D, x0, x1, theta, psi)
   return worst, at and D.info.names[at], at and p0[at], at and p1[at]
 end
 
-local PLACES = { 0, 0.9, -2.1 } -- of theta at q0, where Ld is looked at
+local PLACES = { 0, 0.9, -2.1 } -- of theta at q0, where Ld is looked at, and one of check.AWAY
 
--- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group, at a point of L?
-local function check_symmetry(D, p)
+-- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group, at point k of L?
+local function check_symmetry(D, p, far)
   local info, y, psi, places = D.info, {}, {}, {}
   local x, u = model.split(info, p.q), model.split(info, p.v)
   for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
   for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
-  for k, place in ipairs(PLACES) do
+  for k, place in ipairs { PLACES[1], PLACES[2], PLACES[3], far } do
     places[k] = {}
     for a = 1, info.m do places[k][a] = a * place end
   end
@@ -151,7 +151,9 @@ end
 
 --- Raises where D.Ld has not the symmetry of the shape, or is of another system.
 function M.given(D, full)
-  for _, p in ipairs(D.info.points) do check_symmetry(D, p) end
+  for k, p in ipairs(D.info.points) do
+    check_symmetry(D, p, check.AWAY[(k - 1) % #check.AWAY + 1])
+  end
   check_system(D, full, points_of(D.info))
 end
 

@@ -18,14 +18,19 @@ local function generator()
   end
 end
 
--- a point near `at`, or anywhere: the first tries are positive and below 1, then larger ones of
--- either sign
+-- tries near a start, or below 1, and what these are multiplied with then
+local NEAR, FARTHER = 8, { 2.5, 0.4, 6, 1.6 }
+
+-- a point near `at` or farther out, or anywhere: most tries are positive and below 1, then
+-- larger ones of either sign
 local function point(random, try, n, at)
-  local out = {}
+  local out, times = {}, FARTHER[try - NEAR] or 1
   for i = 1, n do
     local r = random()
     if at then
-      out[i] = at[i] + (try == 1 and 0 or 0.1 * r)
+      out[i] = times * at[i] + (try == 1 and 0 or 0.1 * r)
+    elseif times ~= 1 then
+      out[i] = times * (0.9 + 0.5 * r)
     elseif try <= TRIES // 2 then
       out[i] = 0.4 + 0.35 * r
     else
@@ -35,7 +40,7 @@ local function point(random, try, n, at)
   return out
 end
 
---- Points (q, v, t) at which f(q, v, t) is finite, at most `enough` (ENOUGH) of them; near the
+--- Points (q, v, t) at which f(q, v, t) is finite, at most `enough` (ENOUGH) of them; about the
 -- start where one is given.
 function M.points(n, f, start, enough)
   local random, out = generator(), {}
@@ -73,20 +78,39 @@ local function place(info, p)
   return at { q = q, v = v, t = p.t }
 end
 
+-- how far the group coordinates are moved from where a point has them, one or the other by turns
+local AWAY = { 1, -2.6, 4.3, -5.9, 8.1, -11.7, 19, -37 }
+
+-- q of point k with the group coordinates somewhere else, and how far
+local function moved(info, p, k)
+  local q, by = {}, AWAY[(k - 1) % #AWAY + 1]
+  for i = 1, info.n do q[i] = p.q[i] end
+  for a, i in ipairs(info.cyclic) do q[i] = q[i] + by * (0.7 + 0.3 * a) end
+  return core.vector(q), by
+end
+M.AWAY = AWAY
+
 local NO_SYMMETRY = "L is not invariant under the action: it changes by %.6g along '%s' at %s"
 
---- dL/dtheta = 0 at all points; slope(q, v, t) is the gradient of L.
-function M.lagrangian(info, slope)
-  for _, p in ipairs(info.points) do
-    local g, size = slope(p.q, p.v, p.t), 1
-    for i = 1, 2 * info.n do size = max(size, abs(g[i])) end
-    for _, i in ipairs(info.cyclic) do
-      if abs(g[i]) > TOLERANCE * size then
-        if info.ambient then error(NO_SYMMETRY:format(g[i], info.names[i], place(info, p)), 0) end
-        error(("L is not invariant under translations of '%s': dL/d%s = %.6g at %s")
-          :format(info.names[i], info.names[i], g[i], at(p)), 0)
-      end
+-- dL/dtheta = 0 at a point
+local function check_slope(info, slope, p)
+  local g, size = slope(p.q, p.v, p.t), 1
+  for i = 1, 2 * info.n do size = max(size, abs(g[i])) end
+  for _, i in ipairs(info.cyclic) do
+    if abs(g[i]) > TOLERANCE * size then
+      if info.ambient then error(NO_SYMMETRY:format(g[i], info.names[i], place(info, p)), 0) end
+      error(("L is not invariant under translations of '%s': dL/d%s = %.6g at %s")
+        :format(info.names[i], info.names[i], g[i], at(p)), 0)
     end
+  end
+end
+
+--- dL/dtheta = 0 at all points, where the group has moved them too; slope(q, v, t) is the gradient
+-- of L.
+function M.lagrangian(info, slope)
+  for k, p in ipairs(info.points) do
+    check_slope(info, slope, p)
+    check_slope(info, slope, { q = moved(info, p, k), v = p.v, t = p.t })
   end
 end
 
@@ -99,18 +123,10 @@ local function numbers(value)
 end
 M.numbers = numbers
 
--- q with the group coordinates somewhere else
-local function moved(info, p)
-  local q = {}
-  for i = 1, info.n do q[i] = p.q[i] end
-  for a, i in ipairs(info.cyclic) do q[i] = q[i] + 0.7 + 0.3 * a end
-  return core.vector(q)
-end
-
 local function compare(what, f, info, read)
-  for _, p in ipairs(info.points) do
+  for k, p in ipairs(info.points) do
     local fine, a, b = blame.try(function()
-      return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p), p.v, p.t))
+      return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p, k), p.v, p.t))
     end)
     for i = 1, fine and #a or 0 do
       if abs(a[i] - b[i]) > TOLERANCE * max(1, abs(a[i])) then
