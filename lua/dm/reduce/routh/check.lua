@@ -79,7 +79,7 @@ local function place(info, p)
 end
 
 -- how far the group coordinates are moved from where a point has them, one or the other by turns
-local AWAY = { 1, -2.6, 4.3, -5.9, 8.1, -11.7, 19, -37 }
+local AWAY = { 1, -2.6, 4.3, -5.9, 8.1, -11.7, 29, -37 }
 
 -- q of point k with the group coordinates somewhere else, and how far
 local function moved(info, p, k)
