@@ -325,6 +325,22 @@ static dm_status advance(loop *l, long end) {
     return x ? DM_OK : advance_plainly(l, end);
 }
 
+/* Rows before a state that is saved are in the file before it is, since a run that goes on from
+ * there adds to them. One that its next step has a part of waits, first in the block. */
+static dm_status save(loop *l) {
+    const dm_outlet *out = l->plan->outlet;
+    const long held = l->rows_done - l->flushed, whole = l->open ? held - 1 : held;
+    if (out && whole > 0) {
+        const dm_status status = out->flush(out->ud, l->rows, whole);
+        if (status != DM_OK) return status;
+        const size_t size = width(l) * (size_t)whole;
+        memmove(l->rows, l->rows + size, width(l) * (size_t)(held - whole) * sizeof(double));
+        if (l->open) l->open -= size;
+        l->flushed += whole;
+    }
+    return l->plan->save(l->plan->ud, l->done);
+}
+
 /* look at the clock: tell the progress, save, fit the burst to LOOK */
 static dm_status look(loop *l) {
     dm_status status = DM_OK;
@@ -334,7 +350,7 @@ static dm_status look(loop *l) {
         l->told = t;
     }
     if (l->plan->save && t - l->saved >= l->plan->save_every) {
-        status = l->plan->save(l->plan->ud, l->done);
+        status = save(l);
         l->saved = t;
     }
     if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= took < 0.05 * LOOK ? 8 : 2;

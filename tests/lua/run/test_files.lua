@@ -117,6 +117,20 @@ local data = dm.load(file)
 ok(#data.t > 4000 and math.abs(data.t[#data.t] - 0.05 * (#data.t - 1)) < 1e-6,
   "rows of a killed run are there", #data.t)
 
+-- rows before a checkpoint are in the file when it is written, so that a killed run goes on
+-- without a gap, also where its block of rows was far from full
+spit(at "child.lua", ([[local dm = require "dm"
+local k = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+k:solver { rule = "verlet", h = .01 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1e10, every = 1e5,
+  file = "%s", checkpoint = { file = "%s", every = .05 } }]]):format(file, at "killed"))
+os.execute(("timeout -s KILL 1.5 '%s' %s >/dev/null 2>&1"):format(arg[-1], at "child.lua"))
+local further = dm.resume(at "killed", kepler):run { steps = 1e5, every = 1e5, file = file }
+data = dm.load(file)
+local gap = 0
+for i = 2, #data.t do gap = math.max(gap, data.t[i] - data.t[i - 1]) end
+ok(#data.t > 3 and gap < 1000 * (1 + 1e-9) and data.t[#data.t] == further.t[#further],
+  "no row of a killed run is missing before its checkpoint", ("%d, %g"):format(#data.t, gap))
+
 -- a resumed run adds to its file, and takes back rows that are later than its checkpoint
 os.remove(file)
 local gauss = kepler:solver { rule = "gauss(2)", h = 0.05 }
