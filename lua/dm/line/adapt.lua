@@ -115,7 +115,7 @@ end
 -- z moves until the gradient is round-off; held: marks of what stays
 local function minimize(p, z, held)
   local shift, energy, last = 0, energy_of(p, z), math.huge
-  if energy ~= energy then fail("W or f is NaN on the first knots") end
+  if energy - energy ~= 0 then fail("W or f is not finite on the first knots") end
   for k = 1, MOST do
     local slope, H = system_of(p, z, held)
     local size, scale = norm(slope), blocks.largest(H)
@@ -210,6 +210,23 @@ local function is_exact(p, z, finer)
   return math.abs(a - b) <= 1e-13 * (math.abs(a) + math.abs(b)) + 1e-300
 end
 
+local function read_ends(ends)
+  local list = type(ends) == "table"
+  for side = 1, 2 do
+    local u = list and ends[side]
+    if not (u == "free" or type(u) == "number" and u - u == 0) then
+      fail("option 'ends' must be { u(from), u(to) }, numbers or \"free\" (got %s)",
+        option.got(list and u or ends))
+    end
+  end
+  for key in pairs(ends) do
+    if key ~= 1 and key ~= 2 then
+      fail("option 'ends' must be { u(from), u(to) }, and has '%s' beside", tostring(key))
+    end
+  end
+  return ends
+end
+
 local function read(options)
   option.check(options, KNOWN, "dm.adapt")
   for _, key in ipairs { "W", "x", "ends" } do
@@ -220,14 +237,7 @@ local function read(options)
   option.callable(options, "f", "dm.adapt", "x")
   local grid = require "dm.line.grid".read(options.x, "dm.adapt", "elements")
   if grid.periodic then fail("option 'x': knots of a ring have no ends") end
-  local ends = options.ends
-  for side = 1, 2 do
-    local u = type(ends) == "table" and ends[side]
-    if not (u == "free" or type(u) == "number" and u - u == 0) then
-      fail("option 'ends' must be { u(from), u(to) }, numbers or \"free\" (got %s)",
-        option.got(type(ends) == "table" and u or ends))
-    end
-  end
+  local ends = read_ends(options.ends)
   if ends[1] == "free" and ends[2] == "free" then
     fail("option 'ends': u is determined at one end at least")
   end

@@ -52,6 +52,8 @@ local layer = dm.adapt { W = half, f = function(x) return exp(-(1 - x) / e) / (e
 ok(layer.x[2] > 0.8, "knots gather at a layer", layer.x[2])
 near(layer.u[4], layer.x[4] - (exp(-(1 - layer.x[4]) / e) - exp(-1 / e)) / (1 - exp(-1 / e)), 1e-12, "values are those of the solution")
 raises("option 'ends'", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 0 } } end)
+raises("has '3' beside", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 0, 1, 2 } } end)
+raises("not finite on the first knots", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 1e300, -1e300 } } end)
 raises("u is determined at one end at least", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { "free", "free" } } end)
 raises("option 'W' is missing", function() dm.adapt { x = { 0, 1, 4 }, ends = { 0, 1 } } end)
 raises("is W convex", function() dm.adapt { W = function(s) return (s ^ 2 - 1) ^ 2 end, x = { 0, 1, 4 }, ends = { 0, 0 } } end)

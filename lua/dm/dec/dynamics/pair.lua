@@ -29,30 +29,61 @@ local function same_list(a, b, same)
   return true
 end
 
+local function is_plain(x) return type(x) == "table" and not getmetatable(x) end
+
+-- every entry of a is one of b, and b has no other
+local function same_table(a, b, same)
+  for key, x in pairs(a) do
+    if b[key] == nil or not same(x, b[key]) then return false end
+  end
+  for key in pairs(b) do
+    if a[key] == nil then return false end
+  end
+  return true
+end
+
 --- Are two points one? Numbers, texts and objects by ==, tables and vectors entry by entry.
 local function same(a, b)
   if rawequal(a, b) or a == b then return true end
-  local plain = type(a) == "table" and type(b) == "table" and not getmetatable(a)
-    and not getmetatable(b)
+  if is_plain(a) and is_plain(b) then return same_table(a, b, same) end
   local vectors = option.got(a) == "dm.vector" or option.got(b) == "dm.vector"
-  if plain or vectors and lists.count(a) and lists.count(b) then return same_list(a, b, same) end
-  return false
+  return (vectors and lists.count(a) and lists.count(b) and same_list(a, b, same)) or false
 end
 M.same = same
+
+local function has_nan(x)
+  if x ~= x then return true end
+  if is_plain(x) then
+    for _, entry in pairs(x) do
+      if has_nan(entry) then return true end
+    end
+  elseif option.got(x) == "dm.vector" then
+    for i = 1, #x do
+      if x[i] ~= x[i] then return true end
+    end
+  end
+  return false
+end
 
 -- NaN is no point: it would not even be its own identity
 local function check_point(x, number)
   if x == nil then
     fail("point %d is missing: dm.pair(a, b) takes a source and a target", number)
   end
-  if x ~= x then fail("point %d is NaN", number) end
+  if has_nan(x) then fail("point %d %s NaN", number, x ~= x and "is" or "has an entry that is") end
   return x
 end
 
+-- a list as {1, 2}, names behind it
 local function text(x)
-  if type(x) ~= "table" or getmetatable(x) then return tostring(x) end
-  local out = {}
-  for i, entry in ipairs(x) do out[i] = text(entry) end
+  if not is_plain(x) then return tostring(x) end
+  local out, names = {}, {}
+  for i = 1, #x do out[i] = text(x[i]) end
+  for key in pairs(x) do
+    if not (math.type(key) == "integer" and out[key]) then names[#names + 1] = key end
+  end
+  table.sort(names, function(a, b) return tostring(a) < tostring(b) end)
+  for _, key in ipairs(names) do out[#out + 1] = tostring(key) .. " = " .. text(x[key]) end
   return "{" .. table.concat(out, ", ") .. "}"
 end
 

@@ -111,5 +111,13 @@ raises("cannot be composed", function() return p * r end)
 raises("cannot be composed", function() return p:join(r) end)
 raises("point 2 is missing", dm.pair, 1)
 raises("NaN", dm.pair, 0 / 0, 1)
+-- points with names are one where every entry is
+local place = dm.pair(0, { x = 1, at = { 2 } })
+ok(place * dm.pair({ x = 1, at = { 2 } }, 3) == dm.pair(0, 3), "tables entry by entry")
+for _, other in ipairs { { x = 2, at = { 2 } }, { x = 1, at = { 3 } }, { x = 1 }, { x = 1, at = { 2 }, y = 0 }, {} } do
+  raises("cannot be composed: the target {at = {2}, x = 1}", function() return place * dm.pair(other, 3) end)
+end
+raises("point 1 has an entry that is NaN", dm.pair, { 1, { 0 / 0 } }, 1)
+raises("point 2 has an entry that is NaN", dm.pair, 1, dm.vector { 0, 0 / 0 })
 raises("two pairs are needed", function() return p * 3 end)
 tap.done()
