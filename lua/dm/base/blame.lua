@@ -22,7 +22,7 @@ local function is_misplaced(value)
     and (value.message:find(INSIDE) or not value.message:find(PLACE))
 end
 
--- functions that caller made, and those that stand for one of them in a class
+-- functions that caller made
 local wrapped = setmetatable({}, { __mode = "k" })
 
 -- class and name of a method
@@ -39,7 +39,7 @@ end
 -- what to say of a method that was called with something else in the place of its object, or
 -- nothing
 local function misused(f, object)
-  local class, name = find_method(f and wrapped[f])
+  local class, name = find_method(f)
   local meta = debug.getmetatable(object)
   if not class or type(meta) == "table" and meta.__name == class then return end
   local got = type(meta) == "table" and type(meta.__name) == "string" and meta.__name
@@ -116,22 +116,18 @@ end
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error
 -- values pass as they are.
 function M.caller(f)
-  local check = counter(function() return core.docs[wrapped[f]] or core.docs[f] end)
-  local function call(...)
+  local call
+  local check = counter(function() return core.docs[call] or core.docs[f] end)
+  function call(...)
     check(...)
-    return finish(f, (...), xpcall(f, explain, ...))
+    return finish(call, (...), xpcall(f, explain, ...))
   end
-  wrapped[f] = call
+  wrapped[call] = true
   return call
 end
 
 --- Is f one that M.caller made?
-function M.is_caller(f)
-  for _, call in pairs(wrapped) do
-    if call == f then return true end
-  end
-  return false
-end
+function M.is_caller(f) return wrapped[f] == true end
 
 -- the same around a method written in C, which puts a position in front itself: that of a function
 -- of the user stays alone

@@ -88,6 +88,9 @@ text = file:read "a"
 file:close()
 ok(text:find "<html" and not text:find 'src="http', "a page without a network")
 raises("ends in .html", function() wave:animate "x.txt" end)
+require "dm.line.boxes" -- its runs have the same method: messages are those of this one all the same
+raises("ends in .html", function() wave:animate "x.txt" end)
+raises("animate' (dm.line_run expected, got number)", function() wave.animate(3) end)
 raises("takes \"u\" or \"p\"", function() wave:plot "q" end)
 raises("rows from 1 to 3", function() wave:plot("u", { rows = { 4 } }) end)
 for _, f in ipairs(list) do os.remove(f) end
