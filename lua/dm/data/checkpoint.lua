@@ -4,7 +4,8 @@
 --   head, what         first line of its files; "a run on a line"
 --   where, name        "field:resume"; "the field": who goes on, in messages
 --   run, of            class of its runs, and their field that holds what they are runs of
---   same(model)        list of { key, value }: what must be the same where a run goes on
+--   same(model, run)   list of { key, value }: what must be the same where a run goes on; of what
+--                      the run was made with, or without a run of what the model is now
 --   ending(run)        list of { key, value }, list of vectors; nil, why: nothing goes on from it
 --   sizes(model, read) lengths of these vectors
 --   solver(model, read, vectors, options) -> a solver; read: the values, dm.data.checkpoint.Read
@@ -57,7 +58,7 @@ local function end_of(kind, run, where)
   local own, vectors = kind.ending(run)
   if not own then option.fail(where, "%s", vectors) end
   local fields, list = {}, {}
-  for _, some in ipairs { kind.same(run[kind.of]), own } do
+  for _, some in ipairs { kind.same(run[kind.of], run), own } do
     for _, entry in ipairs(some) do
       list[#list + 1], fields[entry[1]] = entry, written(entry[2])
     end
@@ -82,7 +83,7 @@ end
 local function check_same(kind, model, fields)
   for _, entry in ipairs(kind.same(model)) do
     if fields[entry[1]] ~= written(entry[2]) then
-      option.fail(kind.where, "%s is not the one of the checkpoint: its %s was %s and is %s",
+      option.fail(kind.where, "not %s of the checkpoint: its %s was %s and is %s",
         kind.name, entry[1], tostring(fields[entry[1]]), written(entry[2]))
     end
   end
@@ -106,7 +107,9 @@ local function from_file(kind, model, file, options)
   local fields = state_file.read(file, kind.head, kind.what, kind.where)
   check_same(kind, model, fields)
   local read = setmetatable({ fields = fields, from = file, where = kind.where }, Read)
-  return kind.solver(model, read, parts(read, fields.state, kind.sizes(model, read)), options)
+  local solver = kind.solver(model, read, parts(read, fields.state, kind.sizes(model, read)),
+    options)
+  return solver, fields
 end
 
 local function from_run(kind, model, run, options)
@@ -114,19 +117,30 @@ local function from_run(kind, model, run, options)
     option.fail(kind.where, "the run is not one of %s", kind.name)
   end
   local fields, _, vectors = end_of(kind, run, kind.where)
+  check_same(kind, model, fields)
   local copies = {}
   for k, part in ipairs(vectors) do copies[k] = core.vector(part) end
   local read = setmetatable({ fields = fields, from = "the run", where = kind.where }, Read)
-  return kind.solver(model, read, copies, options)
+  return kind.solver(model, read, copies, options), fields
 end
+
+local made = setmetatable({}, { __mode = "k" }) -- by solver: lines of what it goes on from
 
 --- The solver that goes on from a run or a file.
 function M.resume(kind, model, from, options)
-  if option.got(from) == kind.run then return from_run(kind, model, from, options) end
-  if type(from) ~= "string" then
+  local is_run = option.got(from) == kind.run
+  if not is_run and type(from) ~= "string" then
     option.fail(kind.where, "a run or the name of a file is needed (got %s)", option.got(from))
   end
-  return from_file(kind, model, from, options)
+  local solver, fields = (is_run and from_run or from_file)(kind, model, from, options)
+  made[solver] = {}
+  for _, entry in ipairs(kind.same(model)) do made[solver][entry[1]] = fields[entry[1]] end
+  return solver
+end
+
+--- Raises where the model is another one by now than that of the run that a solver goes on from.
+function M.check_still(kind, model, solver)
+  if made[solver] then check_same(kind, model, made[solver]) end
 end
 
 --- Raises where options of a run tell a start although it goes on from another one.

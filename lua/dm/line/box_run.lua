@@ -113,6 +113,7 @@ local function level_of(solver, options, plan)
   strips.follow(solver)
   if ending then
     checkpoint.check_options(options, { "z", "t0" })
+    checkpoint.check_still(require "dm.line.checkpoint".boxes, solver.boxes, solver)
     return { z = ending.u, u = ending.u, from = ending.from, slope = ending.slope, moved = {},
       strip = strips.new(solver, ending.slope) }
   end

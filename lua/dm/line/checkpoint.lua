@@ -50,10 +50,11 @@ M.field = {
   head = "dmlua line 1", what = "a run on a line", where = "field:resume", name = "the field",
   run = "dm.line_run", of = "field",
 
-  same = function(field)
+  same = function(field, run)
     return { { "from", field.from * 1.0 }, { "to", field.to * 1.0 }, { "cells", field.cells },
       { "periodic", field.periodic }, { "values", field.values }, { "fixed", sides(field.fixed) },
-      { "absorbing", sides(field.absorbing) }, { "L", fingerprint(sample.values_of(field)) } }
+      { "absorbing", sides(field.absorbing) },
+      { "L", fingerprint(run and run.level.values or sample.values_of(field)) } }
   end,
 
   ending = function(run)
@@ -91,13 +92,13 @@ M.boxes = {
   head = "dmlua boxes 1", what = "a run of boxes", where = "boxes:resume", name = "the boxes",
   run = "dm.box_run", of = "boxes",
 
-  same = function(boxes)
+  same = function(boxes, run)
     local gain = {}
     for c, name in ipairs(boxes.names) do if boxes.gain[c] then gain[#gain + 1] = name end end
     return { { "from", boxes.from * 1.0 }, { "to", boxes.to * 1.0 }, { "cells", boxes.cells },
       { "names", table.concat(boxes.names, ",") }, { "gain", table.concat(gain, ",") .. "." },
       { "M", of_matrix(boxes.M) }, { "K", of_matrix(boxes.K) },
-      { "S", fingerprint(sample.values_of_S(boxes)) } }
+      { "S", fingerprint(run and run.level.values or sample.values_of_S(boxes)) } }
   end,
 
   ending = function(run)

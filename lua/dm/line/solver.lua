@@ -215,6 +215,7 @@ end
 local function last_level(solver, options)
   local ending = solver.ending
   checkpoint.check_options(options, { "u", "ut", "p", "t0" })
+  checkpoint.check_still(require "dm.line.checkpoint".field, solver.field, solver)
   local strip, action
   if solver.moves then
     strip, action = M.strip(solver, ending.frozen)

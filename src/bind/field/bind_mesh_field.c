@@ -21,17 +21,6 @@ static int field_system(lua_State *L) {
     return 1;
 }
 
-/* core.field_masses(system): one for every entry of q, nil where the kinetic energy is of another
- * kind; why no rule steps them */
-static int field_masses(lua_State *L) {
-    const dml_system *s = dml_checksystem(L, 1);
-    const dml_model *m = dml_pushlast(L, 1, NULL);
-    if (!m->model.mass_matrix || !(m->model.structure & DM_CELLS)) return 0;
-    memcpy(dml_pushvector(L, s->n), m->model.mass_matrix, s->n * sizeof(double));
-    lua_pushstring(L, m->model.unfit);
-    return 2;
-}
-
 /* does a sum read t, input 2 n, in a column that its term depends on? */
 static int reads_time(const dm_sum *s, uint32_t n) {
     for (uint32_t c = 0; c < s->columns; c++)
@@ -49,22 +38,6 @@ static int field_is_timed(lua_State *L) {
     int timed = dm_depends(m->graph, &m->lagrangian, 1, 2 * n, 1);
     for (const dm_sum *s = dm_sums(m->graph); s; s = s->next) timed |= !s->work && reads_time(s, n);
     lua_pushboolean(L, timed);
-    return 1;
-}
-
-/* core.field_force(system, q, t): dL/dq at v = 0 */
-static int field_force(lua_State *L) {
-    const dml_system *s = dml_checksystem(L, 1);
-    const double t = luaL_optnumber(L, 3, 0.0);
-    dml_model *m = dml_pushlast(L, 1, NULL);
-    dml_want(L, m, DM_WANT_FORCE, NULL);
-    double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
-    memset(x, 0, (2 * (size_t)s->n + 1) * sizeof *x);
-    dml_vectorarg(L, 2, "q", x, s->n);
-    x[2 * (size_t)s->n] = t;
-    double *out = dml_pushvector(L, s->n);
-    dm_kernel_prepare(&m->model.force, out);
-    dm_kernel_eval(&m->model.force, x, out);
     return 1;
 }
 
@@ -150,15 +123,9 @@ static const dml_row functions[] = {
      "A system on R^Q whose L(q, v, t, params) gets nil for q and v while it is traced: sums over "
      "cells "
      "read them."},
-    {"field_masses", field_masses,
-     "core.field_masses(system) -> dm.vector or nil, text or nil\n"
-     "The mass of every value; nil where the kinetic energy is no sum of m v^2 / 2. The text says "
-     "why no rule steps these masses."},
     {"field_is_timed", field_is_timed,
      "core.field_is_timed(system) -> boolean\n"
      "Does L itself depend on t, whatever the forces beside it do?"},
-    {"field_force", field_force,
-     "core.field_force(system, q [, t]) -> dm.vector\nThe force dL/dq at v = 0."},
     {"field_check", field_check,
      "core.field_check(system, q [, t])\n"
      "Compare L, called with numbers, with its trace at q, v = 0, where it is finite; raises where "

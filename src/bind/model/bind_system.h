@@ -80,6 +80,7 @@ typedef struct {
         [DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
     dm_kernel constraint_kernel[DML_CONSTRAINT_FUNCTIONS]; /* the same for comparisons, once made */
     double *room;                      /* for their inputs and outputs, or NULL */
+    double *work_room;                 /* for forces of a checkpoint, or NULL */
     dm_constraints_traced constrained; /* all in one graph, NULL without any */
     uint32_t constraints_traced;       /* its nodes, before derivatives */
     dm_constraints constraints;

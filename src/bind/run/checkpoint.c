@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "bind/model/model_constraints.h"
 #include "bind/model/space_group.h"
+#include "chain/virtual_work.h"
 
 #include <errno.h>
 #include <math.h>
@@ -88,6 +89,28 @@ static double function_near(dml_model *m, double *x, const double *state, double
     return sum;
 }
 
+/* the same of forces on a field beside L, which no function of the system gives as it stands */
+static double work_near(dml_model *m, double *x, const double *state, double t) {
+    enum { CELLS = 16 }; /* at once */
+    const dm_work *w = m->model.work;
+    const uint32_t n = m->n, unit = w->values * CELLS;
+    double sum = 0.0;
+    if (!m->work_room)
+        m->work_room = dm_arena_take(m->arena, (unit + dm_work_room(w)) * sizeof *m->work_room);
+    if (!m->work_room) return NAN;
+    for (int k = 0; k < NEAR; k++) {
+        near(x, state, n, t, k, 0);
+        for (uint32_t i = 0; i < n; i += unit) {
+            const uint32_t count = n - i < unit ? n - i : unit;
+            double *f = m->work_room;
+            dm_work_force(w, f, NULL, NULL, x, i, count, f + unit);
+            for (uint32_t j = 0; j < count; j++)
+                sum += (1 + dm_random_uniform(4, DML_FORCE, i + j)) * (isfinite(f[j]) ? f[j] : 1.0);
+        }
+    }
+    return sum;
+}
+
 /* x: room for 2 n + 1 numbers */
 static void fingerprint(double check[DML_CHECKS], dml_model *m, double *x, const double *state,
                         double t, int pair) {
@@ -99,6 +122,7 @@ static void fingerprint(double check[DML_CHECKS], dml_model *m, double *x, const
     check[DML_CHECK_NEAR] = value_near(m, x, state, t, pair);
     for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++)
         check[DML_CHECK_FUNCTIONS + i] = function_near(m, x, state, t, pair, i);
+    if (m->model.work) check[DML_CHECK_FUNCTIONS + DML_FORCE] = work_near(m, x, state, t);
 }
 
 /* The fingerprint is made once: L is not called again for every save. */

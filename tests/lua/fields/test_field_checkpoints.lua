@@ -117,5 +117,36 @@ raises("its lengths was", function() flow(dm.mesh { simplices = ball:simplices(2
 raises("its vertices was 42", function() flow(dm.mesh { icosphere = 2 }):resume(name) end)
 raises("its own state", function() dm.resume(part):run { t = 3, t0 = 1 } end)
 raises("other columns", function() dm.resume(part):run { t = 1, file = arg[0] } end)
+
+---- L, forces and masses are those with which a run was made, not those of the day it is saved ----
+
+local k, c, m = 1, 0.1, 1
+local function changing(force)
+  return K:field { form = 0, force = force and function(_, V) return -c * V end or nil,
+    L = function(u, v) return m * v:dot(v) / 2 - k * u:d():dot(u:d()) / 2 end }
+end
+local from = { q = function(x, y) return x * y end, v = function() return 0 end }
+for _, case in ipairs { { "avi", { rule = "avi" }, 0.03, "L" }, { "prismal", { rule = dm.prismal { 0, 0.01, 0.02 } }, nil, "L" },
+  { "prismal", { rule = dm.prismal { 0, 0.01, 0.02 } }, nil, "L", true }, { "verlet", { rule = "verlet", h = 0.01 }, 0.03, "force", true },
+  { "midpoint", { rule = "midpoint", h = 0.01 }, 0.03, "force", true } } do
+  k, c, m = 1, 0.1, 1
+  local field = changing(case[5])
+  local run = field:solver(case[2]):run(with(from, { t = case[3] }))
+  local on = case[1] == "prismal" and { rule = dm.prismal { 0.02, 0.03 } } or nil
+  local function go(solver) return solver:run { t = case[3] } end
+  local function both(what)
+    run:checkpoint(name)
+    raises(what, function() go(dm.resume(name, field, on)) end)
+    raises(what, function() go(dm.resume(run, field, on)) end)
+  end
+  if case[5] then c = 0.5 else k = 2 end
+  both(case[4] .. " was")
+  k, c = 1, 0.1
+  if case[1] == "avi" then m = 2 both "masses was" m = 1 end
+  ok(ends_as(go(dm.resume(run, field, on)), go(dm.resume(name, field, on)), 1), case[1] .. ": and back")
+  local solver = dm.resume(run, field, on)
+  k, c = case[5] and 1 or 3, case[5] and 0.9 or 0.1
+  raises(case[4] .. " was", function() go(solver) end)
+end
 for _, file in ipairs { name, rows_file } do os.remove(file) end
 tap.done()

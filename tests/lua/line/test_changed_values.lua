@@ -108,4 +108,28 @@ hold = 1
 local oscillates = loose:run { z = { u = function() return 1 end, v = function() return 0 end }, steps = 10 }
 -- u'' = -u by the midpoint rule: the angle of a step is 2 atan(h/2)
 ok(math.abs(oscillates.u[11][4] - math.cos(20 * math.atan(0.05))) < 1e-13, "a constant that moves now")
+
+-- what a run goes on with is what it was made with, not what it was when it was saved
+local file = os.tmpname()
+local ring = dm.multisymplectic { x = { 0, 1, 21, periodic = true }, names = { "u", "v", "w" }, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } },
+  K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } }, S = function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 + k * z[1] ^ 2 / 2 end }
+local function wave(x) return sin(2 * pi * x) end
+for _, case in ipairs { { "L", of(function() return k end), start, {} }, { "L", of(function() return k end), start, { free = "x" } },
+  { "L", of(function() return k end), start, { free = "t" } }, { "S", ring, { z = { u = wave, v = wave }, steps = 3 }, {} } } do
+  local what, model = case[1] .. " was", case[2]
+  case[4].h = 0.01
+  k = 1
+  local made = model:solver(case[4]):run(case[3])
+  k = 2
+  made:checkpoint(file)
+  raises(what, function() model:resume(file) end)
+  raises(what, function() model:resume(made) end)
+  k = 1
+  local one, two = model:resume(file), model:resume(made)
+  local a, b = one:run { steps = 2 }, two:run { steps = 2 }
+  ok((a.u[3] or a.z[3]) == (b.u[3] or b.z[3]), case[1] .. ": goes on with what it was")
+  k = 3
+  raises(what, function() one:run { steps = 2 } end)
+end
+os.remove(file)
 tap.done()

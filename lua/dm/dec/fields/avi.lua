@@ -192,6 +192,7 @@ local function begin(s, options)
   local f, ending, out = s.system.field, s.ending, { given = {} }
   if ending then
     checkpoint.check_options(options, { "q", "v", "p", "t0" })
+    endings.check_still("avi", s)
     out.now, out.t0, out.h = ending.t, ending.t0, ending.h
     out.cells = core.avi(s.system, core.vector(ending.q), out.now)
     out.given.from, out.given.t0 = ending.state, ending.t0

@@ -1,5 +1,6 @@
 --- Where runs of fields ended whose steps are asynchronous or over uneven slices, as kinds of
 -- dm.data.checkpoint.
+local checkpoint = require "dm.data.checkpoint"
 local core = require "dm.core"
 local option = require "dm.base.options"
 local state_file = require "dm.data.state_file"
@@ -20,16 +21,18 @@ local function marks(f)
   return out
 end
 
--- dL/dq at some q, and what holds and weighs the values
-local function same(system)
-  local f = system.field
+-- dL/dq and forces at some q and v, and what holds and weighs the values: of the model that a path
+-- was stepped with, or of the system as it is now
+local function same(system, path)
+  local f, of = system.field, path or system
   local q = core.constant(f.n, 0)
   for i = 1, f.n do q[i] = 0.4 * math.sin(1.7 * i) end
+  local v = (f.force or f.absorbing) and q or nil
   local forces = (f.force and "force" or "") .. (f.absorbing and "absorbing" or "")
   return { { "degree", f.degree }, { "cells", f.cells }, { "values", f.values },
-    { "fixed", fingerprint(marks(f)) }, { "masses", fingerprint(f.masses) },
+    { "fixed", fingerprint(marks(f)) }, { "masses", fingerprint((core.field_masses(of))) },
     { "forces", forces == "" and "none" or forces },
-    { "L", fingerprint(core.field_force(system, q, 0.3)) } }
+    { "L", fingerprint(core.field_force(of, q, 0.3, v)) } }
 end
 
 -- the last row of a run is where it ended
@@ -68,6 +71,11 @@ M.KINDS = {
       times = vectors[1], state = vectors[2], sums = read:text "sums" }, options)
   end),
 }
+
+--- Raises where the field is another one by now than that of the run that a solver goes on from.
+function M.check_still(kind, solver)
+  checkpoint.check_still(M.KINDS[kind], solver.system, solver)
+end
 
 --- The kind of what goes on from a path or a file, or nil: it is one of the core's.
 function M.kind_of(from)

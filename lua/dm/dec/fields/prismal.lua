@@ -113,6 +113,7 @@ local function given_of(s, options)
   local given = { file = option.text(options, "file", RUN), done = 0 }
   if s.ending then
     checkpoint.check_options(options, { "q", "v", "p" })
+    endings.check_still("prismal", s)
     given.from, given.done = s.ending.state, s.ending.done
     return given
   end
