@@ -41,8 +41,7 @@ static int field_force(lua_State *L) {
     dm_kernel_prepare(&m->model.force, out);
     dm_kernel_eval(&m->model.force, x, out);
     if (lua_isnil(L, 4) || !m->model.work) return 1;
-    double *scratch =
-        lua_newuserdatauv(L, (dm_work_room(m->model.work) + 1) * sizeof *scratch, 0);
+    double *scratch = lua_newuserdatauv(L, (dm_work_room(m->model.work) + 1) * sizeof *scratch, 0);
     dm_work_add(m->model.work, out, x, scratch);
     lua_pop(L, 1);
     return 1;
