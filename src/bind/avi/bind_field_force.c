@@ -1,5 +1,5 @@
-/* bind_field_force.c - masses and forces of a field: of its L as it is now, or as it was when a path
- * was made. */
+/* bind_field_force.c - masses and forces of a field: of its L as it is now, or as it was when a
+ * path was made. */
 #include "bind/model/bind_system.h"
 #include "bind/run/bind_path.h"
 #include "bind/value/array.h"
@@ -14,8 +14,8 @@ static dml_model *push_model_of(lua_State *L) {
     return lua_touserdata(L, -1);
 }
 
-/* core.field_masses(system | path): one for every entry of q, nil where the kinetic energy is of another
- * kind; why no rule steps them */
+/* core.field_masses(system | path): one for every entry of q, nil where the kinetic energy is of
+ * another kind; why no rule steps them */
 static int field_masses(lua_State *L) {
     const dml_model *m = push_model_of(L);
     const uint32_t n = m->n;
@@ -25,7 +25,8 @@ static int field_masses(lua_State *L) {
     return 2;
 }
 
-/* core.field_force(system | path, q, t, v): dL/dq, with v and the forces beside L where it is given */
+/* core.field_force(system | path, q, t, v): dL/dq; where v is given, at v and with the forces
+ * beside L */
 static int field_force(lua_State *L) {
     const double t = luaL_optnumber(L, 3, 0.0);
     lua_settop(L, 4);
