@@ -116,3 +116,16 @@ long dm_drift_jump(const double *y, long rows) {
     reach_of(y, row, rows, &least, &ignored);
     return before < 0.1 * most && least > 0.25 * most ? row : 0;
 }
+
+int dm_drift_grows(const double *y, long rows) {
+    enum { PARTS = 4, LEAST = 5 };
+    double before = 0.0, ignored;
+    if (rows < PARTS * LEAST) return 0;
+    for (long k = 0; k < PARTS; k++) {
+        double largest;
+        reach_of(y, k * rows / PARTS, (k + 1) * rows / PARTS, &ignored, &largest);
+        if (!(largest > 0.0 && (k == 0 || largest >= 10.0 * before))) return 0;
+        before = largest;
+    }
+    return 1;
+}

@@ -69,8 +69,8 @@ static void add_grouped(luaL_Buffer *b, long n) {
     }
 }
 
-/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped; how much
- * it changes where the system does not keep it */
+/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped, or a question
+ * where it grows; how much it changes where the system does not keep it */
 static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int keeps) {
     char text[128];
     dm_drift d;
@@ -82,7 +82,12 @@ static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int k
     dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
     const double change = fabs(d.slope) * (p->t - p->t0);
     const long jump = dm_drift_jump(E, p->rows);
-    if (keeps && jump && d.largest > 1e-10 * fabs(E[0]))
+    const int is_seen = d.largest > 1e-10 * fabs(E[0]);
+    if (keeps && is_seen && dm_drift_grows(E, p->rows))
+        snprintf(text, sizeof text,
+                 ": energy off by %.2g and growing: is h beyond the limit of stability?",
+                 d.largest);
+    else if (keeps && jump && is_seen)
         snprintf(text, sizeof text, ": energy off by %.2g since t = %.4g", d.largest,
                  p->data[(size_t)jump * dml_path_width(p)]);
     else if (!keeps)

@@ -237,6 +237,20 @@ static void a_jump_is_told_from_a_drift(void) {
     CHECK(dm_drift_jump(y, 1) == 0 && dm_drift_jump(y, 5) == 0);
 }
 
+/* a factor of ten in every quarter, or not */
+static void growth_is_told_from_a_drift(void) {
+    enum { SOME = 100 };
+    for (int kind = 0; kind < 5; kind++) {
+        for (int i = 0; i < SOME; i++) {
+            const double shape[] = {1e-9 * exp(0.11 * i) * cos(2.0 * i), 1e-9 * exp(0.08 * i),
+                                    0.05 * i, sin(0.3 * i), i == 99 ? 1e9 : 0.0};
+            y[i] = 5.0 + (i ? shape[kind] : 0.0);
+        }
+        CHECK(dm_drift_grows(y, SOME) == (kind == 0));
+    }
+    CHECK(!dm_drift_grows(y, 1) && !dm_drift_grows(y, 19));
+}
+
 /* a large constant must not cost the digits of a small drift */
 static void a_small_drift_of_a_large_number(void) {
     dm_drift d;
@@ -257,6 +271,7 @@ int main(void) {
     RUN(an_oscillation_is_no_drift, "an oscillation is no drift");
     RUN(lines_constants_and_short_columns, "lines, constants, short columns");
     RUN(a_jump_is_told_from_a_drift, "a jump is told from a drift");
+    RUN(growth_is_told_from_a_drift, "growth is told from a drift");
     RUN(a_small_drift_of_a_large_number, "a small drift of a large number");
     return check_finish();
 }

@@ -98,6 +98,7 @@ ok(#at == 3 and at.t[2] == 1 and (at.q[3] - run.q[#run]):norm() == 0, "rows at g
 
 -- order 1 as it stands, order 2 in time for equal and for half starts (energy)
 raises("steps beyond their own", function() springs:solver { rule = "avi", h = 1.5 }:run { q = start.q, v = start.v, t = 400 } end)
+raises("the step of cell 1 must be a number > 0 (got nil)", function() two:solver { rule = "avi", h = function() end }:run { q = function() return 0 end, v = function() return 0 end, t = 1 } end)
 raises("for one sum in the potential", function() two:solver { rule = "avi", h = { 1, 2 } }:run { q = function() return 0 end, v = function() return 0 end, t = 1 } end)
 raises("3 steps are given for the 4 cells", function() springs:solver { rule = "avi", h = { 1, 2, 3 } }:run(start) end)
 raises("must be a number > 0", function() springs:solver { rule = "avi", h = { 1, 2, 3, 0 } }:run(start) end)

@@ -99,6 +99,12 @@ local function energy_of(o)
 end
 local function L(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 end
 ok(energy_of { L = L } == "energy off", "energy off: where it is kept")
+-- beyond h omega = 2 by Verlet it grows, and no line fits that; a spring of its own does not
+do
+  local spring = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+  local function text(h) return tostring(spring:solver { rule = "verlet", h = h }:run { q = { 1 }, v = { 0.1 }, steps = 100 }) end
+  ok(text(2.05):find "and growing: is h beyond the limit" and text(1.99):find "no drift", "an energy that grows", text(2.05))
+end
 ok(energy_of { L = L, force = function(_, v) return -v end } == "energy changes", "energy changes: by a force")
 ok(energy_of { L = function(q, v, t) return L(q, v) + q[1] * math.cos(t) end } == "energy changes", "energy changes: by time")
 

@@ -177,6 +177,12 @@ local function load_of(mg, b, where)
     option.fail(where, "the right-hand side must be a form, or %d numbers (got %s)", K:count(0),
       fine and #values or option.got(b))
   end
+  for i = 1, #values do
+    if values[i] - values[i] ~= 0 then
+      option.fail(where, "the right-hand side is %s at vertex %d",
+        values[i] == values[i] and "infinite" or "NaN", i)
+    end
+  end
   return values
 end
 
@@ -201,10 +207,17 @@ local function iterate(mg, u, b, options, report)
     local now = (keep * (b - top.A * u)):norm()
     report.cycles = report.cycles + 1
     report.residuals[report.cycles + 1] = now
-    if now > 0.9 * residual then break end
+    local stalls = now > 0.9 * residual
     residual = now
+    if stalls then break end
   end
-  return u, residual, residual <= tolerance * size
+  return u, residual, residual <= tolerance * size, most
+end
+
+local function text_of(report, is_done, most)
+  if is_done then return ("%d V-cycles"):format(report.cycles) end
+  if report.cycles == most then return ("not there after %d V-cycles"):format(most) end
+  return ("the residual no longer falls after %d V-cycles"):format(report.cycles)
 end
 
 class.method("dm.multigrid", "solve", function(mg, b, options)
@@ -216,14 +229,13 @@ class.method("dm.multigrid", "solve", function(mg, b, options)
   density = held.balanced(density, top.component, top.closed, weights)
   local report = core.result { cycles = 0 }
   local u = matrices.diagonal(top.open) * start_of(mg, options.start, where)
-  local residual, is_done
-  u, residual, is_done = iterate(mg, u, density, options, report)
+  local residual, is_done, most
+  u, residual, is_done, most = iterate(mg, u, density, options, report)
   local last, first = report.residuals[#report.residuals], report.residuals[1]
   report.residual = residual
   report.factor = report.cycles > 0 and (last / first) ^ (1 / report.cycles) or nil
   report.code = is_done and "ok" or "no_convergence"
-  report.text = is_done and ("%d V-cycles"):format(report.cycles)
-    or ("the residual no longer falls after %d V-cycles"):format(report.cycles)
+  report.text = text_of(report, is_done, most)
   return K:form(0, held.without_means(u, top.component, top.closed, weights)), report
 end, [[
 mg:solve(b, {cycles = 100, sweeps = 2, tolerance = 1e-12, start=}) -> dm.form, report

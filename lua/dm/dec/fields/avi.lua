@@ -54,7 +54,13 @@ end
 local function from_function(f, cells, of)
   local list = {}
   for _, sum in ipairs(cells:sums()) do
-    for i = 1, sum[2] do list[#list + 1] = of(numbers(f, f.degrees[sum[1]], i)) end
+    for i = 1, sum[2] do
+      local h = of(numbers(f, f.degrees[sum[1]], i))
+      if type(h) ~= "number" then
+        fail("the step of cell %d must be a number > 0 (got %s)", #list + 1, option.got(h))
+      end
+      list[#list + 1] = h
+    end
   end
   return list
 end

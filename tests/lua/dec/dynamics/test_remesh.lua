@@ -102,6 +102,16 @@ for _, case in ipairs { { { dm.mesh { icosphere = 1 }, dm.mesh { icosphere = 2 }
   local expected = top:poisson { f = load, fixed = case[2] == "boundary" and { boundary = 0 } or nil }
   ok(r.code == "ok" and (x - expected):max() < 1e-10 * (1 + expected:max()), "as K:poisson: " .. tostring(m), (x - expected):max())
 end
+-- what ended it, and the residual of what is returned
+do
+  local _, short = mg:solve(f, { cycles = 2 })
+  ok(short.code == "no_convergence" and short.text == "not there after 2 V-cycles" and short.residual == short.residuals[3], "cycles that are too few", short.text)
+  local _, last = mg:solve(f, { tolerance = 1e-30 })
+  ok(last.text:find "no longer falls" and last.residual == last.residuals[#last.residuals], "a tolerance below round-off", last.text)
+  local load = dm.zeros(K:count(0)):totable()
+  load[7] = 0 / 0
+  raises("NaN at vertex 7", function() mg:solve(load) end)
+end
 local more, again = mg:solve(f, { start = u })
 ok(again.cycles == 0 or (more - u):max() < 1e-12, "from the solution nothing is left to do")
 ok((mg:solve(K:star_values(0, f.values, "dual")) - u):max() < 1e-13, "a load as numbers")
