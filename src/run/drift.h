@@ -22,8 +22,8 @@ void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y
  * back within a quarter of that. 0: it does not. */
 long dm_drift_jump(const double *y, long rows);
 
-/* Does y[rows] go away from its first row tenfold in every quarter of the rows? A straight line does
- * not, and its fit says nothing of what does. 0 with less than 20 rows. */
+/* Does y[rows] go away from its first row tenfold in every quarter of the rows? A straight line
+ * does not, and its fit says nothing of what does. 0 with less than 20 rows. */
 int dm_drift_grows(const double *y, long rows);
 
 #endif
