@@ -19,6 +19,28 @@ ok(sorted, "in the order of time")
 times, unseen = choice.sharp_times(t, { [5] = 0.7 }, 1000)
 ok(#times == 16 and unseen == 0, "nothing is left where all are looked at", #times, unseen)
 
+-- what is left counts in the choice: errors of a look that sees none of it, of steps that a check lets through; the parts of the choice are those of this test
+local pilot = require "dm.scene.pilot"
+local own = { run = pilot.run, apart_between = pilot.apart_between, unresolved = pilot.unresolved, record = pilot.record, is_even = pilot.is_even }
+local asked = 0
+function pilot.run(_, _, _, at) return #at end
+function pilot.apart_between(_, record) return record == #t and 0.5 or 0.1 end -- at the check, between its times
+function pilot.unresolved() return places end
+function pilot.record() end
+function pilot.is_even() return false end
+local function told(scale) -- what more steps err by, where places[i] = scale * i / 30000
+  for i = 3, 30000, 3 do places[i] = scale * i / 30000 end
+  local long = { best = { N = 10 }, problem = { T = 1 }, uncertainty = 0, check_times = t, checked = {}, began = 0, allowed = math.huge,
+    reference = { path = function(_, at) asked = #at end } }
+  choice.finer(long)
+  return long.checked_error
+end
+ok(told(0.7) == 0.7 * 27000 / 30000, "the largest that is left is the error of the choice", told(0.7))
+ok(asked == 16000, "beside the largest ones, which are looked at", asked)
+ok(told(0.4) == 0.5, "unless the check found more", told(0.4))
+ok(told(50) == 0.75, "and half as much again as the check at most, as where nothing is looked at", told(50))
+for name, f in pairs(own) do pilot[name] = f end
+
 -- a mesh of fewer times than the reference has steps: what it passed once, in four short steps, is looked at too
 for _, place in ipairs { 1, 777, 20000, 49990 } do
   local steps, at = { 0 }, 0
