@@ -398,7 +398,7 @@ static dm_status begin(loop *l) {
     double own[DM_STATE_OWN], *tail = l->state + 4 * (size_t)l->s->model->n, *place;
     dm_status status = DM_OK;
     memcpy(own, tail, sizeof own);
-    status = dm_stepper_start(l->s, l->state, l->plan->t0, l->plan->h);
+    status = dm_stepper_start(l->s, l->state, resume ? time_now(l) : l->plan->t0, l->plan->h);
     if (resume) memcpy(tail, own, sizeof own);
     if (l->plan->follow) dm_follow_begin(l->plan->follow);
     if (status == DM_OK && resume && resume->memory) {

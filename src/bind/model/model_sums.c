@@ -117,12 +117,16 @@ void dml_refusecells(lua_State *L, const dml_model *m, const char *why) {
                    "without constraints, forces or groups",
                    why);
     if (!dm_sum_over_cells(m->graph)) return;
+    if (m->model.inverse_mass)
+        luaL_error(L,
+                   "%s cannot be had of a field: it asks for second derivatives of L as a full "
+                   "matrix, which the sums over cells of a field do not have (verlet, midpoint, "
+                   "trapezoidal, gauss(s), lobatto(s), compositions and explicit Runge-Kutta rules "
+                   "do without)",
+                   why);
     luaL_error(L,
                "%s cannot be had of a field: its kinetic energy must be a sum of m v^2 / 2 over "
-               "cells with masses that are numbers, as v:dot(v) / 2 is, and no rule may ask for a "
-               "full matrix of second derivatives (verlet, midpoint, trapezoidal, gauss(s), "
-               "lobatto(s) "
-               "and compositions do without)",
+               "cells with masses that are numbers, as v:dot(v) / 2 is",
                why);
 }
 

@@ -72,6 +72,10 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     if (!m->source.graph && !m->structure)
         return "it runs on hyper-dual numbers, and curve segments need derivatives of the "
                "acceleration, which come from a trace";
+    if (m->structure & DM_CELLS)
+        return "curve segments need derivatives of the acceleration as one formula, which the sums "
+               "over cells of a field do not have; explicit Runge-Kutta rules (rk4, rk8), verlet, "
+               "midpoint and gauss(s) step fields";
     if (m->structure & DM_LINEAR_IN_V)
         return "L is linear in v, so that it has no second-order field";
     if (own && ((own->recipe && own->recipe->n != m->n) || (own->choice && own->choice->n != m->n)))

@@ -20,6 +20,7 @@ typedef struct {
     double *scratch, *beside; /* of the Legendre transform; of forces on a field beside L */
     dm_status status;         /* why the last right-hand side failed */
     long evaluations;
+    dm_cells_split *massless; /* of values without mass, or NULL */
 } explicit;
 
 /* The struct at the head of the workspace, in doubles. */
@@ -31,7 +32,12 @@ static size_t head(void) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     (void)rule;
-    return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m) + dm_work_room(m->work);
+    return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m) + dm_work_room(m->work) +
+           dm_runge_kutta_massless_work(m);
+}
+
+static dm_status settle(const explicit *e, double *q, double t) {
+    return e->massless ? dm_cells_split_settle(e->massless, q, t) : DM_OK;
 }
 
 /* H_p and -H_q of an H that is given */
@@ -56,6 +62,8 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     if (e->status != DM_OK) return GSL_EBADFUNC;
     memcpy(e->x, y, n * sizeof *y);
     e->x[2 * n] = t;
+    e->status = settle(e, e->x, t);
+    if (e->status != DM_OK) return GSL_EBADFUNC;
     dm_kernel_eval(&e->m->force, e->x, e->force);
     memcpy(slope, v, n * sizeof *slope);
     memcpy(slope + n, e->force, n * sizeof *slope);
@@ -79,6 +87,7 @@ static dm_status open(dm_stepper *s) {
     e->end = e->after + 2 * n;
     e->scratch = e->end + 2 * n;
     e->beside = e->scratch + dm_legendre_work(e->m);
+    e->massless = dm_runge_kutta_massless(e->m, e->beside + dm_work_room(e->m->work));
     memset(e->x, 0, (2 * n + 1) * sizeof *e->x);
     if (!(s->model->structure & DM_HAMILTONIAN)) dm_kernel_prepare(&s->model->force, e->force);
     gsl_set_error_handler_off();
@@ -119,8 +128,14 @@ static dm_status apply(explicit *e, dm_stepper *s, double t, double h) {
         if (!isfinite(e->y[i])) return DM_NOT_FINITE;
     memcpy(e->end, e->y, size * sizeof *e->end);
     e->end_time = t + h;
-    e->has_end = 1;
-    return DM_OK;
+    e->has_end = !e->massless; /* else the last slope is of values that are not yet settled */
+    return settle(e, e->y, t + h);
+}
+
+/* Values without mass are what the others make of them. */
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    (void)h;
+    return settle((const explicit *)(const void *)s->work, state, t);
 }
 
 /* the low-order parts of the state are not used: these rules do not sum with compensation */
@@ -143,6 +158,7 @@ const dm_engine dm_engine_gsl = {
     .wants = dm_runge_kutta_wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
     .close = close,
 };

@@ -20,14 +20,13 @@ typedef struct {
     double *next;  /* [4n] */
     double *p;     /* [n] momentum of a stage */
     double *scratch;
-    double *beside; /* of forces on a field beside L */
+    double *beside;           /* of forces on a field beside L */
+    dm_cells_split *massless; /* of values without mass, or NULL */
 } layout;
 
 /* Forces are evaluated at every stage, but controls are held for a whole step. */
 const char *dm_runge_kutta_fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    if (m->massless)
-        return "values without mass are eliminated by kicks and drifts alone; take verlet";
     return m->constraints && m->constraints->controls
                ? "it knows no controls; take midpoint or gauss"
                : NULL;
@@ -39,7 +38,18 @@ unsigned dm_runge_kutta_wants(const dm_rule *rule, const dm_model *m) {
     const unsigned mass = (m->structure & simple) == simple ? 0 : DM_WANT_MASS;
     (void)rule;
     if (m->structure & DM_HAMILTONIAN) return DM_WANT_FIELD;
-    return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0);
+    return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0) |
+           (m->massless ? DM_WANT_CURVATURE : 0);
+}
+
+size_t dm_runge_kutta_massless_work(const dm_model *m) {
+    return m->massless ? dm_cells_split_work(m) : 0;
+}
+
+/* No kick or drift is made: only what is before one. */
+dm_cells_split *dm_runge_kutta_massless(const dm_model *m, double *work) {
+    const dm_splitting verlet = {.stages = 1, .b = {0.5, 0.5}, .a = {1.0}};
+    return m->massless ? dm_cells_split_open(m, &verlet, 1, 1, work) : NULL;
 }
 
 /* What the row brings. */
@@ -56,7 +66,7 @@ static size_t head(void) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, stages = table_of(rule)->stages;
     return head() + stages + 2 * n + 1 + stages * 2 * n + 3 * n + 4 * n + n + dm_legendre_work(m) +
-           dm_work_room(m->work);
+           dm_work_room(m->work) + dm_runge_kutta_massless_work(m);
 }
 
 /* Hamilton's equations as one kernel, where L is quadratic in v; the model keeps it for all
@@ -87,6 +97,7 @@ static dm_status open(dm_stepper *s) {
     e->p = e->next + 4 * n;
     e->scratch = e->p + n;
     e->beside = e->scratch + dm_legendre_work(e->m);
+    e->massless = dm_runge_kutta_massless(e->m, e->beside + dm_work_room(e->m->work));
     for (uint32_t i = 0; i < stages; i++) {
         e->c[i] = 0.0;
         for (uint32_t j = 0; j < i; j++) e->c[i] += e->table->a[i * stages + j];
@@ -161,8 +172,12 @@ static dm_status by_legendre(layout *e, double *slope) {
     return DM_OK;
 }
 
+static dm_status settle(const layout *e, double *q, double t) {
+    return e->massless ? dm_cells_split_settle(e->massless, q, t) : DM_OK;
+}
+
 /* state + h sum_i b_i slope_i */
-static dm_status finish(layout *e, double *state, double h) {
+static dm_status finish(layout *e, double *state, double t, double h) {
     const uint32_t n = e->m->n, stages = e->table->stages;
     const double *b = e->table->a + stages * stages;
     double sum = 0.0; /* 0 * infinity is NaN */
@@ -175,6 +190,8 @@ static dm_status finish(layout *e, double *state, double h) {
         sum += 0.0 * e->next[k];
     }
     if (sum != 0.0) return DM_NOT_FINITE;
+    const dm_status status = settle(e, e->next, t + h);
+    if (status != DM_OK) return status;
     memcpy(state, e->next, 4 * (size_t)n * sizeof *state);
     return DM_OK;
 }
@@ -189,11 +206,18 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
         double *slope = e->slope + i * 2 * n;
         place(e, state, i, h);
         e->x[2 * n] = t + e->c[i] * h;
-        if (!by_kernel(e, slope)) status = by_legendre(e, slope);
+        status = settle(e, e->x, e->x[2 * n]);
+        if (status == DM_OK && !by_kernel(e, slope)) status = by_legendre(e, slope);
     }
     s->report.evaluations += stages;
     s->report.solves++;
-    return status == DM_OK ? finish(e, state, h) : status;
+    return status == DM_OK ? finish(e, state, t, h) : status;
+}
+
+/* Values without mass are what the others make of them. */
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    (void)h;
+    return settle((const layout *)(const void *)s->work, state, t);
 }
 
 const dm_engine dm_engine_runge_kutta = {
@@ -203,5 +227,6 @@ const dm_engine dm_engine_runge_kutta = {
     .wants = dm_runge_kutta_wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
 };
