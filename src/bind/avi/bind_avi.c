@@ -4,7 +4,9 @@
 #include "bind/run/bind_path.h"
 #include "bind/trace/backend.h"
 #include "bind/value/array.h"
+#include "code/tape/tape.h"
 #include "field/avi/avi.h"
+#include "graph/analyse.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,7 +19,8 @@ typedef struct {
     dm_avi a;
     dm_arena *arena;
     const dm_sum **sums;
-    double *factor;
+    dm_avi_factors factors;
+    dm_kernel of_t;
     uint32_t count;
     double *limit;
 } avi;
@@ -34,18 +37,38 @@ static void need(lua_State *L, dm_status status) {
     if (status != DM_OK) luaL_error(L, "rule 'avi': %s", dm_status_text(status));
 }
 
-/* the sums of the potential, with factors that are numbers */
-static void read_sums(lua_State *L, avi *k, const dml_model *m) {
+/* factors of the sums, of which some are functions of t */
+static void make_factors(lua_State *L, avi *k, const dml_model *m, const dm_node *node, double t) {
+    dm_avi_factors *f = &k->factors;
+    const uint32_t inputs = dm_graph_inputs(m->graph), n = 2 * m->n;
+    if (dm_depends(m->graph, node, k->count, 0, n) ||
+        dm_depends(m->graph, node, k->count, n + 1, inputs - n - 1))
+        luaL_error(L, "rule 'avi': a sum over cells is multiplied by what is no number and no "
+                      "function of t alone: cells have no action of their own then");
+    f->in = dm_arena_take(k->arena, inputs * sizeof *f->in);
+    if (!f->in || dm_tape_build(&k->of_t, m->graph, node, k->count, k->arena) != DM_OK)
+        luaL_error(L, "not enough memory");
+    memset(f->in, 0, inputs * sizeof *f->in);
+    f->at = n;
+    f->in[n] = t;
+    f->of_t = &k->of_t;
+    dm_kernel_prepare(&k->of_t, f->out);
+    dm_kernel_eval(&k->of_t, f->in, f->out);
+}
+
+/* the sums of the potential with their factors, as they are at time t */
+static void read_sums(lua_State *L, avi *k, const dml_model *m, double t) {
     uint32_t count = 0;
     for (const dm_sum *s = dm_sums(m->graph); s; s = s->next) count++;
     dm_node *node = dm_arena_take(k->arena, (count + 1) * sizeof *node);
-    k->factor = dm_arena_take(k->arena, (count + 1) * sizeof *k->factor);
+    double *factor = dm_arena_take(k->arena, (count + 1) * sizeof *factor);
     k->sums = node ? dm_cells_sums(m->graph, m->lagrangian, node, &k->count, k->arena) : NULL;
-    if (!k->sums || !k->factor) luaL_error(L, "not enough memory");
+    if (!k->sums || !factor) luaL_error(L, "not enough memory");
+    k->factors = (dm_avi_factors){.value = factor, .out = factor};
+    uint32_t numbers = 0;
     for (uint32_t i = 0; i < k->count; i++)
-        if (!dm_is_constant(m->graph, node[i], k->factor + i))
-            luaL_error(L, "rule 'avi': a sum over cells is multiplied by what is no number: write "
-                          "a function of t inside of the sum");
+        numbers += (uint32_t)dm_is_constant(m->graph, node[i], factor + i);
+    if (numbers < k->count) make_factors(L, k, m, node, t);
 }
 
 /* core.avi(system, q, t): its cells */
@@ -73,8 +96,8 @@ static int avi_new(lua_State *L) {
     lua_setiuservalue(L, 3, 2);
     k->arena = dml_pusharena(L);
     lua_setiuservalue(L, 3, 3);
-    read_sums(L, k, m);
-    need(L, dm_avi_open(&k->a, k->sums, k->factor, k->count, s->n,
+    read_sums(L, k, m, t);
+    need(L, dm_avi_open(&k->a, k->sums, &k->factors, k->count, s->n,
                         dml_findbackend(L, NULL)->compile, k->arena));
     k->a.w = m->model.inverse_mass;
     dml_vectorarg(L, 2, "q", k->a.x, s->n);

@@ -12,9 +12,9 @@ static double *take(dm_arena *arena, size_t count) {
     return x;
 }
 
-dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor, uint32_t count,
+dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const dm_avi_factors *f, uint32_t count,
                       uint32_t n, dm_compile *compile, dm_arena *arena) {
-    *a = (dm_avi){.n = n};
+    *a = (dm_avi){.n = n, .factors = *f};
     a->sum = dm_arena_take(arena, (count + 1) * sizeof *a->sum);
     if (!a->sum) return DM_NO_MEMORY;
     for (uint32_t k = 0; k < count; k++) {
@@ -22,7 +22,8 @@ dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor
         const dm_status status = dm_avi_sum_open(s, sums[k], n, compile, arena);
         if (status != DM_OK) return status;
         if (!s->kicks) continue; /* the kinetic energy */
-        s->factor = factor[k];
+        s->factor = f->value[k];
+        s->which = k;
         s->first = a->cells;
         a->cells += sums[k]->bodies;
         a->sums++;
@@ -42,6 +43,15 @@ dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor
 
 /* ---- kicks ---- */
 
+/* what a sum is multiplied by at time t */
+static inline double factor_at(const dm_avi *a, const dm_avi_sum *s, double t) {
+    const dm_avi_factors *f = &a->factors;
+    if (!f->of_t) return s->factor;
+    f->in[f->at] = t;
+    dm_kernel_eval(f->of_t, f->in, f->out);
+    return f->out[s->which];
+}
+
 /* the entries of a cell, at time t */
 static inline void drift(dm_avi *a, const uint32_t *entry, uint32_t reads, double t) {
     for (uint32_t r = 0; r < reads; r++) {
@@ -55,9 +65,10 @@ static inline void drift(dm_avi *a, const uint32_t *entry, uint32_t reads, doubl
 static inline void kick(dm_avi *a, const dm_avi_sum *s, uint32_t i, double h, double t) {
     const uint32_t *entry = s->entry + (size_t)i * s->reads;
     dm_avi_slopes(a, s, i, t);
+    const double scale = h * factor_at(a, s, t);
     for (uint32_t k = 0; k < s->kicks; k++) {
         dm_avi_entry *e = a->at + entry[s->kick[k].entry];
-        const double by = (h * s->factor) * s->y[s->kick[k].output];
+        const double by = scale * s->y[s->kick[k].output];
         if (e->w != 0.0) e->p += s->kick[k].minus ? -by : by;
     }
 }
@@ -179,8 +190,9 @@ static void take_half_back(const dm_avi *a, uint32_t k, double t, double *p) {
     const dm_avi_sum *s = dm_avi_sum_of(a, k);
     const uint32_t *entry = s->entry + (size_t)(k - s->first) * s->reads;
     dm_avi_slopes(a, s, k - s->first, t);
+    const double scale = -0.5 * a->h[k] * factor_at(a, s, t);
     for (uint32_t j = 0; j < s->kicks; j++) {
-        const double by = (-0.5 * a->h[k] * s->factor) * s->y[s->kick[j].output];
+        const double by = scale * s->y[s->kick[j].output];
         const uint32_t at = entry[s->kick[j].entry];
         if (a->w[at] != 0.0) p[at] += s->kick[j].minus ? -by : by;
     }

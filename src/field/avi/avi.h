@@ -29,10 +29,19 @@ typedef struct {
     uint8_t entry, output, minus;
 } dm_avi_kick;
 
+/* what the sums are multiplied by: numbers, or functions of the time of a kick */
+typedef struct {
+    const double *value;   /* [sums], at the start */
+    const dm_kernel *of_t; /* [sums] outputs of in, whose entry `at` is t; NULL: numbers */
+    double *in, *out;
+    uint32_t at;
+} dm_avi_factors;
+
 /* the cells of one sum of the potential */
 typedef struct {
     const dm_sum *sum;
-    double factor;
+    double factor;                 /* at the start */
+    uint32_t which;                /* of the factors */
     dm_cell_loop loop;             /* slopes; no two outputs are equal, or of opposite sign */
     uint32_t first;                /* number of its first cell among all */
     uint32_t reads;                /* entries that a cell reads or kicks */
@@ -48,6 +57,7 @@ typedef struct {
 typedef struct {
     uint32_t n, sums, cells;
     dm_avi_sum *sum;
+    dm_avi_factors factors;
     const double *w; /* [n] inverse masses; 0: held */
     double *x;       /* (q, v, t) of the start: v is not read */
     double *p;       /* [n] momenta of the start */
@@ -62,9 +72,9 @@ typedef struct {
     int half; /* half a kick at t0 */
 } dm_avi;
 
-/* The potential sums[count] with factors that are numbers; memory from the arena. The caller then
- * sets w, and x, p, h. */
-dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const double *factor, uint32_t count,
+/* The potential sums[count] with their factors; memory from the arena. The caller then sets w, and
+ * x, p, h. */
+dm_status dm_avi_open(dm_avi *a, const dm_sum *const *sums, const dm_avi_factors *f, uint32_t count,
                       uint32_t n, dm_compile *compile, dm_arena *arena);
 
 /* From t0 on, with w, x, p and h as they are. DM_NO_MEMORY, DM_TOO_LARGE: too many neighbours. */
