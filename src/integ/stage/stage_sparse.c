@@ -28,8 +28,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     if (!g.s) return "its pair of tables is for L = T(v) - V(q) alone";
     if (g.sweeps) return "a number of sweeps is not for fields; leave it out";
     if (m->massless)
-        return "values without mass are for kicks and drifts and explicit Runge-Kutta alone; take "
-               "verlet";
+        return "values without mass are for kicks, drifts and explicit Runge-Kutta; take verlet";
     if (!m->inverse_mass) return "cells without mass have no equation of motion";
     return NULL;
 }

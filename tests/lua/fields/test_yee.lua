@@ -144,7 +144,7 @@ local whole = solver:run { q = q, v = still, steps = 40 }
 local half = solver:run { q = q, v = still, steps = 15, every = 4 }
 ok(dm.resume(half, field):run { steps = 25 }.q[26] == whole.q[41], "a run that goes on has the bits of one that never stopped")
 ok(solver:ensemble { members = 2, steps = 40, q = function() return q end, v = function() return still end }.q[2] == whole.q[41], "so has a member")
-raises("for kicks and drifts and explicit Runge-Kutta alone", function() field:solver { rule = "midpoint", h = 0.05 }:run { q = q, v = still, steps = 1 } end)
+raises("for kicks, drifts and explicit Runge-Kutta", function() field:solver { rule = "midpoint", h = 0.05 }:run { q = q, v = still, steps = 1 } end)
 -- explicit Runge-Kutta rules eliminate at every stage: a mode turns as cos(w t), with their order; L may depend on t where a run is cut
 local found1 = one:modes(4, { above = 1 })
 local w, mode = math.sqrt(found1.values[3]), found1.forms[3]
