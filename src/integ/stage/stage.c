@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_WAYS = 200 }; /* of a continuation in h */
+enum { MOST_WAYS = 1000, SHORTER = 5 }; /* of a continuation in h: steps, first ones tried */
 
 /* of h alone: what the first step continues is empty, whatever the state is */
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h) {
@@ -74,23 +74,38 @@ static dm_status longer(dm_stage *g, dm_stepper *stepper, double part, double h)
     return status;
 }
 
+/* Has L a domain of velocities? One that is quadratic in v ends at places alone: a root that is
+ * drawn back inside there belongs to another motion, so that the step fails. */
+static int has_limits(const dm_stage *g) {
+    return !(g->m->structure & DM_QUADRATIC_IN_V);
+}
+
+/* The first step of a continuation, h/16 or, near the edge of the domain, h/64, ...: its part. */
+static dm_status first_part(dm_stage *g, dm_stepper *stepper, double h, double *part) {
+    *part = 1.0 / 16.0;
+    dm_status status = longer(g, stepper, *part, h);
+    for (int k = 0; k < SHORTER && status != DM_OK && has_limits(g); k++) {
+        *part *= 0.25;
+        status = longer(g, stepper, *part, h);
+    }
+    return status;
+}
+
 /* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from
  * the root before. What fails then has no root that is the one of a small step, but for an L that
  * is not quadratic in v: near the edge of its domain Newton's method reaches less far, and shorter
- * ways are tried. */
+ * ways are tried, down to 1/5000 of the step. What fails then is a fold. */
 static dm_status by_continuation(dm_stage *g, dm_stepper *stepper) {
-    const double h = g->weights.h, least = g->m->structure & DM_QUADRATIC_IN_V ? 2.0 : 1.02;
+    const double h = g->weights.h, least = has_limits(g) ? 1.0002 : 2.0;
     const dm_report first = stepper->report;
-    double part = 1.0 / 16.0, factor = 2.0;
-    dm_status status = longer(g, stepper, part, h);
+    double part, factor = 2.0;
+    dm_status status = first_part(g, stepper, h, &part);
     for (int k = 0; k < MOST_WAYS && part < 1.0 && status == DM_OK; k++) {
         const double next = fmin(part * factor, 1.0);
         g->before.ratio = next / part;
         const dm_status there = longer(g, stepper, next, h);
-        if (there == DM_OK)
-            part = next;
-        else
-            factor = sqrt(factor);
+        if (there == DM_OK) part = next;
+        if (there != DM_OK || factor < 1.2) factor = pow(factor, there == DM_OK ? 1.5 : 0.5);
         if (there != DM_OK && factor < least) status = there;
     }
     g->before.ratio = 0.0;
@@ -110,12 +125,6 @@ static dm_status from_rest(dm_stage *g, dm_stepper *stepper) {
     g->before.ratio = 0.0;
     if (status != DM_OK) stepper->report = first;
     return status;
-}
-
-/* Has L a domain of velocities? One that is quadratic in v ends at places alone: a root that is
- * drawn back inside there belongs to another motion, so that the step fails. */
-static int has_limits(const dm_stage *g) {
-    return !(g->m->structure & DM_QUADRATIC_IN_V);
 }
 
 /* the end is in the state; sweeps and steps of one point leave the rare one to Newton's method */
