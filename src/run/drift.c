@@ -93,6 +93,24 @@ void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y
     out->error = fmax(slope_error(&s, rows, m, BLOCKS), slope_error(&s, rows, m, FEWER));
 }
 
+dm_drift_verdict dm_drift_judge(const dm_drift *fit, const double *t, size_t stride,
+                                const double *y, long rows) {
+    static const int coarse[] = {7, 5};
+    static const double tiny = 1e-14; /* of the mean: round-off of the quantity itself */
+    const series s = {t, y, stride};
+    if (rows < 3 * SHORTEST) return DM_DRIFT_OPEN;
+    const point m = mean_of(&s, 0, rows);
+    const double slope = fabs(fit->slope);
+    double error = fit->error;
+    if (slope * fabs(t[(size_t)(rows - 1) * stride] - t[0]) <= tiny * fabs(fit->mean))
+        return DM_DRIFT_NONE;
+    for (size_t i = 0; i < sizeof coarse / sizeof *coarse; i++)
+        error = fmax(error, slope_error(&s, rows, m, coarse[i]));
+    return slope > 6.0 * error   ? DM_DRIFT_FOUND
+           : slope > 3.0 * error ? DM_DRIFT_OPEN
+                                 : DM_DRIFT_NONE;
+}
+
 /* largest and least distance from y0 over rows first .. last-1 */
 static void reach_of(const double *y, long first, long last, double *least, double *largest) {
     *least = INFINITY;

@@ -17,6 +17,14 @@ typedef struct {
  * time that stands still slope and error are 0. */
 void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y, long rows);
 
+/* What may be said of a drift in words: it is there (six standard errors, by blocks of up to a
+ * fifth of the rows too, which slow oscillations move), it is not (three), or the rows leave it
+ * open, as fewer than twelve do. Rows sparser than an oscillation may show it as a slow one, hence
+ * as a drift: who says so has to know how dense they are. */
+typedef enum { DM_DRIFT_NONE, DM_DRIFT_OPEN, DM_DRIFT_FOUND } dm_drift_verdict;
+dm_drift_verdict dm_drift_judge(const dm_drift *fit, const double *t, size_t stride,
+                                const double *y, long rows);
+
 /* The row at which y[rows] has gone, within three rows, to another level where it stays: before
  * them it is near the first row, by a tenth of its largest distance, and from there on never
  * back within a quarter of that. 0: it does not. */

@@ -69,8 +69,19 @@ static void add_grouped(luaL_Buffer *b, long n) {
     }
 }
 
-/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped, or a question
- * where it grows; how much it changes where the system does not keep it */
+/* ", no drift", ", drift 2e-9 per unit of time", or nothing where the rows leave it open; rows that
+ * are sparser than the steps may show an oscillation as a slow one */
+static void add_drift(luaL_Buffer *b, const dm_drift *d, dm_drift_verdict verdict, int sparse) {
+    char text[128];
+    if (verdict == DM_DRIFT_NONE) luaL_addstring(b, ", no drift");
+    if (verdict != DM_DRIFT_FOUND) return;
+    snprintf(text, sizeof text, ", %s %.2g per unit of time%s", sparse ? "slope" : "drift",
+             d->slope, sparse ? " (a drift, or an oscillation faster than the rows)" : "");
+    luaL_addstring(b, text);
+}
+
+/* ": energy off by 6.4e-05, no drift", with the drift, or from when on where it jumped, or a
+ * question where it grows; how much it changes where the system does not keep it */
 static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int keeps) {
     char text[128];
     dm_drift d;
@@ -80,24 +91,28 @@ static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int k
         return;
     }
     dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
-    const double change = fabs(d.slope) * (p->t - p->t0);
+    const int sparse = p->rows <= p->steps;
+    const char *where = sparse ? " at these rows" : "";
     const long jump = dm_drift_jump(E, p->rows);
     const int is_seen = d.largest > 1e-10 * fabs(E[0]);
-    if (keeps && is_seen && dm_drift_grows(E, p->rows))
-        snprintf(text, sizeof text,
-                 ": energy off by %.2g and growing: is h beyond the limit of stability?",
-                 d.largest);
-    else if (keeps && jump && is_seen)
-        snprintf(text, sizeof text, ": energy off by %.2g since t = %.4g", d.largest,
-                 p->data[(size_t)jump * dml_path_width(p)]);
-    else if (!keeps)
-        snprintf(text, sizeof text, ": energy changes by up to %.2g", d.largest);
-    else if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
-        snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time", d.largest,
-                 d.slope);
-    else
-        snprintf(text, sizeof text, ": energy off by %.2g, no drift", d.largest);
+    if (!keeps) {
+        snprintf(text, sizeof text, ": energy changes by up to %.2g%s", d.largest, where);
+        luaL_addstring(b, text);
+        return;
+    }
+    snprintf(text, sizeof text, ": energy off by %.2g%s", d.largest, where);
     luaL_addstring(b, text);
+    if (is_seen && dm_drift_grows(E, p->rows)) {
+        luaL_addstring(b, " and growing: is h beyond the limit of stability?");
+        return;
+    }
+    if (jump && is_seen) {
+        snprintf(text, sizeof text, " from t = %.4g on", p->data[(size_t)jump * dml_path_width(p)]);
+        luaL_addstring(b, text);
+        return;
+    }
+    const size_t width = dml_path_width(p);
+    add_drift(b, &d, dm_drift_judge(&d, p->data, width, E, p->rows), sparse);
 }
 
 /* ": discrete energy off by 2e-16, h from 0.04 to 0.15, 2 of 60 steps without a root" */
@@ -323,7 +338,12 @@ const dml_class dml_class_path = {
            "recorded them), columns (names), steps, h, rule, system, solver, title, units, "
            "ns_per_step, events (of a run that looked for some), file (of a run that wrote its "
            "rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); "
-           "#path rows",
+           "#path rows\n"
+           "Printed, it says how far the energy was off at its rows (\"at these rows\" where not "
+           "every step was kept), from when on where it jumped to another level, and whether it "
+           "drifts: \"no drift\" within three standard errors, \"drift\" beyond six, nothing "
+           "between or with fewer than 12 rows; \"slope\" where rows are sparser than steps, "
+           "which may show a fast oscillation as a slow one. path:drift gives the numbers.",
     .meta = meta,
     .methods = dml_path_quantities,
     .field = path_field,

@@ -251,6 +251,27 @@ static void growth_is_told_from_a_drift(void) {
     CHECK(!dm_drift_grows(y, 1) && !dm_drift_grows(y, 19));
 }
 
+/* in words: an oscillation that has nearly turned is never said to drift, nor few rows; a line
+ * under an oscillation is */
+static void a_verdict_needs_enough_rows(void) {
+    int found = 0;
+    for (double turns = 0.85; turns < 12.0; turns += 0.05)
+        for (double phase = 0.0; phase < 6.28; phase += 0.1) {
+            dm_drift d;
+            for (int i = 0; i < 200; i++) {
+                t[i] = i, y[i] = -1.0 + 1e-3 * cos(phase + 6.283185307179586 * turns * i / 200);
+            }
+            dm_drift_fit(&d, t, 1, y, 200);
+            found += dm_drift_judge(&d, t, 1, y, 200) == DM_DRIFT_FOUND;
+        }
+    CHECK(found == 0);
+    const dm_drift line = fit(0.02, 3.0, 0.1);
+    CHECK(dm_drift_judge(&line, t, 1, y, POINTS) == DM_DRIFT_FOUND);
+    CHECK(dm_drift_judge(&line, t, 1, y, 11) == DM_DRIFT_OPEN);
+    const dm_drift none = fit(0.0, 3.0, 0.1);
+    CHECK(dm_drift_judge(&none, t, 1, y, POINTS) == DM_DRIFT_NONE);
+}
+
 /* a large constant must not cost the digits of a small drift */
 static void a_small_drift_of_a_large_number(void) {
     dm_drift d;
@@ -272,6 +293,7 @@ int main(void) {
     RUN(lines_constants_and_short_columns, "lines, constants, short columns");
     RUN(a_jump_is_told_from_a_drift, "a jump is told from a drift");
     RUN(growth_is_told_from_a_drift, "growth is told from a drift");
+    RUN(a_verdict_needs_enough_rows, "a verdict in words needs enough rows");
     RUN(a_small_drift_of_a_large_number, "a small drift of a large number");
     return check_finish();
 }
