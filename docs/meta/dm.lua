@@ -4366,8 +4366,10 @@ function dm_stability_map_class:csv(file) end
 ---
 ---The largest value of the columns (the step h, or the last parameter of a map with one step) before
 ---the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
----infinity when none is lost, 0 when the first is, nil where the map was stopped before. "right": the
----same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
+---infinity when none is lost, 0 when the first is, nil where the map was stopped before. Between the
+---columns also the windows and resonances of linear theory (map:resonances) are tried, of maps with up
+---to 64 rows: a narrow tongue of instability there is the limit, and the sentence says so. "right":
+---the same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
 ---where no flow is known. row: its number, or a table such as { rule = "verlet", k = 100 } (the
 ---nearest). The sentence says what happens beyond.
 ---@param row? any
@@ -4392,9 +4394,9 @@ function dm_stability_map_class:plot(options) end
 ---
 ---The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
 ---linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
----nonlinear forces. omega: the frequency; where it changes along the orbit its mean, if it is more
----than twice as fast as the orbit turns, else that of the orbit itself. The sentence says why where
----there are none.
+---nonlinear forces. omega: the frequency; where it changes along the orbit its mean over the time, if
+---it is more than twice as fast as the orbit turns, else that of the orbit itself. The sentence says
+---why where there are none.
 ---@param row? any
 ---@return table
 ---@return any

@@ -208,12 +208,23 @@ local function along_orbit(map, cell)
   return out
 end
 
+-- the same, found once for all rules of the same system and start
+local function found_once(map, cell)
+  map.orbits = map.orbits or {}
+  local key = {}
+  for name, value in pairs(cell.values) do key[#key + 1] = ("%s=%a"):format(name, value) end
+  table.sort(key)
+  key = table.concat(key, " ")
+  map.orbits[key] = map.orbits[key] or table.pack(along_orbit(map, cell))
+  return table.unpack(map.orbits[key], 1, 2)
+end
+
 -- the same, and what the rule does; nil and why
 local function theory_of(map, cell)
   local rule = map.rule_list[cell.rule]
   local fine, z, told = blame.try(rules.stability_limit, rule)
   if not fine then return nil, (tostring(z):gsub("^[^\n]-lua:%d+: ", "")) end
-  local linear, why = along_orbit(map, cell)
+  local linear, why = found_once(map, cell)
   if not linear then return nil, why end
   for _, matrix in ipairs(linear.matrices) do
     if not takes_apart(rule, matrix) then
@@ -240,6 +251,28 @@ function M.limit_along_orbit(map, cell)
   return z / linear.fastest, why
 end
 
+-- the frequencies of all oscillations, for resonances
+local function all_modes(linear)
+  linear.modes = linear.modes or modes_of(linear)
+  return linear.modes
+end
+
+--- Windows of growth of the rule in steps h, { from, to } for each oscillation of a cell; nil
+-- and why.
+function M.windows(map, cell)
+  if map.system_of(cell).line then return nil, "they are not looked for on lines" end
+  local linear, why, told = theory_of(map, cell)
+  if not linear then return nil, why end
+  local out, last = {}, nil
+  for _, omega in ipairs(all_modes(linear)) do
+    for _, gap in ipairs(last and abs(omega - last) <= 1e-6 * last and {} or told.gaps) do
+      if gap[2] < huge then out[#out + 1] = { gap[1] / omega, gap[2] / omega } end
+    end
+    last = omega
+  end
+  return out
+end
+
 --- Steps on the axis that turn an oscillation of a cell by 2 pi / n: a list of { n, h, omega }; nil
 -- and why.
 function M.resonances(map, cell, axis)
@@ -247,7 +280,7 @@ function M.resonances(map, cell, axis)
   local linear, why, told = theory_of(map, cell)
   if not linear then return nil, why end
   local out, last = {}, nil
-  for _, omega in ipairs(linear.modes or modes_of(linear)) do
+  for _, omega in ipairs(all_modes(linear)) do
     if not last or abs(omega - last) > 1e-6 * last then
       for _, r in ipairs(told.resonances) do
         local h = r.z / omega

@@ -2,6 +2,7 @@
 local axes = require "dm.stability.axes"
 local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
+local tongues = require "dm.stability.tongues"
 
 local M = {}
 
@@ -52,6 +53,67 @@ function M.find(map)
     compare_row(map, row)
     map.borders[i] = border(row, is_lost)
     map.right[i] = map.beside and border(row, is_not_right) or {}
+  end
+end
+
+-- cells of a row and others between them, the smallest x first
+local function joined(row, others)
+  local out = { table.unpack(row) }
+  for _, cell in ipairs(others) do out[#out + 1] = cell end
+  table.sort(out, function(a, b) return a.x < b.x end)
+  return out
+end
+
+-- the first cell of a row beyond x that is not lost, though one before it is
+local function first_again(row, x)
+  for _, cell in ipairs(row) do
+    if cell.x > x and not is_lost(cell) and cell.class ~= cells.NUMBER["not run"] then
+      return cell.x
+    end
+  end
+end
+
+-- the last column of a row before x; its rows are those that neighbours are compared with, for a
+-- step that turns by a part of a circle may show the motion at rest at all of them
+local function column_before(row, x)
+  local last
+  for _, cell in ipairs(row) do
+    if cell.x < x then last = cell end
+  end
+  return last
+end
+
+-- the borders of row i, where one of the cells in between that linear theory doubts is lost
+local function find_again(map, i, others, is_judged)
+  local row = map.cells[i]
+  for _, cell in ipairs(others) do cells.compare(cell, column_before(row, cell.x)) end
+  local found = border(joined(row, others), is_lost)
+  if found.high == map.borders[i].high then return end
+  local high = found.high
+  found.base, found.again = column_before(row, high.x), first_again(row, high.x)
+  map.borders[i] = found
+  local right = map.right[i].high
+  if is_judged and not (right and right.x <= high.x) then
+    map.right[i] = border(joined(row, { high }), is_not_right)
+  end
+end
+
+-- Cells that columns step over, where linear theory expects the motion to be lost; what a stop on
+-- request was, or nothing; is_judged: borders of what is right end there too.
+local function look_between(map, is_judged)
+  local by_row, todo = {}, {}
+  for i, b in ipairs(map.borders) do
+    by_row[i] = {}
+    local top = b.high and b.high.x or map.column[#map.column]
+    for k, x in ipairs((b.low or not b.high) and tongues.places(map, i, top) or {}) do
+      local cell = M.cell_at(map, map.rows[i], x)
+      cell.number, by_row[i][k], todo[#todo + 1] = k, cell, cell
+    end
+  end
+  local stopped = #todo > 0 and cells.run(map, todo)
+  if stopped then return stopped end
+  for i, others in ipairs(by_row) do
+    if #others > 0 then find_again(map, i, others, is_judged) end
   end
 end
 
@@ -140,7 +202,9 @@ local function narrow(map, list, places_of, test, run)
     if stopped then return stopped end
     for _, one in ipairs(open) do
       for _, cell in ipairs(one.parts) do
-        if list ~= map.right and map.column == map.h then cells.compare(cell, one.border.low) end
+        if list ~= map.right and map.column == map.h then
+          cells.compare(cell, one.border.base or one.border.low)
+        end
         if test(cell) then
           one.border.high = cell
           break
@@ -156,7 +220,8 @@ function M.refine(map)
   local beside = map.beside
   map.by_ones = is_by_ones(map)
   map.beside = nil
-  local stopped = narrow(map, map.borders, even_places, is_lost, cells.run)
+  local stopped = look_between(map, beside ~= nil)
+    or narrow(map, map.borders, even_places, is_lost, cells.run)
   map.beside = beside
   return stopped or beside
     and narrow(map, map.right, places_by_error, is_not_right, cells.run_right) or nil

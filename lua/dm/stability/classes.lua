@@ -10,6 +10,8 @@ local GROWTH = 1e3
 local JUMP = 10                 -- the same where it has only gone elsewhere
 local STILL = 0.02              -- change of the energy, in parts of its error, of what flew off
 local SIGMA = 5                 -- standard errors of a slope that is one
+local ROUND_OFF = 1e-9          -- of the energy: less is no error, whatever is moving at the rows
+local AT_REST = 1e-12           -- the same of the kinetic energy
 local BROKEN = 1e-6             -- |g| of a constraint that is lost
 
 --- Classes: name, whether the motion is lost, what it says.
@@ -66,6 +68,7 @@ end
 local function left_at_once(s, i, K)
   local error = max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
   local nearest = s.nearest[i]
+  if not (error > ROUND_OFF * abs(s.first[i])) then return false end
   if not K or not (2 * error > abs(K.first[i])) or not (nearest < huge) then return false end
   -- it flew off: nothing acts on it any more, and the energy does not change
   if nearest > 0.9 * error and s.span[i] < STILL * error then return true end
@@ -85,6 +88,8 @@ function M.look(map, cell, sums, i, name)
   local s, K = sums[name], sums.K
   local kinetic = K and abs(K.first[i]) + K.early[i] or 0
   cell.kinetic = finite(K and max(abs(K.least[i]), K.largest[i]) or 0)
+  -- rows in step with the motion may all show it at rest: it tells nothing then
+  if cell.kinetic and not (cell.kinetic > AT_REST * abs(s.first[i])) then cell.kinetic = 0 end
   cell.error = finite(max(s.largest[i] - s.first[i], s.first[i] - s.least[i]))
   cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
   cell.sized = name == "_size" or nil -- there is no energy to tell by

@@ -3,6 +3,7 @@ local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local closer = require "dm.stability.closer"
 local core = require "dm.core"
+local tongues = require "dm.stability.tongues"
 
 local fail = require "dm.base.options".failing "dm.stability"
 
@@ -51,6 +52,9 @@ local function border_text(map, i, b, none, first, why, class)
   end
   local text = ("%s from %s = %.6g on: %s"):format(class or cells.CLASSES[b.high.class].name, name,
     b.high.x, why)
+  if b.again then
+    text = text .. ("; a tongue of instability: at %s = %.4g it is not lost"):format(name, b.again)
+  end
   if not b.low then return map.column == map.h and 0 or -math.huge, first .. ", " .. text end
   return b.low.x, text
 end
@@ -122,8 +126,10 @@ end, [[
 map:limit(row [, "right"]) -> number, sentence   or   nil, sentence
 The largest value of the columns (the step h, or the last parameter of a map with one step) before
 the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
-infinity when none is lost, 0 when the first is, nil where the map was stopped before. "right": the
-same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
+infinity when none is lost, 0 when the first is, nil where the map was stopped before. Between the
+columns also the windows and resonances of linear theory (map:resonances) are tried, of maps with up
+to 64 rows: a narrow tongue of instability there is the limit, and the sentence says so. "right":
+the same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
 where no flow is known. row: its number, or a table such as { rule = "verlet", k = 100 } (the
 nearest). The sentence says what happens beyond.]])
 
@@ -206,21 +212,10 @@ shift of the flow that fits it best, followed from the start; nil where none doe
 which the flow is known, where chaos ends it early; cause of chaos: "flow", or "step" where the
 resolved flow is not chaotic.]])
 
--- what linear theory says of the cells of a row
-local function linear_of(map, i, what)
-  local row = map.rows[i]
-  row.linear = row.linear or {}
-  if not row.linear[what] then
-    local cell = { rule = row.number, values = row.values, h = map.h[1] }
-    row.linear[what] = table.pack(require "dm.stability.along_orbit"[what](map, cell, map.h))
-  end
-  return table.unpack(row.linear[what], 1, row.linear[what].n)
-end
-
 class.method("dm.stability_map", "theory", function(self, which)
   local i = find_row(self, which)
   if self.column ~= self.h then return nil, "the map has no axis of steps" end
-  return linear_of(self, i, "limit_along_orbit")
+  return tongues.theory(self, i, "limit_along_orbit")
 end, [[
 map:theory(row) -> number, sentence   or   nil, sentence
 The step at which the linear theory of the rule loses an oscillation of the system linearised along
@@ -232,15 +227,15 @@ why, where there is none: for rules other than Runge-Kutta ones also where force
 class.method("dm.stability_map", "resonances", function(self, which)
   local i = find_row(self, which)
   if self.column ~= self.h then return core.result {}, "the map has no axis of steps" end
-  local list, why = linear_of(self, i, "resonances")
+  local list, why = tongues.theory(self, i, "resonances")
   return list and core.result(list) or core.result {}, why
 end, [[
 map:resonances(row) -> list of {n, h, omega}, sentence
 The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
 linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
-nonlinear forces. omega: the frequency; where it changes along the orbit its mean, if it is more
-than twice as fast as the orbit turns, else that of the orbit itself. The sentence says why where
-there are none.]])
+nonlinear forces. omega: the frequency; where it changes along the orbit its mean over the time, if
+it is more than twice as fast as the orbit turns, else that of the orbit itself. The sentence says
+why where there are none.]])
 
 local RESERVED = { class = true, why = true, rule = true, observable = true }
 for _, name in ipairs(FIELDS) do RESERVED[name] = true end

@@ -221,10 +221,11 @@ do
   end
 end
 
--- parameters of one system against systems made for each: one kernel or many, the same map
+-- parameters of one system against systems made for each: one kernel or many, the same map; from starts that are small enough for borders that are none
+-- of a chaotic sea, where the last bits decide
 do
   local function map_of(system, more)
-    return dm.stability(with({ system = system, q = { 1, 0.2 }, v = { 0, 0.1 }, h = { 0.05, 4, 12, "log" }, steps = 300 }, more))
+    return dm.stability(with({ system = system, q = { 0.5, 0.1 }, v = { 0, 0.05 }, h = { 0.05, 4, 12, "log" }, steps = 300 }, more))
   end
   local function same(a, b)
     for i, row in ipairs(a.rows) do
@@ -246,6 +247,36 @@ do
     local axis = { a = { -0.2, 0, 0.5 }, k = { 1, 4, 16 }, rules = { "verlet", "yoshida(4)", "midpoint" } }
     local fine, i, j, what = same(map_of(dm.system { Q = dm.R(2), params = { a = 0.3, k = 2 }, L = L }, axis), map_of(made(L), axis))
     ok(fine, "parameters " .. name, fine or ("%d, %d: %s"):format(i, j, what))
+  end
+end
+
+-- columns step over a tongue of instability that linear theory tells of: few of them find the limit that many do. Verlet turns by a third of a
+-- circle at h = sqrt 3, where cubic forces make it unstable however small the amplitude
+do
+  local function henon_heiles(eps)
+    return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 - eps * (q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }
+  end
+  local limits = {}
+  for k, count in ipairs { 4, 30, 300 } do
+    local it = dm.stability { system = henon_heiles, eps = { 0.1 }, rule = "verlet", q = { 0.1, 0 }, v = { 0, 0.2 }, t = 100, h = { 0.05, 2.5, count, "log" } }
+    local why
+    limits[k], why = it:limit(1)
+    ok(limits[k] < sqrt(3) and limits[k] > 0.96 * sqrt(3), count .. " columns find the tongue at sqrt 3", limits[k])
+    if count == 30 then ok(why:find "a tongue of instability: at h = [%d.]+ it is not lost", "and say what it is", why) end
+  end
+  near(limits[1], limits[3], 1e-3 * limits[3], "as many do"); near(limits[2], limits[3], 1e-3 * limits[3], "and some")
+  -- closed forms: Lobatto 3 loses an oscillation from h omega = sqrt 8 to sqrt 12, Verlet from 2 on; columns at 1 and 3.6
+  local two = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 - q[2] ^ 2 / 50 end }
+  for omega, system in pairs { [1] = two, [3] = spring(9) } do
+    local q = omega == 1 and { 1, 1 } or { 1 }
+    local few = dm.stability { system = system, rule = "lobatto(3)", q = q, v = 0 * dm.vector(q), h = { 1 / omega, 3.6 / omega }, steps = 2000 }
+    near(few:limit(1) * omega, sqrt(8), 2e-3 * sqrt(8), "Lobatto 3: the window between two columns")
+  end
+  -- a step that turns by a quarter of a circle shows the motion at rest at every other row: nothing is lost there
+  for _, n in ipairs { 3, 4, 5, 6, 8, 12 } do
+    local h = 2 * math.sin(math.pi / n) / 10
+    local it = dm.stability { system = spring(100), rule = "verlet", h = { h, 1.9 / 10 }, q = { 1 }, v = { 0 }, steps = 2000, refine = false }
+    ok(it:limit(1) == huge and it:at(1, 1).class == "bounded", "Verlet at 2 pi/" .. n, it:at(1, 1).why)
   end
 end
 
