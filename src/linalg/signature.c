@@ -119,3 +119,18 @@ int dm_all_positive(double *A, uint32_t n, double far, double *least) {
     }
     return *least < INFINITY;
 }
+
+int dm_surely_positive(double *A, uint32_t n) {
+    static const double FAR = 1e-6; /* of ones on the diagonal, far above round-off */
+    double least;
+    for (uint32_t i = 0; i < n; i++)
+        if (!(A[i * n + i] > 0.0)) return 0;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) {
+            if (i == j) continue;
+            A[i * n + j] = -(A[i * n + j] / sqrt(A[i * n + i]) / sqrt(A[j * n + j]));
+            if (!(A[i * n + j] > -1.0)) return 0;
+        }
+    for (uint32_t i = 0; i < n; i++) A[i * n + i] = 1.0;
+    return dm_all_positive(A, n, FAR, &least);
+}

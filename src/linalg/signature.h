@@ -13,4 +13,9 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least);
  * dm_negative_values finds for such a matrix. 0 where one is not above `far`. A is overwritten. */
 int dm_all_positive(double *A, uint32_t n, double far, double *least);
 
+/* Are all values positive of every symmetric matrix whose diagonal entries are at least those of
+ * A[n*n], and whose others are of absolute value at most theirs? x.M x >= |x|.C |x|, where C is A
+ * with minus signs beside its diagonal: if C is so. 0: it is not, by far. A is overwritten. */
+int dm_surely_positive(double *A, uint32_t n);
+
 #endif

@@ -3,11 +3,15 @@
 #include "algebra/compact.h"
 #include "algebra/derive.h"
 #include "graph/analyse.h"
+#include "linalg/signature.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MOST_NODES = 2000, MOST = 12 }; /* nodes of M, and dim Q, that looks are worth */
+enum {
+    MOST_NODES = DM_MASS_MOST_NODES,
+    MOST = 12
+}; /* nodes of M, and dim Q, that looks are worth */
 
 void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const dm_interval *rate_in,
                          double *shift, double *bend, dm_interval *scratch) {
@@ -20,6 +24,19 @@ void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const d
         bend[i] = fmax(fabs(x.lo), fabs(x.hi));
         shift[i] = fmax(fabs(y.lo), fabs(y.hi));
     }
+}
+
+int dm_mass_is_definite(const dm_mass_bounds *b, dm_interval *scratch) {
+    const uint32_t n = b->n;
+    dm_interval *in = scratch, *value = in + b->inputs;
+    double C[MOST * MOST];
+    for (uint32_t i = 0; i < b->inputs; i++) in[i] = (dm_interval)DM_ANYWHERE;
+    dm_bounds(b->graph, in, value);
+    for (uint32_t k = 0; k < n * n; k++) {
+        const dm_interval m = value[b->roots[k]];
+        C[k] = k / n == k % n ? m.lo : fmax(fabs(m.lo), fabs(m.hi));
+    }
+    return dm_surely_positive(C, n);
 }
 
 /* Anywhere, along lines with |dq_i/ds| <= 1; 0: no memory. */
@@ -38,117 +55,6 @@ static int bend_anywhere(dm_mass_bounds *b, dm_arena *arena) {
     b->shift = shift, b->bend = bend;
     return 1;
 }
-
-/* ---- sums of squares ---- */
-
-/* What is read off L in a graph of its own: degrees in v, MOST_DEGREE and more as one, and bounds
- * of all nodes for any state. */
-enum { MOST_DEGREE = 3 };
-
-typedef struct {
-    const dm_graph *g;
-    uint32_t n;
-    unsigned char *degree;
-    dm_interval *value;
-} reading;
-
-static unsigned char lesser(int degree) {
-    return (unsigned char)(degree < MOST_DEGREE ? degree : MOST_DEGREE);
-}
-
-/* Of a power: k degrees where k is 1 or 2. */
-static int of_power(const reading *r, const dm_expr *e) {
-    const dm_expr *k = dm_graph_at(r->g, e->as.arg[1]);
-    const int degree = r->degree[e->as.arg[0]];
-    const int low = k->op == DM_OP_CONSTANT && (k->as.value == 1.0 || k->as.value == 2.0);
-    return degree ? low ? degree * (int)k->as.value : MOST_DEGREE : r->degree[e->as.arg[1]];
-}
-
-static int degree_of(const reading *r, const dm_expr *e) {
-    int all[3] = {0, 0, 0}, most = 0;
-    for (int i = 0; i < dm_op_operands(e->op); i++) {
-        all[i] = r->degree[e->as.arg[i]];
-        most = all[i] > most ? all[i] : most;
-    }
-    switch (e->op) {
-    case DM_OP_INPUT:
-        return r->n <= e->as.input && e->as.input < 2 * r->n;
-    case DM_OP_NEG:
-    case DM_OP_ADD:
-    case DM_OP_SUB:
-        return most;
-    case DM_OP_MUL:
-        return all[0] + all[1];
-    case DM_OP_DIV:
-        return all[1] ? MOST_DEGREE : all[0];
-    case DM_OP_POW:
-        return of_power(r, e);
-    default:
-        return most ? MOST_DEGREE : 0;
-    }
-}
-
-/* 1 or -1 where a node is not negative, or not positive, whatever the state; 0: not known */
-static int sign_of(const reading *r, dm_node at) {
-    return r->value[at].lo >= 0.0 ? 1 : r->value[at].hi <= 0.0 ? -1 : 0;
-}
-
-/* What is left of a node without factors that do not depend on v, whose signs go into *sign. */
-static dm_node strip(const reading *r, dm_node at, int *sign) {
-    for (;;) {
-        const dm_expr *e = dm_graph_at(r->g, at);
-        const dm_node a = e->as.arg[0], b = e->as.arg[1];
-        const int product = e->op == DM_OP_MUL, free = product || e->op == DM_OP_DIV;
-        if (e->op == DM_OP_NEG)
-            *sign = -*sign, at = a;
-        else if (free && r->degree[a] && !r->degree[b])
-            *sign *= sign_of(r, b), at = a;
-        else if (product && r->degree[b] && !r->degree[a])
-            *sign *= sign_of(r, a), at = b;
-        else
-            return at;
-    }
-}
-
-/* Is sign times it, as a function of v, convex for any state: a sum of squares of what is linear in
- * v, each times something that is not negative, and of what is linear? */
-static int is_convex(const reading *r, dm_node at, int sign) {
-    if (r->degree[at] <= 1) return 1;
-    at = strip(r, at, &sign);
-    const dm_expr *e = dm_graph_at(r->g, at);
-    const dm_node a = e->as.arg[0], b = e->as.arg[1];
-    switch (e->op) {
-    case DM_OP_ADD:
-        return sign && is_convex(r, a, sign) && is_convex(r, b, sign);
-    case DM_OP_SUB:
-        return sign && is_convex(r, a, sign) && is_convex(r, b, -sign);
-    case DM_OP_POW:
-        return sign > 0 && r->degree[a] == 1 && r->degree[at] == 2;
-    case DM_OP_MUL: {
-        const dm_node one = a == b ? a : strip(r, a, &sign),
-                      other = a == b ? b : strip(r, b, &sign);
-        return sign > 0 && one == other && r->degree[one] == 1;
-    }
-    default:
-        return 0;
-    }
-}
-
-int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena) {
-    dm_node alone;
-    reading r = {.g = dm_graph_copy(g, &L, 1, &alone), .n = n};
-    const uint32_t size = r.g ? dm_graph_size(r.g) : 0, inputs = dm_graph_inputs(g);
-    r.degree = dm_arena_take(arena, size + 1);
-    r.value = dm_arena_take(arena, ((size_t)size + inputs) * sizeof *r.value);
-    if (!r.g || !r.degree || !r.value || size > MOST_NODES) return 0;
-    dm_interval *in = r.value + size;
-    for (uint32_t i = 0; i < inputs; i++) in[i] = (dm_interval)DM_ANYWHERE;
-    dm_bounds(r.g, in, r.value);
-    for (dm_node i = 0; i < size; i++) r.degree[i] = lesser(degree_of(&r, dm_graph_at(r.g, i)));
-    return is_convex(&r, alone, 1);
-}
-
-/* ---- the mass ---- */
 
 /* Is L_v something where v = 0? In a graph of its own: g stays as it is. */
 static int is_shifted(dm_graph *g, const dm_node *momentum, uint32_t n, dm_arena *arena) {

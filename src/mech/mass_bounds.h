@@ -5,6 +5,8 @@
 
 #include "graph/bounds.h"
 
+enum { DM_MASS_MOST_NODES = 2000 }; /* of a graph that is enclosed */
+
 typedef struct dm_mass_bounds {
     const dm_graph *graph;    /* of M(q, t) alone; inputs q[n], v[n], t and parameters */
     const dm_node *roots;     /* [n*n] */
@@ -16,14 +18,14 @@ typedef struct dm_mass_bounds {
     const double *shift, *bend;
 } dm_mass_bounds;
 
-/* Is L(q, v, t) a sum of squares of what is linear in v, so that no value of M is negative
- * anywhere? 0 also where it is not written as one. */
-int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena);
-
 /* Of the nodes L_v[n] and M[n*n] of g, where M does not depend on v; in the arena. NULL: no memory,
  * or an M that takes more nodes than looks at it are worth. */
 const dm_mass_bounds *dm_mass_bounds_new(dm_graph *g, const dm_node *momentum, const dm_node *mass,
                                          uint32_t n, dm_arena *arena);
+
+/* Is M positive definite whatever q, t and the parameters are, as bounds of its entries tell?
+ * scratch: inputs + size intervals. */
+int dm_mass_is_definite(const dm_mass_bounds *b, dm_interval *scratch);
 
 /* shift[n*n], bend[n*n] = how large |dM/ds|, |d2M/ds2| can be along lines in the box in[inputs],
  * straight ones, with rates in rate_in[inputs]; scratch: 3 intervals a node. */

@@ -21,6 +21,7 @@
 #include "graph/analyse.h"
 #include "linalg/lu.h"
 #include "mech/mass_bounds.h"
+#include "mech/mass_convex.h"
 
 #include <math.h>
 #include <string.h>
@@ -326,14 +327,19 @@ static dm_status use_extremum(builder *b) {
     return dm_graph_status(b->g);
 }
 
-/* of a mass that moves with q and may have negative values */
+/* of a mass that moves with q: is it definite, or else may it have negative values? */
 static void keep_bounds(builder *b) {
-    const unsigned structure = b->m.structure;
-    if (b->m.mass.eval && structure & DM_QUADRATIC_IN_V &&
-        !(structure & (DM_CONSTANT_MASS | DM_LINEAR_IN_V)) &&
-        !dm_mass_is_convex(b->g, b->L, b->m.n, b->arena))
-        b->m.mass_bounds =
-            dm_mass_bounds_new(b->g, b->gradient + b->m.n, b->mass, b->m.n, b->arena);
+    const unsigned moves = b->m.structure & (DM_CONSTANT_MASS | DM_LINEAR_IN_V | DM_QUADRATIC_IN_V);
+    if (!b->m.mass.eval || moves != DM_QUADRATIC_IN_V) return;
+    const dm_mass_bounds *M =
+        dm_mass_bounds_new(b->g, b->gradient + b->m.n, b->mass, b->m.n, b->arena);
+    if (!M) return;
+    const size_t room = M->inputs + (size_t)M->size;
+    dm_interval *scratch = dm_arena_take(b->arena, room * sizeof *scratch);
+    if (scratch && dm_mass_is_definite(M, scratch))
+        b->m.structure |= DM_DEFINITE_MASS;
+    else if (!dm_mass_is_convex(b->g, b->L, b->m.n, b->arena))
+        b->m.mass_bounds = M;
 }
 
 /* the usual model: all sums written out, n x n tables allowed */

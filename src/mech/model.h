@@ -13,14 +13,15 @@
 
 #include <stddef.h>
 
-enum {                         /* structure, read off the graph */
-       DM_SEPARABLE = 1,       /* L = T(v) - V(q, t): no mixed second derivatives */
-       DM_CONSTANT_MASS = 2,   /* d2L/dv2 does not depend on q, v, t */
-       DM_DIAGONAL_MASS = 4,   /* and is diagonal, with nothing linear in v */
-       DM_AUTONOMOUS = 8,      /* neither L nor its constraints depend on t */
-       DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
-       DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
-       DM_NO_VELOCITY = 128,   /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
+enum {                          /* structure, read off the graph */
+       DM_SEPARABLE = 1,        /* L = T(v) - V(q, t): no mixed second derivatives */
+       DM_CONSTANT_MASS = 2,    /* d2L/dv2 does not depend on q, v, t */
+       DM_DIAGONAL_MASS = 4,    /* and is diagonal, with nothing linear in v */
+       DM_AUTONOMOUS = 8,       /* neither L nor its constraints depend on t */
+       DM_LINEAR_IN_V = 16,     /* d2L/dv2 = 0: degenerate */
+       DM_QUADRATIC_IN_V = 32,  /* d2L/dv2 does not depend on v */
+       DM_DEFINITE_MASS = 2048, /* and moves, but is positive definite, whatever q, t, parameters */
+       DM_NO_VELOCITY = 128,    /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
        DM_SADDLE = 256, /* d2L/dv2 is singular by itself: L of the model is that of saddle.h */
        /* H(q, p, t) is given and there is no L (hamiltonian.c): kernels are value and energy, both
         * H at (q, p, t), field and field_curve. DM_SEPARABLE: H = T(p) + V(q, t) */
@@ -83,7 +84,7 @@ typedef struct {
     const double *mass_matrix;    /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
     /* of M(q, t), for boxes (mech/mass_bounds.h); NULL: it is constant, a sum of squares,
-     * depends on v, or is large */
+     * definite, depends on v, or is large */
     const struct dm_mass_bounds *mass_bounds;
     const uint8_t *cyclic;          /* [n]: 1 where L does not depend on q_i */
     struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */

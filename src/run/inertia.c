@@ -12,7 +12,7 @@ enum { MOST = 512 }; /* steps between looks */
 static const double OF_POSITION = 0.5, OF_VELOCITY = 0.4;
 
 int dm_inertia_may_change(const dm_model *m) {
-    const unsigned never = DM_CONSTANT_MASS | DM_LINEAR_IN_V | DM_LOOPS;
+    const unsigned never = DM_CONSTANT_MASS | DM_DEFINITE_MASS | DM_LINEAR_IN_V | DM_LOOPS;
     return m->mass.eval != NULL && !(m->structure & never);
 }
 

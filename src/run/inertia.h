@@ -46,7 +46,8 @@ typedef struct {
     double *boxes; /* what inertia_step.c works on */
 } dm_inertia;
 
-/* Can the inertia of a model change? Not where its mass is constant. */
+/* Can the inertia of a model change? Not where its mass is constant, or definite
+ * anywhere. */
 int dm_inertia_may_change(const dm_model *m);
 
 /* Doubles of room, for an engine with so much memory and runs that take turns. */

@@ -85,10 +85,44 @@ static void tells_how_near(void) {
     dm_negative_values(broken, 2, &near); /* ends */
 }
 
+/* What is told surely positive has no negative value, whatever its signs and sizes within bounds;
+ * a matrix of two is positive for all of them where the largest is. */
+static void is_sure_of_bounds(void) {
+    double bounds[MOST * MOST], A[MOST * MOST], copy[MOST * MOST], least;
+    int told = 0, refused = 0;
+    for (int trial = 0; trial < 2000; trial++) {
+        const uint32_t n = 1 + (uint32_t)trial % 5;
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t j = 0; j <= i; j++)
+                bounds[i * n + j] = bounds[j * n + i] =
+                    i == j ? exp(2.0 * random_number()) : 0.8 * fabs(random_number());
+        memcpy(copy, bounds, sizeof copy);
+        const int sure = dm_surely_positive(copy, n);
+        if (n == 2)
+            CHECK(sure ==
+                  (bounds[0] * bounds[3] - bounds[1] * bounds[1] > 1e-6 * bounds[0] * bounds[3]));
+        told += sure, refused += !sure;
+        for (int inside = 0; sure && inside < 20; inside++) {
+            for (uint32_t i = 0; i < n; i++)
+                for (uint32_t j = 0; j <= i; j++)
+                    A[i * n + j] = A[j * n + i] =
+                        bounds[i * n + j] *
+                        (i == j ? 1.0 + fabs(random_number()) : random_number());
+            CHECK(dm_negative_values(A, n, &least) == 0);
+        }
+    }
+    CHECK(told > 300 && refused > 300);
+    double none[] = {1.0, NAN, NAN, 1.0}, flat[] = {1.0, 1.0, 1.0, 1.0},
+           open[] = {1.0, INFINITY, INFINITY, 1.0};
+    CHECK(!dm_surely_positive(none, 2) && !dm_surely_positive(flat, 2) &&
+          !dm_surely_positive(open, 2));
+}
+
 int main(void) {
     RUN(counts_random_matrices, "counts negative values of 1 to 12");
     RUN(counts_without_a_diagonal, "counts where the diagonal is zero");
     RUN(knows_positive_ones, "knows matrices that are positive by far");
+    RUN(is_sure_of_bounds, "is sure of matrices within bounds");
     RUN(tells_how_near, "tells how near to zero a value is");
     return check_finish();
 }

@@ -111,6 +111,44 @@ static void finds_cyclic_coordinates(void) {
     stop(&b);
 }
 
+/* a v1^2 + v2^2/2 + c v1 v2 cos(q1 - q2): is the mass told definite, or L convex in v, anywhere? M = (2a
+ * c cos; c cos 1) is definite where c^2 < 2a; L with w1^2/2 + w2^2/2 + c w1 w2, w1 = (q1 v1 + q2 v2)/q2,
+ * w2 = v2 has no negative value where c^2 <= 1, and vanishing ones where q1 = 0 */
+static void tells_a_mass_that_keeps_its_signs(void) {
+    static const struct {
+        double a, c;
+        int definite;
+    } pairs[] = {{1.0, 1.0, 1}, {0.55, 1.0, 1}, {0.45, 1.0, 0}, {1.0, -1.4, 1}, {1.0, 1.42, 0}};
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        built b;
+        start(&b, 5);
+        const dm_node angle = dm_sub(b.g, input(&b, 0), input(&b, 1));
+        dm_node cross =
+            times(&b, times(&b, input(&b, 2), input(&b, 3)), dm_apply(b.g, DM_OP_COS, angle, 0, 0));
+        dm_node L = times(&b, number(&b, pairs[i].a), times(&b, input(&b, 2), input(&b, 2)));
+        L = dm_add(b.g, L, times(&b, number(&b, 0.5), times(&b, input(&b, 3), input(&b, 3))));
+        L = dm_add(b.g, L, times(&b, number(&b, pairs[i].c), cross));
+        CHECK(finish(&b, L, 2) == DM_OK);
+        CHECK(((b.model.structure & DM_DEFINITE_MASS) != 0) == pairs[i].definite);
+        CHECK((b.model.mass_bounds == NULL) == pairs[i].definite);
+        stop(&b);
+    }
+    for (int wide = 0; wide < 2; wide++) {
+        built b;
+        start(&b, 5);
+        const dm_node w = dm_div(b.g,
+                                 dm_add(b.g, times(&b, input(&b, 0), input(&b, 2)),
+                                        times(&b, input(&b, 1), input(&b, 3))),
+                                 input(&b, 1));
+        dm_node L = dm_add(b.g, times(&b, w, w), times(&b, input(&b, 3), input(&b, 3)));
+        const dm_node cross = times(&b, number(&b, wide ? 1.1 : 0.9), times(&b, w, input(&b, 3)));
+        L = dm_add(b.g, times(&b, number(&b, 0.5), L), dm_neg(b.g, cross));
+        CHECK(finish(&b, L, 2) == DM_OK);
+        CHECK(!(b.model.structure & DM_DEFINITE_MASS) && (b.model.mass_bounds == NULL) == !wide);
+        stop(&b);
+    }
+}
+
 /* v.M v/2 + (3, -1).v - q.q/2 with M = (2 1; 1 2): full mass and a shift */
 static void keeps_a_full_mass_and_its_shift(void) {
     built b;
@@ -251,6 +289,7 @@ int main(void) {
     RUN(kernels_agree_with_ones_by_hand, "kernels agree with ones written by hand");
     RUN(reads_the_structure_of_kepler, "reads the structure of Kepler's problem");
     RUN(finds_cyclic_coordinates, "finds cyclic coordinates");
+    RUN(tells_a_mass_that_keeps_its_signs, "tells a mass that keeps its signs");
     RUN(keeps_a_full_mass_and_its_shift, "keeps a full constant mass and its shift");
     RUN(tells_where_time_enters, "tells where time enters");
     RUN(tells_degenerate_lagrangians, "tells degenerate Lagrangians");
