@@ -4802,7 +4802,8 @@ function dm_system_class:mechanical_connection(options) end
 ---n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 ---omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
 ---beyond x, with near = x nearest to x. t: the time of L, needed where L depends on it. They are
----those of L: forces beside it are left out. Cells that are fixed or without mass stay at 0. Of unit
+---those of L: forces beside it are left out. Cells that are fixed stay at 0; those without mass
+---follow from their own equation. Of unit
 ---vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
 ---constraint's force is that of q.
 ---@param n? any

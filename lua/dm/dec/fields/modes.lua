@@ -16,14 +16,18 @@ local function field_of(system, where)
 end
 
 -- S once values without mass, whose block is a diagonal, follow from their own equation; where L
--- does not have one its row is 0
+-- does not have one its row is 0. And the function that puts these values into a vector.
 local function without(f, S)
   local marks = core.constant(f.n, 0)
   for _, i in ipairs(f.massless) do marks[i] = 1 end
   local own = S:pick(marks, marks):diagonal():map(function(x) return x == 0 and 0 or 1 / x end)
   local all = core.constant(f.n, 1)
   local beside = S:pick(marks, all)
-  return S - beside:transpose() * beside:scale(own)
+  return S - beside:transpose() * beside:scale(own), function(x)
+    local out, slopes = 1 * x, beside * x
+    for j, i in ipairs(f.massless) do out[i] = -own[j] * slopes[j] end
+    return out
+  end
 end
 
 -- of unit vectors q: S and M in tangent spaces, and the basis of these
@@ -33,7 +37,7 @@ local function tangent_pencil(system, f, q, t)
   local S = -1 * core.field_hessian(system, q, t) - matrices.diagonal(bend)
   local masses = (B:transpose() * (matrices.diagonal(f.masses) * B)):diagonal()
   return operator.new(f.mesh, kind, kind, { weights = masses, keep = core.constant(count, 1),
-    stiffness = B:transpose() * (S * B) }), B
+    stiffness = B:transpose() * (S * B) }), function(x) return B * x end
 end
 
 -- the time at which L is looked at
@@ -59,7 +63,8 @@ local function masses_of(system, f, where)
   return masses
 end
 
--- S and M as an operator of the values; of unit vectors, of tangent ones, and their basis
+-- S and M as an operator of the values, of unit vectors of tangent ones; and the function, if any,
+-- from its vectors to all values
 local function pencil(system, f, options, where)
   local q, t = options.q, time_of(system, options, where)
   if f.sphere and q == nil then
@@ -76,13 +81,14 @@ local function pencil(system, f, options, where)
   local keep = core.constant(f.n, 1)
   for i = 1, f.n do if f.held[i] or masses[i] == 0 then keep[i] = 0 end end
   local S = -1 * core.field_hessian(system, q, t)
-  if f.massless and #f.massless > 0 then S = without(f, S) end
-  return operator.new(f.mesh, kind, kind, { weights = masses, keep = keep, stiffness = S })
+  local whole
+  if f.massless and #f.massless > 0 then S, whole = without(f, S) end
+  return operator.new(f.mesh, kind, kind, { weights = masses, keep = keep, stiffness = S }), whole
 end
 
 -- the values of one eigenvector as a form, or as one for every value of a cell
 local function shown(f, x)
-  if f.values == 1 then return x end
+  if f.values == 1 then return form.is_form(x) and x or form.new(f.mesh, f.degree, "primal", x) end
   local list = core.result {}
   for c = 1, f.values do
     local values = core.constant(f.cells, 0)
@@ -96,16 +102,17 @@ class.method("dm.system", "modes", function(system, n, options)
   local where = "field:modes"
   local f = field_of(system, where)
   options = option.check(options or {}, { "q", "t", "above", "near" }, where)
-  local A, basis = pencil(system, f, options, where)
+  local A, whole = pencil(system, f, options, where)
   local found = A:eigen(n, { above = options.above, near = options.near })
-  for i, x in ipairs(found.forms) do found.forms[i] = shown(f, basis and basis * x or x) end
+  for i, x in ipairs(found.forms) do found.forms[i] = shown(f, whole and whole(form.is_form(x) and x.values or x) or x) end
   return found
 end, [[
 field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
 n modes of small oscillations of a field around the state q (default 0): squares of frequencies,
 omega^2, and forms of norm 1 in the kinetic energy, those nearest to 0, with above = x the least
 beyond x, with near = x nearest to x. t: the time of L, needed where L depends on it. They are
-those of L: forces beside it are left out. Cells that are fixed or without mass stay at 0. Of unit
+those of L: forces beside it are left out. Cells that are fixed stay at 0; those without mass
+follow from their own equation. Of unit
 vectors (on = dm.S(m)) q must be given; forms are tangent there, and where q is no equilibrium the
 constraint's force is that of q.]])
 
