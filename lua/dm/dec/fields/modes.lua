@@ -104,7 +104,10 @@ class.method("dm.system", "modes", function(system, n, options)
   options = option.check(options or {}, { "q", "t", "above", "near" }, where)
   local A, whole = pencil(system, f, options, where)
   local found = A:eigen(n, { above = options.above, near = options.near })
-  for i, x in ipairs(found.forms) do found.forms[i] = shown(f, whole and whole(form.is_form(x) and x.values or x) or x) end
+  for i, x in ipairs(found.forms) do
+    if whole then x = whole(form.is_form(x) and x.values or x) end
+    found.forms[i] = shown(f, x)
+  end
   return found
 end, [[
 field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
