@@ -16,6 +16,7 @@
     X(NOT_WRITTEN, "not_written", "a file could not be written")                                   \
     X(NO_START, "no_start", "the run could not start")                                             \
     X(OUT_OF_TIME, "out_of_time", "the seconds or steps allowed were over")                        \
+    X(TOO_SHORT, "too_short", "the steps of controlled length became too short")                   \
     X(BLOW_UP, "blow_up", "the energy has left that of the start")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,

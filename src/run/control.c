@@ -148,7 +148,7 @@ dm_status dm_control_step(dm_control *c, dm_stepper *s, double *state) {
         if (last && status != DM_OK) return status;
         if (last && (!crosses_jump(&r, s->model->n) || ++c->forced > FORCED)) {
             c->place = where;
-            return DM_NO_CONVERGENCE;
+            return DM_TOO_SHORT;
         }
         if (last || (err <= 1.0 && isnan(where))) {
             if (!last) c->forced = 0;

@@ -30,7 +30,7 @@ const double *dm_control_middle(const dm_control *c, uint32_t n);
 /* Before the first step, at time t, of length h if that is short enough. */
 void dm_control_begin(dm_control *c, const dm_stepper *s, const double *state, double t, double h);
 
-/* One step in place, by c->t. On failure the state is unchanged: DM_NO_CONVERGENCE where even the
+/* One step in place, by c->t. On failure the state is unchanged: DM_TOO_SHORT where even the
  * shortest step is not accurate, or jumps over what c->place tells. */
 dm_status dm_control_step(dm_control *c, dm_stepper *s, double *state);
 

@@ -273,6 +273,7 @@ local function matrix_of(system, options)
   if options.v and options.p then error(what .. ": give the velocity v or the momentum p", 0) end
   local reduced = system.place and system.place.reduced
   if not reduced then option.need(options, "q", what, "the state is q and v (default: at rest)") end
+  option.number(options, "t", what, nil, 0)
   check_plain(system, what)
   check_generator(options, system, what)
   local of = reduced and of_reduced or system.place and of_group or in_coordinates

@@ -81,7 +81,7 @@ local TRIES = 6
 -- those that were checked did not
 local function is_of_a_step(failure)
   local code = type(failure) == "table" and failure.code
-  return code == "not_finite" or code == "no_convergence"
+  return code == "not_finite" or code == "no_convergence" or code == "too_short"
 end
 
 -- the path, and what straight lines between its rows err by

@@ -21,7 +21,8 @@ return {
     "Record fewer rows: every =, rows =, watch = or file = of solver:run." },
   { "too_large", "the expression graph grew too large",
     "A traced function with too many operations: write a loop over bodies or sites as "
-      .. "dm.sum_over, which stays a loop." },
+      .. "dm.sum_over, which stays a loop. Rules that take derivatives of derivatives (Taylor "
+      .. "segments of dm.curve, degenerate(s)) grow with their order: take a lower one, or rk4." },
   { "no_native", "native code is not possible here",
     "The same bits come from the tape: leave backend = out, or set DMLUA_BACKEND=tape." },
   { "not_written", "a file could not be written",
@@ -32,6 +33,10 @@ return {
   { "out_of_time", "the seconds or steps allowed were over",
     "The run was given seconds =, or control = without at =, and its steps became shorter and "
       .. "shorter: more seconds, a larger tolerance; the path so far is in failure.path." },
+  { "too_short", "the steps of controlled length became too short",
+    "control = keeps no tolerance there, however short the step: a collision, a pole of the "
+      .. "coordinates, a force too narrow to be seen, or a tolerance below the round-off of stiff "
+      .. "forces. A larger tolerance, or another start; the path so far is in failure.path." },
   { "blow_up", "the energy has outgrown the start, of which nothing is left",
     "A field on a line beyond the limit of stability of its cells: field:stability_limit says up "
       .. "to which height of a slab they are stable; the run so far is in failure.path." },

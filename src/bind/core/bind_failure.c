@@ -69,7 +69,8 @@ const char dml_failure_fading[] =
     "solver:singularities shows it";
 
 int dml_failure_fades(int fading, dm_status status) {
-    return fading && (status == DM_NO_CONVERGENCE || status == DM_SINGULAR);
+    return fading &&
+           (status == DM_NO_CONVERGENCE || status == DM_SINGULAR || status == DM_TOO_SHORT);
 }
 
 static void set_number(lua_State *L, const char *key, double x) {
@@ -118,7 +119,7 @@ const dml_class dml_class_failure = {
     .doc =
         "dm.failure: raised when a computation fails; pcall returns it\n"
         "fields: code (\"no_convergence\", \"singular\", \"not_finite\", \"inertia\", "
-        "\"stopped\"), step, time, "
+        "\"too_short\", \"stopped\"), step, time, "
         "residual, iterations, rule, message, path (what was computed before); constraint or "
         "rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value",
     .meta = meta,

@@ -14,7 +14,7 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
     dm_stepper s = r->stepper;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
     if (fades(r, status)) return dml_failure_fading;
-    if (status == DM_NO_CONVERGENCE && r->control)
+    if (status == DM_TOO_SHORT)
         return isnan(r->control->place)
                    ? "no step is short enough there: a singularity of the motion, such as a "
                      "collision, or of the coordinates"

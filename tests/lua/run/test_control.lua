@@ -82,6 +82,9 @@ solver:run { q = { sin(0.5), -cos(0.5) }, v = { 0, 0 }, t = 0.2, control = { tol
 ok(solver:report().unseen == nil and solver:report().steps < 1000, "a stiff spring hides nothing", solver:report().steps)
 
 -- what cannot be done
+local fell, why = pcall(run, kepler, "rk8", 2, { q = { 1, 0 }, v = { 0, 0 } }, { tolerance = 1e-10 })
+ok(not fell and why.code == "too_short" and not tostring(why):find "converge", "a fall ends by its shortest step", why)
+near(why.time, pi / math.sqrt(8), 1e-3, "at the time of the collision")
 raises("collision", run, kepler, "rk8", 2, { q = { 1, 0 }, v = { 0, 0 } }, { tolerance = 1e-10 })
 raises("seconds or steps", run, rod, "rk8", 1e6, { q = { sin(0.5), -cos(0.5) }, v = { 0, 0 } }, { tolerance = 1e-10 }, { seconds = 0.05 })
 raises("unknown", run, kepler, "rk8", 1, start, { tol = 1 })

@@ -179,6 +179,9 @@ raises("ensemble:path: there are members 1 to 2 (got 3)", function()
 end)
 raises('path:worst takes "constraint" or "rolling" (got energy)', path.worst, path, "energy")
 raises("path:velocity: there are rows 1 to 3 (got 4)", path.velocity, path, 4)
+for _, t in ipairs { 0 / 0, math.huge } do
+  raises("'t' must be a finite number", still.linearize, still, { q = { 1, 0 }, t = t })
+end
 raises("(got dm.matrix)", path.drift, path, dm.matrix { { 1, 2 }, { 3, 4 } })
 raises("a surplus argument: system:solver{rule=, h=", kepler.solver, kepler, "verlet", 0.1)
 local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
