@@ -1412,7 +1412,7 @@ local dm_factor_class = {}
 function dm_factor_class:solve(b) end
 
 ---dm.failure: raised when a computation fails; pcall returns it
----fields: code ("no_convergence", "singular", "not_finite", "inertia", "stopped"), step, time, residual, iterations, rule, message, path (what was computed before); constraint or rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value
+---fields: code ("no_convergence", "singular", "not_finite", "inertia", "too_short", "stopped"), step, time, residual, iterations, rule, message, path (what was computed before); constraint or rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value
 ---@class dm.failure
 local dm_failure_class = {}
 

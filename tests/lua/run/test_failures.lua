@@ -37,8 +37,9 @@ local swing = { q = { sin(1), -cos(1) }, v = { 0, 0 }, steps = 2000, chaos = fal
 local rules = { "verlet", "yoshida(4)", "suzuki(4)", "blanes-moan(4)", "kahan-li(6)", "blanes-moan(6)", "blanes-moan(6, 14)", "suzuki-umeno(8)", "sofroniou-spaletta(10)", "rk4" }
 map = stiff(1e6):stability(with(swing, { rules = rules, h = { 1.4e-3, 1.1e-2, 24, "log" } }))
 for i, rule in ipairs(rules) do
+  -- windows of a hundredth are found between the columns; the narrowest grow too slowly to be seen
   local gaps, wide = select(2, dm.stability_limit(rule)).gaps, nil
-  for _, gap in ipairs(gaps) do wide = wide or gap[2] > 1.05 * gap[1] and gap[1] end
+  for _, gap in ipairs(gaps) do wide = wide or gap[2] > 1.01 * gap[1] and gap[1] end
   within(map:limit(i) * 1e3, wide, 0.03, ("stiff spring, %s: h sqrt(k) = %.4g, the first wide window"):format(rule, map:limit(i) * 1e3))
   within(map:theory(i) * 1e3, gaps[1][1], 1e-3, "and theory stops at the first one, however narrow")
 end
