@@ -46,13 +46,14 @@ local function border(row, test)
   return {}
 end
 
---- map.borders[i], map.right[i] = { low, high, under }: the last cell of a row before the first
--- that is lost, or not right, that one, and the one below both.
+--- map.borders[i], map.right[i] = { low, high, under, number = i }: the last cell of a row before
+-- the first that is lost, or not right, that one, and the one below both.
 function M.find(map)
   for i, row in ipairs(map.cells) do
     compare_row(map, row)
     map.borders[i] = border(row, is_lost)
     map.right[i] = map.beside and border(row, is_not_right) or {}
+    map.borders[i].number, map.right[i].number = i, i
   end
 end
 
@@ -91,30 +92,28 @@ local function find_again(map, i, others, is_judged)
   if found.high == map.borders[i].high then return end
   local high = found.high
   found.base, found.again = column_before(row, high.x), first_again(row, high.x)
-  map.borders[i] = found
+  found.number, map.borders[i] = i, found
   local right = map.right[i].high
   if is_judged and not (right and right.x <= high.x) then
     map.right[i] = border(joined(row, { high }), is_not_right)
+    map.right[i].number = i
   end
+  return true
 end
 
--- Cells that columns step over, where linear theory expects the motion to be lost; what a stop on
--- request was, or nothing; is_judged: borders of what is right end there too.
-local function look_between(map, is_judged)
-  local by_row, todo = {}, {}
-  for i, b in ipairs(map.borders) do
-    by_row[i] = {}
-    local top = b.high and b.high.x or map.column[#map.column]
-    for k, x in ipairs((b.low or not b.high) and tongues.places(map, i, top) or {}) do
-      local cell = M.cell_at(map, map.rows[i], x)
-      cell.number, by_row[i][k], todo[#todo + 1] = k, cell, cell
-    end
+-- Cells of row i that columns step over, where linear theory expects the motion to be lost: what a
+-- stop on request was, and whether one is lost; is_judged: borders of what is right end there too.
+local function look_between(map, i, is_judged)
+  local b, others = map.borders[i], {}
+  local top = b.high and b.high.x or map.column[#map.column]
+  for k, x in ipairs((b.low or not b.high) and tongues.places(map, i, top) or {}) do
+    others[k] = M.cell_at(map, map.rows[i], x)
+    others[k].number = k
   end
-  local stopped = #todo > 0 and cells.run(map, todo)
+  if #others == 0 then return nil, false end
+  local stopped = cells.run(map, others)
   if stopped then return stopped end
-  for i, others in ipairs(by_row) do
-    if #others > 0 then find_again(map, i, others, is_judged) end
-  end
+  return nil, find_again(map, i, others, is_judged)
 end
 
 local function is_open(map, b)
@@ -178,12 +177,12 @@ end
 -- cells between the ends of all borders that are open
 local function between(map, list, places_of)
   local open, todo = {}, {}
-  for i, b in ipairs(list) do
+  for _, b in ipairs(list) do
     local parts = {}
     for k, s in ipairs(is_open(map, b) and places_of(map, b) or {}) do
       local x = axes.between(map.column, b.low.x, b.high.x, s)
       if map.by_ones then x = max(b.low.x + 1, min(b.high.x - 1, math.floor(x))) end
-      local cell = M.cell_at(map, map.rows[i], x)
+      local cell = M.cell_at(map, map.rows[b.number], x)
       cell.number = k
       parts[k], todo[#todo + 1] = cell, cell
     end
@@ -202,7 +201,7 @@ local function narrow(map, list, places_of, test, run)
     if stopped then return stopped end
     for _, one in ipairs(open) do
       for _, cell in ipairs(one.parts) do
-        if list ~= map.right and map.column == map.h then
+        if test == is_lost and map.column == map.h then
           cells.compare(cell, one.border.base or one.border.low)
         end
         if test(cell) then
@@ -215,16 +214,44 @@ local function narrow(map, list, places_of, test, run)
   end
 end
 
---- Narrow all borders to the resolution of the map; what a stop on request was, or nothing.
-function M.refine(map)
+-- both kinds of borders, of all rows or of one; what a stop on request was, or nothing
+local function narrow_both(map, lost, right)
   local beside = map.beside
-  map.by_ones = is_by_ones(map)
   map.beside = nil
-  local stopped = look_between(map, beside ~= nil)
-    or narrow(map, map.borders, even_places, is_lost, cells.run)
+  local stopped = narrow(map, lost, even_places, is_lost, cells.run)
   map.beside = beside
   return stopped or beside
-    and narrow(map, map.right, places_by_error, is_not_right, cells.run_right) or nil
+    and narrow(map, right, places_by_error, is_not_right, cells.run_right) or nil
+end
+
+--- Narrow all borders to the resolution of the map; what a stop on request was, or nothing.
+function M.refine(map)
+  map.by_ones = is_by_ones(map)
+  local stopped = narrow_both(map, map.borders, map.right)
+  map.is_refined = not stopped
+  return stopped
+end
+
+-- was a cell of the row left out?
+local function is_cut(row)
+  for _, cell in ipairs(row) do
+    if cell.class == cells.NUMBER["not run"] then return true end
+  end
+  return false
+end
+
+--- The borders of row i, once also looked for between its columns (tongues.lua), which costs linear
+-- theory along the orbit and some cells more; what a stop on request was, or nothing.
+function M.settle(map, i)
+  local row = map.rows[i]
+  if row.is_settled or not map.is_refined or is_cut(map.cells[i]) then return nil end
+  local beside = map.beside
+  map.beside = nil
+  local stopped, found = look_between(map, i, beside ~= nil)
+  map.beside = beside
+  if stopped then return stopped end
+  row.is_settled = true
+  return found and narrow_both(map, { map.borders[i] }, { map.right[i] }) or nil
 end
 
 return M

@@ -3,6 +3,7 @@ local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local closer = require "dm.stability.closer"
 local core = require "dm.core"
+local borders = require "dm.stability.borders"
 local tongues = require "dm.stability.tongues"
 
 local fail = require "dm.base.options".failing "dm.stability"
@@ -120,15 +121,18 @@ class.method("dm.stability_map", "limit", function(self, which, of)
   if of ~= nil and of ~= "right" then
     fail("the limit is that of what is lost, or \"right\" (got %s)", tostring(of))
   end
-  if of == "right" then return sentence_of_right(self, find_row(self, which)) end
-  return sentence_of_limit(self, find_row(self, which))
+  local i = find_row(self, which)
+  local stopped = borders.settle(self, i)
+  if stopped then fail("%s", stopped) end
+  return (of == "right" and sentence_of_right or sentence_of_limit)(self, i)
 end, [[
 map:limit(row [, "right"]) -> number, sentence   or   nil, sentence
 The largest value of the columns (the step h, or the last parameter of a map with one step) before
 the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
-infinity when none is lost, 0 when the first is, nil where the map was stopped before. Between the
-columns also the windows and resonances of linear theory (map:resonances) are tried, of maps with up
-to 64 rows: a narrow tongue of instability there is the limit, and the sentence says so. "right":
+infinity when none is lost, 0 when the first is, nil where the map was stopped before. The first
+time a limit of a row is asked for, the windows and resonances of linear theory (map:resonances) are
+tried between the columns, of maps with up to 64 rows: a narrow tongue of instability there is the
+limit, and the sentence says so. "right":
 the same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
 where no flow is known. row: its number, or a table such as { rule = "verlet", k = 100 } (the
 nearest). The sentence says what happens beyond.]])
