@@ -89,8 +89,8 @@ local function find_again(map, i, others, is_judged)
   local row = map.cells[i]
   for _, cell in ipairs(others) do cells.compare(cell, column_before(row, cell.x)) end
   local found = border(joined(row, others), is_lost)
-  if found.high == map.borders[i].high then return end
-  local high = found.high
+  local high, before = found.high, map.borders[i].high
+  if not high or before and high.x >= before.x then return false end
   found.base, found.again = column_before(row, high.x), first_again(row, high.x)
   found.number, map.borders[i] = i, found
   local right = map.right[i].high
