@@ -30,6 +30,20 @@ local models = {
     return L
   end },
 }
+-- moving masses: one that bounds tell to be definite wherever q is, one that is squares and products beside them
+models[#models + 1] = { "double pendulum, angles", 2, { 1, 0.5 }, { 0, 1 }, function(q, v)
+  return v[1] ^ 2 + v[2] ^ 2 / 2 + v[1] * v[2] * cos(q[1] - q[2]) + 9.81 * (2 * cos(q[1]) + cos(q[2]))
+end, "gauss(4)" }
+models[#models + 1] = { "double sph. pendulum, chart", 4, { sin(0.8), 0, sin(0.4), 0 }, { 0, 1, 0, -0.5 }, function(q, v)
+  local function depth(x, y, dx, dy)
+    local z = (1 - x * x - y * y) ^ 0.5
+    return z, (x * dx + y * dy) / z
+  end
+  local d1, z1 = depth(q[1], q[2], v[1], v[2])
+  local d2, z2 = depth(q[3], q[4], v[3], v[4])
+  local T = v[1] ^ 2 + v[2] ^ 2 + z1 ^ 2 + (v[3] ^ 2 + v[4] ^ 2 + z2 ^ 2) / 2 + v[1] * v[3] + v[2] * v[4] + z1 * z2
+  return T + 9.81 * (2 * d1 + d2)
+end, "gauss(4)" }
 for _, bodies in ipairs { 20, 59 } do
   local n = 3 * bodies
   models[#models + 1] = { bodies .. " bodies", n, spread(n, function(i) return 10 * sin(i * i) end), spread(n, function(i) return 0.01 * cos(i) end), function(q, v)

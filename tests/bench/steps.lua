@@ -25,12 +25,18 @@ local models = {
     end } },
 }
 
--- springs in a line with fixed ends, h omega = 4.7: sweeps do not contract
-do
-  local BODIES = 30
+-- in angles: M is definite wherever q is, as bounds of its entries tell once
+models[#models + 1] = { name = "double pendulum, angles", q = { 1, 0.5 }, v = { 0, 1 }, h = 0.01, rules = { "gauss(2)", "gauss(4)" },
+  system = dm.system { Q = dm.T(2), L = function(q, v)
+    return v[1] ^ 2 + v[2] ^ 2 / 2 + v[1] * v[2] * math.cos(q[1] - q[2]) + G * (2 * math.cos(q[1]) + math.cos(q[2]))
+  end } }
+
+-- springs in a line with fixed ends; at h omega = 4.7 sweeps do not contract, at 2.4 they do
+for _, case in ipairs { { 15, 1.2 }, { 15, 2.35 }, { 30, 1.2 }, { 30, 2.35 }, { 60, 1.2 }, { 60, 2.35 } } do
+  local BODIES, h = table.unpack(case)
   local q, v = {}, {}
   for i = 1, BODIES do q[i], v[i] = 0.1 * math.sin(i * i), 0 end
-  models[#models + 1] = { name = "chain of 30 beyond sweeps", q = q, v = v, h = 2.35, rules = { "gauss(8)" },
+  models[#models + 1] = { name = ("chain of %d, h omega = %.1f"):format(BODIES, 2 * h), q = q, v = v, h = h, rules = { "gauss(8)" },
     system = dm.system { Q = dm.R(BODIES), L = function(x, u)
       local U = x[1] ^ 2 + x[BODIES] ^ 2
       for i = 1, BODIES - 1 do U = U + (x[i + 1] - x[i]) ^ 2 end

@@ -214,14 +214,18 @@ local function narrow(map, list, places_of, test, run)
   end
 end
 
+-- f(...) of cells that are not compared with their flows; these come back however f ends
+local function without_flows(map, f, ...)
+  local beside = map.beside
+  local _ <close> = setmetatable({}, { __close = function() map.beside = beside end })
+  map.beside = nil
+  return f(...)
+end
+
 -- both kinds of borders, of all rows or of one; what a stop on request was, or nothing
 local function narrow_both(map, lost, right)
-  local beside = map.beside
-  map.beside = nil
-  local stopped = narrow(map, lost, even_places, is_lost, cells.run)
-  map.beside = beside
-  return stopped or beside
-    and narrow(map, right, places_by_error, is_not_right, cells.run_right) or nil
+  return without_flows(map, narrow, map, lost, even_places, is_lost, cells.run)
+    or map.beside and narrow(map, right, places_by_error, is_not_right, cells.run_right) or nil
 end
 
 --- Narrow all borders to the resolution of the map; what a stop on request was, or nothing.
@@ -245,13 +249,11 @@ end
 function M.settle(map, i)
   local row = map.rows[i]
   if row.is_settled or not map.is_refined or is_cut(map.cells[i]) then return nil end
-  local beside = map.beside
-  map.beside = nil
-  local stopped, found = look_between(map, i, beside ~= nil)
-  map.beside = beside
-  if stopped then return stopped end
-  row.is_settled = true
-  return found and narrow_both(map, { map.borders[i] }, { map.right[i] }) or nil
+  local stopped, found = without_flows(map, look_between, map, i, map.beside ~= nil)
+  row.is_wide = row.is_wide or found -- until it is narrow: a stop on request leaves the rest to do
+  stopped = stopped or row.is_wide and narrow_both(map, { map.borders[i] }, { map.right[i] }) or nil
+  row.is_settled = not stopped
+  return stopped
 end
 
 return M

@@ -265,6 +265,20 @@ do
     if count == 30 then ok(why:find "a tongue of instability: at h = [%d.]+ it is not lost", "and say what it is", why) end
   end
   near(limits[1], limits[3], 1e-3 * limits[3], "as many do"); near(limits[2], limits[3], 1e-3 * limits[3], "and some")
+  -- a stop between the columns leaves the map as it was, and the next question finds the limit
+  local whole = dm.stability { system = henon_heiles(0.1), rule = "verlet", q = { 0.1, 0 }, v = { 0, 0.2 }, t = 100, h = { 0.05, 2.5, 30, "log" } }
+  local cells = require "dm.stability.cells"
+  for stop_at = 1, 2 do
+    local it, run, count = dm.stability { system = henon_heiles(0.1), rule = "verlet", q = { 0.1, 0 }, v = { 0, 0.2 }, t = 100, h = { 0.05, 2.5, 30, "log" } }, cells.run, 0
+    cells.run = function(...)
+      count = count + 1
+      if count == stop_at then error("stopped there", 0) end
+      return run(...)
+    end
+    raises("stopped there", it.limit, it, 1)
+    cells.run = run
+    ok(it:limit(1) == whole:limit(1) and it:limit(1, "right") == whole:limit(1, "right"), "after a stop the same limits", it:limit(1, "right"))
+  end
   -- closed forms: Lobatto 3 loses an oscillation from h omega = sqrt 8 to sqrt 12, Verlet from 2 on; columns at 1 and 3.6
   local two = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 - q[2] ^ 2 / 50 end }
   for omega, system in pairs { [1] = two, [3] = spring(9) } do
