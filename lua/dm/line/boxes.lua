@@ -63,7 +63,7 @@ end
 local function names_of(given, d)
   local names, seen = {}, {}
   if given ~= nil and lists.count(given) ~= d then
-    fail("option 'names' must list %d names (got %s)", d, option.got(lists.got(given)))
+    fail("option 'names' must list %d names (got %s)", d, lists.count(given) or option.got(given))
   end
   for c = 1, d do
     local name = given and given[c] or "z" .. c
@@ -78,8 +78,11 @@ local function names_of(given, d)
 end
 
 local function gain_of(given, number)
-  local gain = {}
-  for i = 1, given and lists.count(given) or 0 do
+  local gain, count = {}, given == nil and 0 or lists.count(given)
+  if not count or count == 0 and given ~= nil and next(given) ~= nil then
+    fail("option 'gain' must list names of components (got %s)", option.got(given))
+  end
+  for i = 1, count do
     local c = number[given[i]]
     if not c then fail("option 'gain': there is no component %s", option.got(given[i])) end
     gain[c] = true

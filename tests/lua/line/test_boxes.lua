@@ -268,4 +268,11 @@ local by_name = sine_gordon(function(z) return 1 - dm.cos(z.u) + z.v ^ 2 / 2 - z
 local by_number = sine_gordon(function(z) return 1 - dm.cos(z[1]) + z[2] ^ 2 / 2 - z[3] ^ 2 / 2 end):solver { h = 0.1 }:run(kick)
 ok(by_name.z == by_number.z and by_name:balance "energy" == by_number:balance "energy", "S of z.u, z.v, z.w")
 raises("number expected", function() sine_gordon(function(z) return math.cos(z.nobody) end) end)
+-- gain is a list: what is none was nothing at all
+for _, gain in ipairs { 3, "u", { u = true }, true } do
+  raises("option 'gain' must list names", function()
+    dm.multisymplectic { names = { "u", "p", "q" }, gain = gain, M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } },
+      K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } }, S = function(z) return z[2] ^ 2 / 2 end, x = { 0, 1, 9, periodic = true } }
+  end)
+end
 tap.done()
