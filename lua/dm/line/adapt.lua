@@ -14,34 +14,39 @@ local MOST = 400          -- iterations
 local POINTS = { 10, 20, 40 }  -- of Gauss's rule on an element, until f is integrated to round-off
 local SMALL = 1e-7        -- beside the energy: a gradient that rounding may leave
 local NEAR = 1e-9         -- of the knots and values: a step as short is near the end
+local ROUNDING = 1e-15    -- of an energy
+local IDLE = 10           -- iterations that change the energy by rounding alone, and then no more
 local LEAST = 0.2         -- of its length an element keeps in one iteration
 
 ---- the energy of an element ----
 
--- e(X0, u0, X1, u1) with r points for f
-local function element(W, f, r)
+-- e(X0, v0, X1, v1) with r points for f; u = v + the line: knots that go along a steep line then
+-- change X alone, and the Hessian does not hide their own equation behind that of the line
+local function element(W, f, r, line)
   local points, weights = rules.gauss(r)
   return function(w)
     local length = w[3] - w[1]
-    local energy = length * W((w[4] - w[2]) / length)
+    local energy = length * W(line.slope + (w[4] - w[2]) / length)
     if not f then return energy end
     local load = 0
     for q, xi in ipairs(points) do
-      load = load + weights[q] * f(w[1] + xi * length) * (w[2] + xi * (w[4] - w[2]))
+      local x = w[1] + xi * length
+      local u = line.value + line.slope * (x - line.from) + w[2] + xi * (w[4] - w[2])
+      load = load + weights[q] * f(x) * u
     end
     return energy - length * load
   end
 end
 
 -- { value, slope, hessian } of it
-local function derivatives(W, f, r)
-  local e = element(W, f, r)
+local function derivatives(W, f, r, line)
+  local e = element(W, f, r, line)
   local slope = core.derivative(e, 4)
   return { value = core.trace(e, 4), slope = slope,
     hessian = core.derivative(function(w) return slope(w) end, 4) }
 end
 
----- sums over elements: z = X_1, u_1, X_2, u_2, ... ----
+---- sums over elements: z = X_1, v_1, X_2, v_2, ... ----
 
 local function part(z, e)
   local k = 2 * e - 2
@@ -112,13 +117,22 @@ local function downhill(slope, H, shift, scale)
   fail("the second derivative of the energy is not finite")
 end
 
+-- positive definite, but for rounding
+local function is_least(slope, H)
+  return blocks.solve(H, slope, 1e-9 * blocks.largest(H)) ~= nil
+end
+
 -- z moves until the gradient is round-off; held: marks of what stays
 local function minimize(p, z, held)
   local shift, energy, last = 0, energy_of(p, z), math.huge
+  local best, least, idle = z, math.huge, 0 -- where rounding alone moves the energy
   if energy - energy ~= 0 then fail("W or f is not finite on the first knots") end
   for k = 1, MOST do
     local slope, H = system_of(p, z, held)
     local size, scale = norm(slope), blocks.largest(H)
+    if size < 0.5 * least then idle = 0 end
+    if size < least then best, least = z, size end
+    if idle >= IDLE and is_least(slope, H) then return best, k, least end
     local dz
     dz, shift = downhill(slope, H, shift, scale)
     local step, t = norm(dz), in_order(p, z, dz)
@@ -129,7 +143,7 @@ local function minimize(p, z, held)
     for _ = 1, 40 do
       trial = moved(z, dz, t)
       now = energy_of(p, trial)
-      accepted = now <= energy + 1e-15 * math.abs(energy)
+      accepted = now <= energy + ROUNDING * math.abs(energy)
         or step <= NEAR * norm(z) and now == now -- energies differ by rounding alone
       if accepted then break end
       t = t / 2
@@ -138,14 +152,15 @@ local function minimize(p, z, held)
       if size <= SMALL * (1 + math.abs(energy)) then return z, k, size end
       shift = math.max(10 * shift, 1e-8 * scale)
     else
+      idle = now > energy - ROUNDING * math.abs(energy) and idle + 1 or 0
+      if idle == 0 then least = math.huge end
       z, energy, last = trial, now, size
       shift = t == 1 and shift / 10 or shift
       if shift < 1e-14 * scale then shift = 0 end
     end
   end
   local slope, H = system_of(p, z, held)
-  local is_least = blocks.solve(H, slope, 1e-9 * blocks.largest(H)) ~= nil
-  if is_least and last <= SMALL * (1 + math.abs(energy)) then return z, MOST, last end
+  if is_least(slope, H) and last <= SMALL * (1 + math.abs(energy)) then return z, MOST, last end
   fail("the energy has no least value that %d iterations find: is W convex and f finite? (largest "
     .. "derivative left %.2g)", MOST, last)
 end
@@ -171,10 +186,10 @@ local function check(p, z, held)
 end
 
 -- knots that nothing moves: both slopes beside them are equal
-local function affine(z, elements)
-  local out, slopes, largest = {}, {}, 0
+local function affine(p, z)
+  local out, slopes, largest, elements = {}, {}, 0, p.elements
   for e = 1, elements do
-    slopes[e] = (z[2 * e + 2] - z[2 * e]) / (z[2 * e + 1] - z[2 * e - 1])
+    slopes[e] = p.line.slope + (z[2 * e + 2] - z[2 * e]) / (z[2 * e + 1] - z[2 * e - 1])
     largest = math.max(largest, math.abs(slopes[e]))
   end
   for i = 2, elements do
@@ -196,7 +211,7 @@ local function solve(p, z, ends)
   local held = marks(p, ends, true)
   z = minimize(p, z, held)
   held = marks(p, ends, false)
-  for _, i in ipairs(affine(z, p.elements)) do held[2 * i - 1] = true end
+  for _, i in ipairs(affine(p, z)) do held[2 * i - 1] = true end
   local count
   z, count = minimize(p, z, held)
   check(p, z, held)
@@ -244,44 +259,54 @@ local function read(options)
   return grid, ends
 end
 
-local function first_guess(grid, ends)
+-- the line from end to end
+local function line_of(grid, ends)
   local a = ends[1] == "free" and ends[2] or ends[1]
   local b = ends[2] == "free" and ends[1] or ends[2]
+  return { from = grid.from, value = a, slope = (b - a) / (grid.to - grid.from) }
+end
+
+local function first_guess(grid)
   local z = {}
   for i = 0, grid.cells do
     z[2 * i + 1] = i == grid.cells and grid.to or grid.from + i * grid.dx
-    z[2 * i + 2] = a + (b - a) * i / grid.cells
+    z[2 * i + 2] = 0
   end
   return z
 end
 
-local function result_of(p, z, iterations, exact)
-  local n = p.elements + 1
+-- what is found, of u: a knot that moves while u stays moves v by the slope of the line
+local function result_of(p, z, ends, iterations, exact)
+  local n, line = p.elements + 1, p.line
   local x, u, force = core.zeros(n), core.zeros(n), core.zeros(n)
   local slope = slope_of(p, z)
   for i = 1, n do
-    x[i], u[i], force[i] = z[2 * i - 1], z[2 * i], slope[2 * i - 1]
+    x[i] = z[2 * i - 1]
+    u[i] = z[2 * i] + line.value + line.slope * (x[i] - line.from)
+    force[i] = slope[2 * i - 1] - line.slope * slope[2 * i]
   end
+  if ends[1] ~= "free" then u[1] = ends[1] end
+  if ends[2] ~= "free" then u[n] = ends[2] end
   return core.result { x = x, u = u, force = force, energy = energy_of(p, z),
-    frozen = core.result(affine(z, p.elements)), iterations = iterations, exact = exact }
+    frozen = core.result(affine(p, z)), iterations = iterations, exact = exact }
 end
 
 M.adapt = blame.caller(function(options)
   local grid, ends = read(options)
   local W = option.numeric(options.W, "dm.adapt: W")
   local f = options.f and option.numeric(options.f, "dm.adapt: f")
-  local p, iterations = { elements = grid.cells }, 0
-  local z, exact = first_guess(grid, ends), false
+  local p, iterations = { elements = grid.cells, line = line_of(grid, ends) }, 0
+  local z, exact = first_guess(grid), false
   for level = 1, options.f and #POINTS - 1 or 1 do
-    p.of = derivatives(W, f, POINTS[level])
+    p.of = derivatives(W, f, POINTS[level], p.line)
     local count
     z, count = solve(p, z, ends)
     iterations = iterations + count
     exact = not options.f or is_exact(p, z, { value = core.trace(element(W, f,
-      POINTS[level + 1]), 4) })
+      POINTS[level + 1], p.line), 4) })
     if exact then break end
   end
-  return result_of(p, z, iterations, exact)
+  return result_of(p, z, ends, iterations, exact)
 end)
 
 core.docs[M.adapt] = [[

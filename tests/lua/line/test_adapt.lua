@@ -51,6 +51,19 @@ local e = 0.05
 local layer = dm.adapt { W = half, f = function(x) return exp(-(1 - x) / e) / (e ^ 2 * (1 - exp(-1 / e))) end, x = { 0, 1, 8 }, ends = { 0, 0 } }
 ok(layer.x[2] > 0.8, "knots gather at a layer", layer.x[2])
 near(layer.u[4], layer.x[4] - (exp(-(1 - layer.x[4]) / e) - exp(-1 / e)) / (1 - exp(-1 / e)), 1e-12, "values are those of the solution")
+-- a steep line under a small bend: W'' is nearly constant, 1 + 12 s^2 at s = 53.6, so the knots are those of s^2/2
+do
+  local function steep(W) return dm.adapt { W = W, f = function(x) return -16 * exp(4 * x) end, x = { 0, 1, 12 }, ends = { 1, exp(4) } } end
+  local quartic = steep(function(s) return half(s) + s ^ 4 end)
+  local quadratic = steep(half)
+  local off, force = 0, 0
+  for i = 2, 12 do
+    off = math.max(off, abs(quartic.x[i] - quadratic.x[i]))
+    force = math.max(force, abs(quartic.force[i]))
+  end
+  ok(off < 1e-4, "knots along a steep line", off)
+  ok(force < 1e-14 * abs(quartic.force[1]) and quartic.iterations < 60, "at rest to round-off, in few iterations", force)
+end
 raises("option 'ends'", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 0 } } end)
 raises("has '3' beside", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 0, 1, 2 } } end)
 raises("not finite on the first knots", function() dm.adapt { W = half, x = { 0, 1, 4 }, ends = { 1e300, -1e300 } } end)
