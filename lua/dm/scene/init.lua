@@ -6,6 +6,7 @@ local choice = require "dm.scene.choice"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local deadline = require "dm.scene.deadline"
+local independent = require "dm.measure.independent"
 local linear = require "dm.scene.linear"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
@@ -95,6 +96,25 @@ local function read_profile(given, costs)
   if getmetatable(given) == profile then return given end
   fail("option 'profile' must be a file that scene.profile:save wrote, or the profile of another "
     .. "scene (got %s)", type(given))
+end
+
+---- constraints that follow from the others ----
+
+-- the system without them, and their numbers; starts refuse them, and with project = all are kept
+local function without_dependent(system, options)
+  local given = system.given
+  if not given.constraint or system.place or system.field or options.project then
+    return system, {}
+  end
+  return system:independent { q = options.q, t = options.t0 }
+end
+
+-- raises where what was left out stops to hold along a run of the whole
+local function look_at_dependent(scene, given)
+  if #scene.left_out == 0 then return end
+  local path, why = pilot.free_run(given, 1e-9, {})
+  if not path then fail("constraints that were left out could not be looked at: %s", why) end
+  independent.look(scene.system, path)
 end
 
 ---- a picture ----
@@ -223,6 +243,7 @@ local function decide(scene)
   if scene.best then return scene end
   scene.began = core.cpu()
   local given = model.given(scene.problem):ready()
+  look_at_dependent(scene, given)
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
   if scene.options.frame then return keep_deadline(scene, given) end
@@ -324,6 +345,8 @@ M.scene = blame.caller(function(options)
   local system = check_options(options)
   if whole.is(system) then whole.check(system, options) end
   options = starts.lists(options, system)
+  local left_out
+  system, left_out = without_dependent(system, options)
   local given = {}
   for key, value in pairs(options) do given[key] = value end
   local wanted = given.tolerance
@@ -332,7 +355,7 @@ M.scene = blame.caller(function(options)
   local costs = read_profile(options.profile, options.costs or "work")
   local scene = setmetatable({ system = system, options = given, profile = costs,
     allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, Scene)
-  scene.tolerant = wanted ~= nil
+  scene.tolerant, scene.left_out = wanted ~= nil, left_out
   scene.problem = (whole.is(system) and whole or model).problem(system, given)
   if wanted == nil and options.watch == "picture" then
     local pixel = picture_tolerance(scene.problem, model.given(scene.problem):ready())

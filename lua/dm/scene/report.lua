@@ -110,6 +110,10 @@ function M.why(scene)
   local lines = { scene.sentence, "reference: " .. scene.reference_text, "choice: "
     .. M.choice(scene), scene.check_text }
   lines[#lines + 1] = scene.rows_text
+  if #scene.left_out > 0 then
+    lines[#lines + 1] = ("left out, as they follow from the others (system:independent): "
+      .. "constraints %s"):format(table.concat(scene.left_out, ", "))
+  end
   models_lines(scene, lines)
   for _, row in ipairs(scene.search.models) do rule_lines(scene, row.model, lines) end
   refused_lines(scene, lines)
