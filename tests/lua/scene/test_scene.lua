@@ -317,8 +317,17 @@ do
     tolerance = 1e-6 })
   local model = problem_of.given(problem):ready()
   local _, report = pilot.go(model, "controlled(rk8)", 64, { steps = 64 })
+  -- the least of the very runs that are measured, whatever else the machine does meanwhile
+  local core, go, least = require "dm.core", pilot.go, math.huge
+  pilot.go = function(...)
+    local before = core.cpu()
+    local path, told = go(...)
+    least = math.min(least, told.ns_per_step * told.steps, 1e9 * (core.cpu() - before))
+    return path, told
+  end
   local cost = require "dm.scene.profile".new "clock":cost(model, "controlled(rk8)", 64)
-  tap.ok(report.steps > 640 and cost > 0.1 * report.ns_per_step * report.steps, "the clock counts all steps", cost)
+  pilot.go = go
+  tap.ok(report.steps > 640 and least < math.huge and cost > 0.1 * least, "the clock counts all steps", cost / least)
   local fast = dm.system { Q = dm.R(1), L = function(_, v) return -math.sqrt(1 - v[1] ^ 2) end }
   tap.ok(ring:structure().quadratic_in_v and not fast:structure().quadratic_in_v, "quadratic in v or not")
 end
