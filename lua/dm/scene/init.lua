@@ -318,15 +318,16 @@ local doc_scene =
 The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta
 ("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
 tolerance: the largest error of each watched number at every time up to until_t, in its units, or a
-table name -> tolerance. Models: the system as given; without coordinates that nothing watched
-feels; in relative coordinates where a common motion changes nothing; in the plane of motion where
-turns change nothing; cyclic coordinates reduced away (Routh), also those of a symmetry = { action =
-f(theta, q), section = f(x) } as for system:routh; linear, in the modes that are seen, with drag,
-gyroscopic terms and forces in t too that are sums of c t^k e^(mu t), solved in closed form
-(scene.best.rule is "exact"); stiff terms of L as constraints; coordinates at rest held; terms left
-out where that stays inside the tolerance. Rules: all of dm.rules(), log-hamiltonian(...) and
-"controlled(rk8)", whose steps are as long as their error allows, or a list `rules`. All of it is
-measured against two unlike methods with controlled steps that jump over nothing hidden in the
+table name -> tolerance. Models: the system as given, without constraints that follow from the
+others (system:independent; with project they stay, and are refused); without coordinates that
+nothing watched feels; in relative coordinates where a common motion changes nothing; in the plane
+of motion where turns change nothing; cyclic coordinates reduced away (Routh), also those of a
+symmetry = { action = f(theta, q), section = f(x) } as for system:routh; linear, in the modes that
+are seen, with drag, gyroscopic terms and forces in t too that are sums of c t^k e^(mu t), solved in
+closed form (scene.best.rule is "exact"); stiff terms of L as constraints; coordinates at rest held;
+terms left out where that stays inside the tolerance. Rules: all of dm.rules(), log-hamiltonian(...)
+and "controlled(rk8)", whose steps are as long as their error allows, or a list `rules`. All of it
+is measured against two unlike methods with controlled steps that jump over nothing hidden in the
 forces, and checked at other times and between them; where the tolerance cannot be promised,
 scene:run() raises with everything that was measured (docs/theory/trust.md). Costs are counted
 operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
