@@ -67,6 +67,21 @@ local function are_numbers(fields, comma)
   return count > 0
 end
 
+-- A first line with words and numbers is a row with a fault, or names of which some are numbers: to
+-- take it as either would be a guess. Numbers in quotes are names.
+local function check_first(fields, line, comma, at, fail)
+  local word, number
+  for _, field in ipairs(fields) do
+    local bare = not line:find('"' .. field .. '"', 1, true)
+    if not number_of(field, comma) then word = word or field
+    elseif bare then number = number or field end
+  end
+  if word and number then
+    fail("line %d: %q is no number, and %s no name: mend the row, or, where the line holds names, "
+      .. "put them in quotes or leave it out by skip = %d, names = { ... }", at, word, number, at)
+  end
+end
+
 ---- lines ----
 
 -- a line without the comment behind its numbers
@@ -236,6 +251,8 @@ function M.read(handle, where, given)
     names = given.names and names or names_in(r.seen.comment, #first, r.separator, r.comma)
       or numbered(#first)
     add(r.number, first)
+  else
+    check_first(first, r.line, r.comma, r.number, fail)
   end
   check_names(names, fail)
   local number, line = r.second_number, r.second
