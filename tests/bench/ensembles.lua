@@ -21,7 +21,14 @@ local models = {
   end },
   { "Kepler", h = 0.05, q = { 0.4, 0 }, v = { 0, 2 }, rules = { "midpoint", "gauss(3)", "gauss(6)" },
     L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end },
+  { "chain of 12, magnetic field", h = 0.8, q = {}, v = {}, rules = { "midpoint", "lobatto(3)" }, L = function(x, u)
+    local L = u:dot(u) / 2 - x[1] ^ 2 / 2 - x[12] ^ 2 / 2
+    for i = 1, 11 do L = L - (x[i + 1] - x[i]) ^ 2 / 2 end
+    for i = 1, 11, 2 do L = L + 0.3 * (x[i] * u[i + 1] - x[i + 1] * u[i]) end
+    return L
+  end },
 }
+for i = 1, 12 do models[4].q[i], models[4].v[i] = 0.1 * sin(i * i), 0 end
 
 local function seconds(f)
   local t = os.clock()

@@ -44,8 +44,8 @@ for _, case in ipairs { { 15, 1.2 }, { 15, 2.35 }, { 30, 1.2 }, { 30, 2.35 }, { 
     end } }
 end
 
--- the same with quartic forces of 1e-3 of the linear ones; six of them, and few unknowns: 24
-for _, case in ipairs { { 30, 1e-3, "gauss(8)" }, { 6, 0, "gauss(4)" } } do
+-- the same with quartic forces of 1e-3 of the linear ones; few unknowns: 24 and 64
+for _, case in ipairs { { 30, 1e-3, "gauss(8)" }, { 6, 0, "gauss(4)" }, { 6, 1e-3, "gauss(4)" }, { 8, 1e-3, "gauss(8)" } } do
   local BODIES, quartic, rule = table.unpack(case)
   local q, v = {}, {}
   for i = 1, BODIES do q[i], v[i] = 0.1 * math.sin(i * i), 0 end

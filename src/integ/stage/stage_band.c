@@ -68,7 +68,7 @@ void dm_stage_band_open(dm_stage *g, size_t room) {
     }
     if (!has_room(g, room)) return;
     w->linear = is_linear(g);
-    w->keeps = !w->linear && w->matrix.banded;
+    w->keeps = !w->linear && dm_stage_kept_size(g) > 0;
 }
 
 /* entry (i, m) of the blocks: delta_im - h^2 A_im M^-1 L_qq(m) */

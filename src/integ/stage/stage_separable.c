@@ -308,12 +308,13 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .max_iterations = stepper->max_iterations};
     dm_status status = dm_stage_kept(g, &problem, &report);
     const int kept = status == DM_OK;
+    stepper->report.matrices += report.jacobians;
     if (!kept) {
         g->newton.factored = NAN; /* their room is taken */
         status = dm_newton(g->newton.root, &problem, g->scratch, &report);
+        stepper->report.matrices += report.jacobians;
     }
     stepper->report.iterations = report.iterations;
-    stepper->report.matrices += report.jacobians;
     stepper->report.outside = report.outside;
     stepper->report.residual = report.residual * dm_stage_heaviest(g->m) / fabs(g->weights.h);
     if (status == DM_OK && (kept || report.jacobians)) correct_forces(g, g->scratch);

@@ -68,12 +68,12 @@ INLINE void evaluate(chord *it, void *ctx, uint32_t m, int all) {
 /* before the first matrix it is 1, and x stays as it is */
 INLINE void solve(const chord *it, void *ctx, double *x, uint32_t m) {
     const solver *s = ctx;
-    if (s->kept)
-        dm_band_solve(x, s->kept->J, s->kept->pivot, s->p->band, s->trial);
-    else if (it->factored && s->p->band)
-        dm_band_solve(x, s->J, s->pivot, s->p->band, s->trial);
+    const double *J = s->kept ? s->kept->J : s->J;
+    const uint32_t *pivot = s->kept ? s->kept->pivot : s->pivot;
+    if (it->factored && s->p->band)
+        dm_band_solve(x, J, pivot, s->p->band, s->trial);
     else if (it->factored)
-        dm_lu_solve(x, s->J, s->pivot, m);
+        dm_lu_solve(x, J, pivot, m);
 }
 
 INLINE I chord_of(solver *s, uint32_t m) {

@@ -66,14 +66,14 @@ size_t dm_newton_work(uint32_t m);
 dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
                     dm_newton_report *report);
 
-/* Factors of a band that is nearly dr/dx, of an earlier solve. */
+/* Factors of a matrix that is nearly dr/dx, of an earlier solve: the problem's band, or dense. */
 typedef struct {
     const double *J;
     const uint32_t *pivot;
 } dm_newton_factors;
 
-/* The same with these factors alone, of the problem's band, while increments shrink by ten or more:
- * DM_NO_CONVERGENCE where they do not. work: 4m doubles of it are used. */
+/* The same with these factors alone, while increments shrink by ten or more: DM_NO_CONVERGENCE
+ * where they do not. work: 4m doubles of it are used. */
 dm_status dm_newton_kept(double *x, const dm_newton_problem *problem,
                          const dm_newton_factors *factors, double *work, dm_newton_report *report);
 

@@ -119,7 +119,8 @@ static int lay_out_newton(dm_stage_lanes *w) {
                             {&y->J2, m * m},
                             {&y->pivot, m},
                             {&y->pivot2, m},
-                            {&y->other, curve + 2 * n}};
+                            {&y->other, curve + 2 * n},
+                            {&y->made, 1}};
     const uint32_t lanes = w->members.lanes;
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
     x->stage = &y->stage;
@@ -160,12 +161,13 @@ static int lay_out_paces(dm_stage_lanes *w) {
     return 1;
 }
 
-/* those that a method of other coefficients left */
+/* those that a method of other coefficients left, and its factors */
 static void forget_paces(dm_stage_lanes *w, const dm_stage *g) {
     w->group.one = &g->weights.hA->top;
     if (g->sweeps) dm_stage_sweeps_scaled(g->sweeps, &w->group.one);
     for (uint32_t i = 0; i < w->members.groups; i++)
         memset(w->paces + i * paces_size(w), 0, w->members.lanes * sizeof *w->paces);
+    if (w->matrix.made) memset(w->matrix.made, 0, w->members.lanes * sizeof *w->matrix.made);
 }
 
 /* what Newton's method needs, which continuation in h leaves undone when it gives up */

@@ -38,6 +38,7 @@ typedef struct {
     double *J, *pivot;   /* [m][m], [m] factors of the matrix of every lane, and its rows */
     double *J2, *pivot2; /* the same of lanes that renew theirs apart from the others */
     double *other;       /* a curve and slopes of such lanes */
+    double *made;        /* [1] the h that J is of, 0: of none; asked where L is quadratic */
 } dm_lanes_newton;
 
 /* Those of the model's last ensemble stay with the model. */

@@ -121,13 +121,11 @@ void dm_stage_weights_complete(dm_stage *g);
 /* Largest entry of a constant M: over h it turns a displacement into a momentum. */
 double dm_stage_heaviest(const dm_model *m);
 
-/* Unknowns from which on a band is looked for: members of an ensemble solve for fewer in lanes,
- * densely. Doubles of the memory that tells of its factors (stage_kept.c). */
-enum { DM_STAGE_BAND_LEAST = 65 };
+/* Unknowns from which on a band is looked for, and factors are kept for further steps; doubles of
+ * the memory that tells of these (stage_kept.c). */
+enum { DM_STAGE_BAND_LEAST = 65, DM_STAGE_KEPT_LEAST = 4 };
 static inline size_t dm_stage_kept_size(const dm_stage *g) {
-    const int fits = g->separable && g->m->structure & DM_DIAGONAL_MASS &&
-                     g->n * g->table.r >= DM_STAGE_BAND_LEAST;
-    return fits ? g->n + 2 : 0;
+    return g->separable && g->n * g->table.r >= DM_STAGE_KEPT_LEAST ? g->n + 2 : 0;
 }
 
 /* One double at a time where they are few: a wide load would wait for the narrow stores that a
