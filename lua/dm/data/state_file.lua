@@ -62,6 +62,11 @@ function M.read(file, head, what, where)
   local text = handle:read "a" or ""
   handle:close()
   local body, sum = text:match "^(.*\n)end (%x+)\n$"
+  local kind = head:gsub("%d+$", "")
+  if body and text:sub(1, #head + 1) ~= head .. "\n" and text:sub(1, #kind) == kind then
+    fail("%s is a checkpoint of another version of dmlua (%s, not %s): run it anew", file,
+      text:match("^[^\n]*"):sub(1, 40), head)
+  end
   if not body or text:sub(1, #head + 1) ~= head .. "\n" then
     fail("%s is no checkpoint of %s", file, what)
   end

@@ -134,7 +134,7 @@ function M.run(solver, options)
     file = option.text(options, "file", where) }
   local saved_in = option.text(options, "checkpoint", where)
   local level = level_of(solver, options, plan)
-  level.values = sample.values_of_S(solver.boxes)
+  level.law = sample.of_S(solver.boxes)
   local outcome = stream.go(solver, level, plan, writer(solver.boxes, level))
   local run = new_run(solver, level, plan, outcome)
   if saved_in then run:checkpoint(saved_in) end

@@ -47,14 +47,14 @@ local function free_of(text)
 end
 
 M.field = {
-  head = "dmlua line 1", what = "a run on a line", where = "field:resume", name = "the field",
+  head = "dmlua line 2", what = "a run on a line", where = "field:resume", name = "the field",
   run = "dm.line_run", of = "field",
 
   same = function(field, run)
     return { { "from", field.from * 1.0 }, { "to", field.to * 1.0 }, { "cells", field.cells },
       { "periodic", field.periodic }, { "values", field.values }, { "fixed", sides(field.fixed) },
       { "absorbing", sides(field.absorbing) },
-      { "L", fingerprint(run and run.level.values or sample.values_of(field)) } }
+      { "L", run and run.level.law or sample.of_L(field) } }
   end,
 
   ending = function(run)
@@ -89,7 +89,7 @@ local function of_matrix(A)
 end
 
 M.boxes = {
-  head = "dmlua boxes 1", what = "a run of boxes", where = "boxes:resume", name = "the boxes",
+  head = "dmlua boxes 2", what = "a run of boxes", where = "boxes:resume", name = "the boxes",
   run = "dm.box_run", of = "boxes",
 
   same = function(boxes, run)
@@ -98,7 +98,7 @@ M.boxes = {
     return { { "from", boxes.from * 1.0 }, { "to", boxes.to * 1.0 }, { "cells", boxes.cells },
       { "names", table.concat(boxes.names, ",") }, { "gain", table.concat(gain, ",") .. "." },
       { "M", of_matrix(boxes.M) }, { "K", of_matrix(boxes.K) },
-      { "S", fingerprint(run and run.level.values or sample.values_of_S(boxes)) } }
+      { "S", run and run.level.law or sample.of_S(boxes) } }
   end,
 
   ending = function(run)

@@ -122,7 +122,7 @@ local function of_place(run, where)
   local u, t = all_levels(run, where)
   local strip, n = run.level.strip, field.values
   if not solver.moves then
-    if not sample.same(sample.values_of(field), run.level.values) then
+    if sample.of_L(field) ~= run.level.law then
       option.fail(where, "L is not that of the run any more: what it reads has changed")
     end
     local zeros = core.zeros(field.nodes * (n + 1))

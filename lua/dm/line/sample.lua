@@ -1,4 +1,4 @@
---- Numbers at which the L of a field on a line is looked at.
+--- What the L of a field on a line is: numbers at which it is looked at, and its trace.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -23,45 +23,24 @@ function M.number(f, ...)
   return fine and type(value) == "number" and value or 0 / 0
 end
 
---- L of a field on a line at four such places of its line, by a time for each; time(row): when.
-function M.values_of(field, time)
-  local random, out = core.random(17), {}
-  for row = 1, 4 do
-    local u, ut, ux = M.of(random, row, field.values)
-    local x = field.from + (field.to - field.from) * random:uniform(row, 0)
-    out[row] = M.number(field.L, u, ut, ux, x, time and time(row) or 0.3 * row)
-  end
-  return out
+-- L of a field on a line, traced; t is later(t)
+local function traced(field, later)
+  local each = field.values == 1 and "number" or field.values
+  local function L(u, ut, ux, x, t) return field.L(u, ut, ux, x, later(t)) end
+  return core.trace(L, each, each, each, "number", "number")
 end
 
---- Are numbers of values_of those of another time? NaN is NaN.
-function M.same(a, b)
-  for i = 1, #a do
-    if a[i] ~= b[i] and (a[i] == a[i] or b[i] == b[i]) then return false end
-  end
-  return true
+--- What L of a field on a line computes now, as a text (core.fingerprint).
+function M.of_L(field) return core.fingerprint(traced(field, function(t) return t end)) end
+
+--- The same of S of boxes.
+function M.of_S(boxes)
+  return core.fingerprint(core.trace(function(z) return boxes.S(z) end, boxes.d))
 end
 
---- S of boxes at four random z.
-function M.values_of_S(boxes)
-  local random, out = core.random(17), {}
-  for row = 1, 4 do
-    local z = core.zeros(boxes.d)
-    for c = 1, boxes.d do z[c] = 0.1 + 0.8 * random:uniform(row, c) end
-    out[row] = M.number(boxes.S, z)
-  end
-  return out
-end
-
---- Does L not depend on t? Looked at with numbers.
+--- Does L not depend on t? Then it is the same function of any other time.
 function M.is_autonomous(field)
-  local now, later = M.values_of(field),
-    M.values_of(field, function(row) return 0.7 + 0.4 * row end)
-  for row = 1, #now do
-    local a, b = now[row], later[row]
-    if a ~= b and a == a and b == b then return false end
-  end
-  return true
+  return M.of_L(field) == core.fingerprint(traced(field, function(t) return 2 * t + 1 end))
 end
 
 return M

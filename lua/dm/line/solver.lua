@@ -245,7 +245,7 @@ local function run(solver, options)
   local plan = plan_of(solver, options)
   local level = solver.ending and last_level(solver, options)
     or first_level(solver, options, plan.t0)
-  level.values = sample.values_of(solver.field)
+  level.law = sample.of_L(solver.field)
   if not solver.ending then check_trace(solver, level, plan.t0) end
   local started = os.clock()
   local outcome = stream.go(solver, level, plan, stream.of_field(solver))

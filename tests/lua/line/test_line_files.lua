@@ -106,6 +106,24 @@ raises("what the run is of", function() dm.resume(part, 3) end)
 ---- what is refused ----
 
 local wave = dm.field { x = { 0, 20, 40 }, fixed = "ends", L = sine_gordon }
+-- an L that differs only where u > 1, or a law that does at negative z, is another one
+local function stiff(k)
+  return function(u, ut, ux, _, t) return linear(u, ut, ux) - dm.where(u - 1, (k + t) * (u - 1) ^ 2, 0) end
+end
+local function tall(k) return dm.field { x = { 0, 20, 40 }, L = stiff(k) } end
+tall(1):solver { h = 0.25 }:run { u = hump, steps = 5, checkpoint = name }
+raises("its L was", function() tall(2):resume(name) end)
+ok(tall(1):resume(name):run { steps = 1 }.u[2] == tall(1):solver { h = 0.25 }:run { u = hump, steps = 6 }.u[7],
+  "an L that is written again is the same")
+raises("L depends on t", function() tall(1):stability_limit() end)
+local function low(k)
+  return dm.multisymplectic { x = { -20, 20, 41, periodic = true }, names = { "u", "v", "w" },
+    M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+    S = function(z) return z.v ^ 2 / 2 - z.w ^ 2 / 2 + dm.where(-z.u, k * z.u ^ 4, 0) end }
+end
+low(1):solver { h = 0.1 }:run { z = { u = function(x) return exp(-x * x) end, v = 0 }, steps = 3, checkpoint = name }
+raises("its S was", function() low(2):resume(name) end)
+ok(#low(1):resume(name):run { steps = 1 } == 2, "the same S goes on")
 wave:solver { h = 0.25 }:run { u = hump, steps = 5, checkpoint = name }
 raises("its cells was 40 and is 41", function() dm.field { x = { 0, 20, 41 }, fixed = "ends", L = sine_gordon }:resume(name) end)
 raises("its fixed was", function() dm.field { x = { 0, 20, 40 }, L = sine_gordon }:resume(name) end)

@@ -22,7 +22,7 @@ local function marks(f)
 end
 
 -- dL/dq and forces at some q and v, and what holds and weighs the values: of the model that a path
--- was stepped with, or of the system as it is now
+-- was stepped with, or of the system as it is now; and what the system computes at any q and v
 local function same(system, path)
   local f, of = system.field, path or system
   local q = core.constant(f.n, 0)
@@ -32,12 +32,12 @@ local function same(system, path)
   return { { "degree", f.degree }, { "cells", f.cells }, { "values", f.values },
     { "fixed", fingerprint(marks(f)) }, { "masses", fingerprint((core.field_masses(of))) },
     { "forces", forces == "" and "none" or forces },
-    { "L", fingerprint(core.field_force(of, q, 0.3, v)) } }
+    { "L", fingerprint(core.field_force(of, q, 0.3, v)) }, { "model", core.fingerprint(of) } }
 end
 
 -- the last row of a run is where it ended
 local function kind_of(name, what, ending, sizes, solver)
-  return { head = "dmlua " .. name .. " 1", what = what, where = "dm.resume", name = "the field",
+  return { head = "dmlua " .. name .. " 2", what = what, where = "dm.resume", name = "the field",
     run = "dm.path", of = "system", same = same, sizes = sizes, solver = solver,
     ending = function(path) return ending(ends[path]) end }
 end
