@@ -71,9 +71,9 @@ static size_t width(const loop *l) {
 static dm_status flush(loop *l) {
     const dm_outlet *out = l->plan->outlet;
     const long held = l->rows_done - l->flushed;
-    if (!held) return DM_OK;
-    l->flushed = l->rows_done;
-    return out->flush(out->ud, l->rows, held);
+    const dm_status status = held ? out->flush(out->ud, l->rows, held) : DM_OK;
+    if (status == DM_OK) l->flushed = l->rows_done;
+    return status;
 }
 
 /* what the step before gave the node of this row; the step behind it adds its part */
@@ -95,14 +95,15 @@ static void take_impulses(loop *l) {
     l->open = NULL;
 }
 
-/* One row, behind those before it; a full block is sent away first. */
+/* One row, behind those before it; a full block is sent away first. Where that cannot be done the
+ * row, which is the last, is kept behind the block. */
 static dm_status record(loop *l, const double *state, double t) {
     const dm_outlet *out = l->plan->outlet;
     const size_t states = l->s->model->n + (size_t)dm_momenta(l->s->model);
-    dm_status status = DM_OK;
+    dm_status status = DM_OK, sent = DM_OK;
     if (!l->rows) return DM_OK;
-    if (out && l->rows_done - l->flushed == out->room) status = flush(l);
-    if (status != DM_OK) return status;
+    if (out && l->rows_done - l->flushed >= out->room) sent = flush(l);
+    if (sent != DM_OK && l->rows_done - l->flushed > out->room) return sent;
     double *row = l->rows + width(l) * (size_t)(l->rows_done - l->flushed);
     *row++ = t;
     if (!l->plan->watch || l->plan->beside) {
@@ -115,7 +116,7 @@ static dm_status record(loop *l, const double *state, double t) {
     }
     if (l->plan->impulses) open_impulses(l, row);
     if (status == DM_OK) l->rows_done++;
-    return status;
+    return sent == DM_OK ? status : sent;
 }
 
 /* rows at the times asked for from `from`, where the state is `state`, up to `to` */

@@ -13,8 +13,9 @@
 
 /* Rows that do not all stay in memory. */
 typedef struct {
-    long room; /* rows that the block of dm_run holds */
-    /* takes the rows when the block is full and at the end; not DM_OK ends the run */
+    long room; /* rows that the block of dm_run holds, and one more */
+    /* takes the rows when the block is full and at the end; not DM_OK: it took none, they stay
+     * in the block, and the run ends */
     dm_status (*flush)(void *ud, const double *rows, long count);
     void *ud;
 } dm_outlet;

@@ -13,7 +13,7 @@ dml_path *dml_field_rows_open(lua_State *L, dml_field_rows *r, int system, uint3
                               double from) {
     *r = (dml_field_rows){.is_filed = is_filed(L)};
     r->room = r->is_filed && rows > DML_ROWS_IN_MEMORY ? DML_ROWS_IN_MEMORY : rows;
-    r->path = dml_pushpath(L, system, n, r->room, 2 * n + 1);
+    r->path = dml_pushpath(L, system, n, r->room + r->is_filed, 2 * n + 1);
     if (!r->is_filed) return r->path;
     const int at = lua_gettop(L);
     lua_getfield(L, at, "columns");
@@ -24,29 +24,29 @@ dml_path *dml_field_rows_open(lua_State *L, dml_field_rows *r, int system, uint3
     return r->path;
 }
 
-/* rows of the path that are not there yet go to the file */
+/* rows of the path that are not there yet go to the file, or stay */
 static dm_status flush(dml_field_rows *r) {
-    const long held = r->held;
-    r->held = 0;
-    return held ? r->file.outlet.flush(r->file.outlet.ud, r->path->data, held) : DM_OK;
+    const dm_status status =
+        r->held ? r->file.outlet.flush(r->file.outlet.ud, r->path->data, r->held) : DM_OK;
+    if (status == DM_OK) r->held = 0;
+    return status;
 }
 
+/* the row where that fails is kept behind the block */
 dm_status dml_field_rows_next(dml_field_rows *r, double **row) {
     dm_status status = DM_OK;
     if (r->is_filed && r->held == r->room) status = flush(r);
     *row = r->path->data + (size_t)r->held * r->path->width;
     r->path->rows = ++r->held;
+    r->rows++;
     return status;
 }
 
 dm_status dml_field_rows_close(lua_State *L, dml_field_rows *r, dm_status status) {
     if (!r->is_filed) return status;
-    dml_path *p = r->path;
     const dm_status flushed = flush(r);
     const int closed = dml_file_close(L, &r->file);
-    if (p->rows)
-        memmove(p->data, p->data + (size_t)(p->rows - 1) * p->width, p->width * sizeof(double));
-    if (p->rows) p->rows = 1;
+    r->path->rows = dml_file_keep(&r->file, r->path->data, r->rows);
     return status == DM_OK && (flushed != DM_OK || !closed) ? DM_NOT_WRITTEN : status;
 }
 

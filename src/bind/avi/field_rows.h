@@ -12,6 +12,7 @@ typedef struct {
     dml_run_file file;
     int is_filed;
     long room, held; /* rows that the path has room for, and has that are not in the file yet */
+    long rows;       /* of the run so far */
 } dml_field_rows;
 
 /* Push an empty path for `rows` rows of the system at stack index `system`, whose n coordinates are

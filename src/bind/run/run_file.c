@@ -100,22 +100,28 @@ static void push_header(lua_State *L, int names, int arrays, long rows, long *be
 
 /* the header counts the rows that are in the file; Lua is not asked, whose errors would pass an
  * open stepper */
-static int count_rows(dml_run_file *f) {
+static int count_rows(dml_run_file *f, long rows) {
     char count[ROOM + 1];
     FILE *file = f->stream->f;
-    write_count(count, f->rows);
-    return fflush(file) == 0 && fseek(file, f->behind, SEEK_SET) == 0 &&
-           fwrite(count, 1, ROOM, file) == ROOM && fseek(file, 0, SEEK_END) == 0;
+    write_count(count, rows);
+    if (fseek(file, f->behind, SEEK_SET) != 0 || fwrite(count, 1, ROOM, file) != ROOM) return 0;
+    f->rows = rows;
+    return 1;
 }
 
 /* Rows are in the file before its header counts them: a run that is killed between both leaves
- * rows that nobody counts, never a count of rows that are not there. */
+ * rows that nobody counts, never a count of rows that are not there. The stream has no buffer, and
+ * the place is that of the count: a part of a block that did not fit is written over by the next
+ * try. */
 static dm_status flush(void *ud, const double *rows, long count) {
     dml_run_file *f = ud;
     const size_t wanted = (size_t)count * f->width;
-    if (fwrite(rows, sizeof *rows, wanted, f->stream->f) == wanted) {
-        f->rows += count;
-        if (count_rows(f)) return DM_OK;
+    FILE *file = f->stream->f;
+    const long place = f->size + f->rows * (long)(f->width * sizeof *rows);
+    if (fseek(file, place, SEEK_SET) == 0 && fwrite(rows, sizeof *rows, wanted, file) == wanted &&
+        count_rows(f, f->rows + count)) {
+        f->last = count;
+        return DM_OK;
     }
     f->why = errno;
     return DM_NOT_WRITTEN;
@@ -124,9 +130,9 @@ static dm_status flush(void *ud, const double *rows, long count) {
 /* ---- a file that is there ---- */
 
 /* Of a row of the file, from 0; NaN where it cannot be read. */
-static double time_of(const dml_run_file *f, size_t header, long row) {
+static double time_of(const dml_run_file *f, long row) {
     double t = NAN;
-    const long at = (long)header + row * (long)(f->width * sizeof t);
+    const long at = f->size + row * (long)(f->width * sizeof t);
     if (fseek(f->stream->f, at, SEEK_SET) != 0 || fread(&t, sizeof t, 1, f->stream->f) != 1)
         return NAN;
     return t;
@@ -148,15 +154,14 @@ static int keep_rows(lua_State *L, dml_run_file *f, double from) {
     long least = 0, most = strtol(there + behind, NULL, 10);
     while (least < most) { /* rows before `least` are earlier, those from `most` on are not */
         const long middle = least + (most - least) / 2;
-        if (time_of(f, size, middle) < from)
+        if (time_of(f, middle) < from)
             least = middle + 1;
         else
             most = middle;
     }
-    f->rows = least;
-    fflush(file);
+    f->before = least;
     return ftruncate(fileno(file), (off_t)size + least * (off_t)(f->width * sizeof(double))) == 0 &&
-           count_rows(f);
+           count_rows(f, least);
 }
 
 /* open for reading and writing: the file as it is, or (fresh) emptied */
@@ -168,6 +173,7 @@ static void open_stream(lua_State *L, dml_run_file *f, int fresh) {
     f->stream->f = fopen(dml_issilent() ? "/dev/null" : f->name, fresh ? "w+b" : "r+b");
     if (!f->stream->f) luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
     f->stream->closef = close_stream;
+    setvbuf(f->stream->f, NULL, _IONBF, 0);
 }
 
 /* Not empty: what is there is not to be overwritten by a run that goes on. */
@@ -190,11 +196,13 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
     f->name = lua_tostring(L, -1);
     f->names = names;
     f->width = (size_t)lua_rawlen(L, names);
-    f->rows = 0;
+    f->rows = f->before = f->last = 0;
+    f->why = 0;
     f->outlet = (dm_outlet){.room = DML_ROWS_IN_MEMORY, .flush = flush, .ud = f};
     const int goes_on = !isnan(from) && is_there(f->name);
     open_stream(L, f, !goes_on);
     push_header(L, names, arrays, 0, &f->behind);
+    f->size = (long)lua_rawlen(L, -1);
     if (goes_on) {
         if (!keep_rows(L, f, from))
             luaL_error(L,
@@ -211,11 +219,15 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
 int dml_file_close(lua_State *L, dml_run_file *f) {
     (void)L;
     FILE *file = f->stream->f;
-    const int counted = count_rows(f);
-    if (!counted) f->why = errno;
     f->stream->closef = NULL; /* closed: as io.close leaves it */
     f->stream->f = NULL;
-    if (fclose(file) == 0 && counted) return 1;
-    if (counted) f->why = errno;
-    return 0;
+    if (fclose(file) != 0) f->why = errno;
+    return f->why == 0;
+}
+
+long dml_file_keep(const dml_run_file *f, double *data, long rows) {
+    const long held = rows - (f->rows - f->before);
+    if (held || !rows) return held;
+    memmove(data, data + (size_t)(f->last - 1) * f->width, f->width * sizeof *data);
+    return 1;
 }

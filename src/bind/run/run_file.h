@@ -16,7 +16,10 @@ typedef struct {
     const char *name; /* on the stack */
     size_t width;
     long rows;   /* in the file, as its header says between two blocks */
+    long before; /* of those, from the run that this one goes on from */
+    long last;   /* rows of the last block that went there, which were the first in memory */
     long behind; /* place of the number of rows in the header, in bytes */
+    long size;   /* of the header */
     int names;   /* stack index of the names of columns */
     int why;     /* errno of what could not be written */
 } dml_run_file;
@@ -30,5 +33,9 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
 
 /* Close it. 0: it is not whole, f->why says why. */
 int dml_file_close(lua_State *L, dml_run_file *f);
+
+/* After a run of `rows` rows, whose last block is at `data`: what its path keeps comes to the
+ * front of it, which is the last row, or those that could not be written. How many these are. */
+long dml_file_keep(const dml_run_file *f, double *data, long rows);
 
 #endif

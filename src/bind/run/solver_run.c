@@ -250,7 +250,7 @@ static dml_path *make_path(lua_State *L, run *u) {
         u->plan.events = &u->events.events;
     }
     long rows = dm_run_rows(&u->plan);
-    if (has(L, "file") && rows > DML_ROWS_IN_MEMORY) rows = DML_ROWS_IN_MEMORY;
+    if (has(L, "file") && rows > DML_ROWS_IN_MEMORY) rows = DML_ROWS_IN_MEMORY + 1;
     dml_path *path = dml_pushpath(L, u->r.system, n, rows, width);
     u->path = lua_gettop(L);
     path->watched = has(L, "watch");
@@ -306,13 +306,8 @@ static void start(lua_State *L, run *u) {
 
 /* the path says what was done; of rows that went to a file it keeps the last */
 static void fill_path(run *u, dml_path *path, long done, long rows, double seconds) {
-    const dm_outlet *out = u->plan.outlet;
     const size_t width = path->width;
-    if (out && rows) {
-        const double *last = path->data + (size_t)((rows - 1) % out->room) * width;
-        memmove(path->data, last, width * sizeof *last);
-        rows = 1;
-    }
+    if (u->plan.outlet) rows = dml_file_keep(&u->file, path->data, rows);
     path->rows = rows, path->steps = done;
     path->every = u->plan.every;
     if (!u->plan.at) path->until = u->plan.until;
