@@ -53,12 +53,18 @@ static double value_at(const dml_model *m, const double *x) {
     return value;
 }
 
-enum { NEAR = 3 }; /* points near a state */
+enum { NEAR = 3, FAR = 48 }; /* points near a state, and behind them some that are not */
+
+/* How far point k may be, of 1 + the size of a coordinate. */
+static double reach_of(int k) {
+    static const double far[] = {0.5, 2, 8, 32};
+    return k < NEAR ? 0.1 : far[k % 4];
+}
 
 /* Point k near the state, the same in every run: x = (q, p, t) moved, for a position behind q
  * (`pair`) q moved. */
 static void near(double *x, const double *state, uint32_t n, double t, int k, int pair) {
-    static const double reach = 0.1;
+    const double reach = reach_of(k);
     for (uint32_t i = 0; i <= 2 * n; i++) {
         const double at = i == 2 * n ? t : state[pair && i >= n ? i - n : i];
         const double u = 2 * dm_random_uniform(3, (uint64_t)k, i) - 1;
@@ -111,6 +117,28 @@ static double work_near(dml_model *m, double *x, const double *state, double t) 
     return sum;
 }
 
+/* between -1 and 1, and 1 of what is no number: none of many hides the others */
+static double bounded(double value) {
+    return isfinite(value) ? value / (1 + fabs(value)) : 1.0;
+}
+
+/* of L (Ld) and of every function, at points that are far away */
+static double value_far(dml_model *m, double *x, const double *state, double t, int pair) {
+    double sum = 0.0;
+    for (int k = NEAR; k < NEAR + FAR; k++) {
+        near(x, state, m->n, t, k, pair);
+        sum += (1 + dm_random_uniform(5, 0, (uint32_t)k)) * bounded(value_at(m, x));
+    }
+    for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++)
+        for (int k = NEAR; m->constraint[i].graph && k < NEAR + FAR; k++) {
+            near(x, state, m->n, t, k, pair && i != DML_MAP);
+            sum += (1 + dm_random_uniform(5, 1 + (uint64_t)i, (uint32_t)k)) *
+                   bounded(dml_constraintsum(m, i, x));
+        }
+    dml_forgetroots(m);
+    return sum;
+}
+
 /* x: room for 2 n + 1 numbers */
 static void fingerprint(double check[DML_CHECKS], dml_model *m, double *x, const double *state,
                         double t, int pair) {
@@ -123,6 +151,7 @@ static void fingerprint(double check[DML_CHECKS], dml_model *m, double *x, const
     for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++)
         check[DML_CHECK_FUNCTIONS + i] = function_near(m, x, state, t, pair, i);
     if (m->model.work) check[DML_CHECK_FUNCTIONS + DML_FORCE] = work_near(m, x, state, t);
+    check[DML_CHECK_FAR] = value_far(m, x, state, t, pair);
 }
 
 /* The fingerprint is made once: L is not called again for every save. */
@@ -168,12 +197,19 @@ static int is_same(double was, double is) {
     return is == was || off <= 1e-9 * size || (isnan(is) && isnan(was));
 }
 
+/* Raise where L (Ld) or a function is another one far from the state. */
+static void check_far(lua_State *L, double was, double is) {
+    if (isnan(was) || is_same(was, is)) return;
+    luaL_error(L, "the system is not the one of the checkpoint: its functions differ far from the "
+                  "state where it ended; for another system start a new run from q and p");
+}
+
 /* Raise where the system is another one: "L", "Ld" or the function that differs. */
 static void check_same(lua_State *L, const dml_stepping *r, const dml_checkpoint *c, double t) {
     double now[DML_CHECKS];
     const char *what = r->solver->pair ? "Ld" : "L";
     fingerprint(now, r->model, r->x, c->state, t, r->solver->pair);
-    for (int k = 0; k < DML_CHECKS; k++) {
+    for (int k = 0; k < DML_CHECK_FAR; k++) {
         const char *name =
             k < DML_CHECK_FUNCTIONS ? what : dml_functionname(k - DML_CHECK_FUNCTIONS);
         if (is_same(c->check[k], now[k])) continue;
@@ -188,6 +224,7 @@ static void check_same(lua_State *L, const dml_stepping *r, const dml_checkpoint
                    k == DML_CHECK_STATE ? "at its state" : "near its state the sum of", name,
                    c->check[k], now[k]);
     }
+    check_far(L, c->check[DML_CHECK_FAR], now[DML_CHECK_FAR]);
 }
 
 /* The stepper is open on return, as dml_stepping_start leaves it; the memory of the method goes

@@ -4,13 +4,15 @@
 
 #include "bind/run/stepping.h"
 
-/* What tells one system from another: L at (q, p, t), or Ld at (q, p); L or Ld near q; and each of
- * the functions of model_constraints.h, NaN where there is none. */
+/* What tells one system from another: L at (q, p, t), or Ld at (q, p); L or Ld near q; each of the
+ * functions of model_constraints.h, NaN where there is none; and all of them far from q, where the
+ * motion may come to: NaN in a file of a dmlua that did not look there. */
 enum {
     DML_CHECK_STATE,
     DML_CHECK_NEAR,
     DML_CHECK_FUNCTIONS,
-    DML_CHECKS = DML_CHECK_FUNCTIONS + DML_CONSTRAINT_FUNCTIONS
+    DML_CHECK_FAR = DML_CHECK_FUNCTIONS + DML_CONSTRAINT_FUNCTIONS,
+    DML_CHECKS
 };
 
 /* The end of a run: state, what the rule left beside it, and which step it was. */

@@ -92,6 +92,17 @@ raises("coordinates, this one has 1", dm.resume, run(kepler:solver { rule = "ver
 local heavier = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 2 / q:norm() end }
 run(kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 1, checkpoint = file })
 raises("not the one of the checkpoint", function() dm.resume(file, heavier):run { steps = 1 } end)
+-- a wall and a current that the motion has not met yet
+local function bounded(stiff, push)
+  return dm.system { Q = dm.R(2), force = function(q, v) return { -0.1 * v[1], dm.where(-q[2] - 5, push, 0) } end,
+    L = function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 - dm.where(q[1] - 3, stiff * (q[1] - 3) ^ 2, 0) end }
+end
+local walled = os.tmpname()
+bounded(1, 1):solver { rule = "midpoint", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 0 }, steps = 50, checkpoint = walled }
+raises("differ far from the state", function() dm.resume(walled, bounded(2, 1)):run { steps = 1 } end)
+raises("differ far from the state", function() dm.resume(walled, bounded(1, 2)):run { steps = 1 } end)
+ok(#dm.resume(walled, bounded(1, 1)):run { steps = 1 }.t == 2, "the same system, made again, goes on")
+os.remove(walled)
 raises("has its own state and time", function() dm.resume(file, kepler):run { steps = 1, q = { 1, 0 } } end)
 local text = io.open(file):read "a"
 io.open(file, "w"):write(text:sub(1, #text - 20)):close()
