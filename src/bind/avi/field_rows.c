@@ -46,7 +46,7 @@ dm_status dml_field_rows_close(lua_State *L, dml_field_rows *r, dm_status status
     if (!r->is_filed) return status;
     const dm_status flushed = flush(r);
     const int closed = dml_file_close(L, &r->file);
-    r->path->rows = dml_file_keep(&r->file, r->path->data, r->rows);
+    dml_file_keep(&r->file, r->path, r->rows);
     return status == DM_OK && (flushed != DM_OK || !closed) ? DM_NOT_WRITTEN : status;
 }
 

@@ -191,7 +191,8 @@ static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
         lua_pop(L, 1);
         return;
     }
-    lua_pushfstring(L, ", all of them in %s", lua_tostring(L, -1));
+    lua_pushfstring(L, p->unfiled ? ", those before them in %s" : ", all of them in %s",
+                    lua_tostring(L, -1));
     lua_remove(L, -2);
     luaL_addvalue(b);
 }

@@ -12,6 +12,7 @@ typedef struct {
     uint32_t width;   /* columns of a row */
     int watched;      /* its rows hold t and what was watched, not q and p */
     long rows;        /* recorded */
+    long unfiled;     /* of those, rows that the file of the run did not take */
     long steps;       /* finished */
     double h, t0, t;  /* step, first and last time */
     double until;     /* time that the run was to reach; infinite where steps were asked for */

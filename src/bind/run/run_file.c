@@ -225,9 +225,10 @@ int dml_file_close(lua_State *L, dml_run_file *f) {
     return f->why == 0;
 }
 
-long dml_file_keep(const dml_run_file *f, double *data, long rows) {
-    const long held = rows - (f->rows - f->before);
-    if (held || !rows) return held;
-    memmove(data, data + (size_t)(f->last - 1) * f->width, f->width * sizeof *data);
-    return 1;
+void dml_file_keep(const dml_run_file *f, dml_path *path, long rows) {
+    path->rows = path->unfiled = rows - (f->rows - f->before);
+    if (path->unfiled || !rows) return;
+    const double *last = path->data + (size_t)(f->last - 1) * f->width;
+    memmove(path->data, last, f->width * sizeof *last);
+    path->rows = 1;
 }

@@ -3,7 +3,7 @@
 #ifndef DML_RUN_FILE_H
 #define DML_RUN_FILE_H
 
-#include "bind/core/bind.h"
+#include "bind/run/bind_path.h"
 #include "run/run.h"
 
 #include <stdio.h>
@@ -34,8 +34,7 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
 /* Close it. 0: it is not whole, f->why says why. */
 int dml_file_close(lua_State *L, dml_run_file *f);
 
-/* After a run of `rows` rows, whose last block is at `data`: what its path keeps comes to the
- * front of it, which is the last row, or those that could not be written. How many these are. */
-long dml_file_keep(const dml_run_file *f, double *data, long rows);
+/* After a run of `rows` rows the path keeps the last, or those that could not be written. */
+void dml_file_keep(const dml_run_file *f, dml_path *path, long rows);
 
 #endif

@@ -307,8 +307,8 @@ static void start(lua_State *L, run *u) {
 /* the path says what was done; of rows that went to a file it keeps the last */
 static void fill_path(run *u, dml_path *path, long done, long rows, double seconds) {
     const size_t width = path->width;
-    if (u->plan.outlet) rows = dml_file_keep(&u->file, path->data, rows);
     path->rows = rows, path->steps = done;
+    if (u->plan.outlet) dml_file_keep(&u->file, path, rows), rows = path->rows;
     path->every = u->plan.every;
     if (!u->plan.at) path->until = u->plan.until;
     path->t = rows ? path->data[(size_t)(rows - 1) * width] : u->plan.t0;
