@@ -30,6 +30,27 @@ local function machine()
   return "unknown"
 end
 
+-- A rule as it prints; of one that is an object also what it does in its first steps, since a user's
+-- functions may be in it.
+local function rule_text(rule, system, options)
+  local text = tostring(rule)
+  if type(rule) ~= "userdata" then return text end
+  for _, part in ipairs { 1 / 64, 1 / 4096 } do
+    local fine, path = blame.try(function()
+      return system:solver { rule = rule, h = part * options.t }:run { q = options.q,
+        v = options.v, p = options.p, t0 = options.t0, steps = 3 }
+    end)
+    if fine then
+      local out = {}
+      for _, name in ipairs(path.columns) do
+        for i = 1, #path.t do out[#out + 1] = ("%a"):format(path:column(name)[i]) end
+      end
+      return ("%s %08x"):format(text, core.crc32(table.concat(out, " ")))
+    end
+  end
+  return text
+end
+
 local PLAIN = { "q", "v", "p", "t", "t0", "h", "steps", "error", "samples", "repeats", "reference",
   "tolerances", "rivals" }
 
@@ -38,7 +59,7 @@ local function head_of(system, options, members)
   local function say(key, value) head[#head + 1] = { key, value } end
   local rules = {}
   for i, rule in ipairs(type(options.rules) == "table" and options.rules or { options.rules }) do
-    rules[i] = tostring(rule)
+    rules[i] = rule_text(rule, system, options)
   end
   say("machine", machine())
   say("system", core.fingerprint(system))

@@ -88,18 +88,30 @@ end
 
 ---- running ----
 
--- a cell that is finished is run again: the file cannot see what functions of starts give
-local function check_cell(map, plan, all, c)
-  local x = c.records[1]
-  if not x then return end
-  local i, was = journal.members(x.r, journal.bytes(x.j, x.r))()
+-- a cell that is finished is run again
+local function check_cell(map, plan, cell, i, was, file)
   local twin = {}
-  for name, value in pairs(all[i]) do twin[name] = value end
+  for name, value in pairs(cell) do twin[name] = value end
   local stopped = cells.run_planned(map, { twin }, plan)
   if stopped then error(stopped, 0) end
   if bytes_of(map, twin) ~= was then
-    fail("%s has another cell %d: its start or its system gave something else then. Remove the "
-      .. "file, or give another name", x.j.name, i)
+    fail("%s has another cell %d: its start, its system or its rule gave something else then. "
+      .. "Remove the file, or give another name", file, i)
+  end
+end
+
+-- one of every rule: the file cannot see what functions of starts give, nor those of rules
+local function check_cells(map, plan, all, c)
+  local seen, left = {}, #map.rules
+  for _, x in ipairs(c.records) do
+    if left == 0 then return end
+    for i, was in journal.members(x.r, journal.bytes(x.j, x.r)) do
+      local number = all[i].row.number
+      if not seen[number] then
+        check_cell(map, plan, all[i], i, was, x.j.name)
+        seen[number], left = true, left - 1
+      end
+    end
   end
 end
 
@@ -132,7 +144,7 @@ function M.run(map, all)
   map.started = true
   return carrier.guarded(c, function()
     local fine, why = pcall(function()
-      check_cell(map, plan, all, c)
+      check_cells(map, plan, all, c)
       carrier.run(c, UNIT, run, put)
     end)
     if not fine and type(why) == "table" and why.code == "stopped" then return why end

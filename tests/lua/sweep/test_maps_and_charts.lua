@@ -186,5 +186,27 @@ else
   print "# skipped: ranks (make mpi, openmpi-bin)"
 end
 
+-- two rules of a user that print alike
+local function mine(k)
+  return dm.step { name = "mine", unknowns = 1, order = 1, start = function(y) return { y.q[1] } end,
+    equation = function(y, x, h) return { x[1] - y.q[1] - k * h * y.p[1] } end,
+    next = function(y, x, h) return { q = { x[1] }, p = { y.p[1] - h * x[1] } } end }
+end
+local spring = dm.system { Q = dm.R(1), L = function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 end }
+local function charted(k)
+  return dm.chart { spring, q = { 1 }, v = { 0 }, t = 2, rules = { "verlet", mine(k) }, h = { 0.2, 0.1 }, repeats = 1,
+    rivals = false, journal = folder .. "/mine.chart" }
+end
+local function mapped(k)
+  return dm.stability { system = spring, q = { 1 }, v = { 0 }, steps = 200, rules = { "verlet", mine(k) }, h = { 0.2, 0.3 },
+    journal = folder .. "/mine.map" }
+end
+charted(1)
+mapped(1)
+ok(#charted(1).points == 4, "a chart of the same rule of a user is there", #charted(1).points)
+ok(mapped(1), "so is a map")
+raises("mine.chart", charted, 2)
+raises("its rule gave something else", mapped, 2)
+
 os.execute(("rm -rf '%s'"):format(folder))
 tap.done()
