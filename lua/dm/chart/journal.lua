@@ -30,8 +30,8 @@ local function machine()
   return "unknown"
 end
 
--- A rule as it prints; of one that is an object also what it does in its first steps, since a user's
--- functions may be in it.
+-- A rule as it prints; of one that is an object also what it does in its first steps, since
+-- functions of a user may be in it.
 local function rule_text(rule, system, options)
   local text = tostring(rule)
   if type(rule) ~= "userdata" then return text end
