@@ -79,11 +79,17 @@ for k = 0, 5 do
   within[k] = list
 end
 
---- The same for 0 <= t <= pi^2, as within a chart: one polynomial of `terms` terms, no branch.
+--- The same for 0 <= t <= pi^2, as within a chart: one polynomial of `terms` terms, no branch; four
+-- of t^4, whose operations do not wait for each other (lie(1) in docs/benchmarks/groups.md).
 function M.stumpff_within(k, t, terms)
-  local sum = within[k][terms - 1]
-  for j = terms - 2, 0, -1 do sum = sum * t + within[k][j] end
-  return sum
+  local t2 = t * t
+  local t4, parts = t2 * t2, {}
+  for i = 0, 3 do
+    local list = {}
+    for j = 0, (terms - 1 - i) // 4 do list[j] = within[k][4 * j + i] end
+    parts[i] = horner(list, t4)
+  end
+  return (parts[0] + parts[1] * t) + (parts[2] + parts[3] * t) * t2
 end
 
 --- The same for t >= 0: two branches instead of three.

@@ -26,16 +26,18 @@ INLINE I guess_ahead(const dm_lie *e) {
     const V count = load(e->memory);
     const I has = WHERE(count > (V){0}) & WHERE(load(e->memory + W) == load(e->h));
     if (!some(has)) return has;
-    clear(e->V, e->m);
-    for (int k = 0; k < DM_LIE_KEPT; k++) {
-        const double *before = e->memory + (2 + (size_t)k * e->m) * W;
-        const I reaches = has & WHERE(count > (double)k);
-        const V w = ahead_of(count, k);
-        if (!some(reaches)) break;
-        for (uint32_t i = 0; i < e->m; i++) {
-            const V x = load(e->V + i * W);
-            store(e->V + i * W, pick_some(reaches, x + w * load(before + i * W), x));
+    const int full = !some(not_of(has & WHERE(count == (double)DM_LIE_KEPT)));
+    V w[DM_LIE_KEPT];
+    for (int k = 0; k < DM_LIE_KEPT; k++)
+        w[k] = full ? same(DM_LIE_AHEAD[DM_LIE_KEPT - 1][k]) : ahead_of(count, k);
+    for (uint32_t i = 0; i < e->m; i++) {
+        V x = {0};
+        for (int k = 0; k < DM_LIE_KEPT; k++) {
+            const V before = load(e->memory + (2 + (size_t)k * e->m + i) * W),
+                    y = x + w[k] * before;
+            x = full ? y : pick(has & WHERE(count > (double)k), y, x);
         }
+        store(e->V + i * W, x);
     }
     return has;
 }

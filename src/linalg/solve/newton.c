@@ -193,33 +193,38 @@ static dm_status find_root(solver *s) {
     }
 }
 
-/* with its workspace laid out, at x */
-static solver solver_of(double *x, const dm_newton_problem *problem, double *work,
+/* with its workspace laid out, at x; in place, entry by entry: zeros all over and a copy of the
+ * whole take a twelfth of a step of lie(1) */
+INLINE void open_solver(solver *s, double *x, const dm_newton_problem *problem, double *work,
                         dm_newton_report *report) {
     const uint32_t m = problem->m;
-    solver s = {.p = problem, .report = report};
-    s.it = (chord){.x = x,
-                   .dx = work,
-                   .r = work + m,
-                   .tolerance = problem->tolerance,
-                   .exact = problem->exact};
-    s.it.own.place = problem->place;
-    s.it.own.places = problem->places;
-    s.it.own.over = problem->over;
-    s.it.own.shared = problem->shared;
-    s.trial = s.it.r + m;
-    s.start = s.trial + m;
-    s.J = problem->constant ? problem->constant->J : s.start + m;
-    s.pivot =
-        problem->constant ? problem->constant->pivot : (uint32_t *)(void *)(s.J + (size_t)m * m);
+    chord *it = &s->it;
+    s->p = problem;
+    s->report = report;
+    s->kept = NULL;
+    s->status = DM_OK;
+    it->x = x;
+    it->dx = work;
+    it->r = work + m;
+    it->tolerance = problem->tolerance;
+    it->exact = problem->exact;
+    it->factored = it->count = it->age = it->waited = 0;
+    it->todo = it->fresh = 0;
+    it->residual = it->terms = 0.0;
+    it->own = (own_sizes){problem->place, problem->places, problem->over, problem->shared};
+    s->trial = it->r + m;
+    s->start = s->trial + m;
+    s->J = problem->constant ? problem->constant->J : s->start + m;
+    s->pivot =
+        problem->constant ? problem->constant->pivot : (uint32_t *)(void *)(s->J + (size_t)m * m);
     *report = (dm_newton_report){0};
-    memcpy(s.start, x, m * sizeof *x);
-    return s;
+    for (uint32_t i = 0; i < m; i++) s->start[i] = x[i];
 }
 
 dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
                     dm_newton_report *report) {
-    solver s = solver_of(x, problem, work, report);
+    solver s;
+    open_solver(&s, x, problem, work, report);
     const dm_status status = find_root(&s);
     report->iterations = s.it.count;
     report->residual = s.it.residual;
@@ -228,7 +233,8 @@ dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
 
 dm_status dm_newton_kept(double *x, const dm_newton_problem *problem,
                          const dm_newton_factors *factors, double *work, dm_newton_report *report) {
-    solver s = solver_of(x, problem, work, report);
+    solver s;
+    open_solver(&s, x, problem, work, report);
     s.kept = factors;
     s.it.factored = s.it.todo = 1;
     const int found =
