@@ -130,7 +130,7 @@ function dm_avi_cells_class:limits() end
 
 ---cells:resonances(margin) -> number
 ---
----Pairs of cells with a common entry of which one kicks the other near a multiple of its half period, omega_K h_L = k pi, by so many half periods.
+---Pairs of cells with a common entry of which one kicks the other near a multiple of its half period, as steps turn it, by so many half periods.
 ---@param margin? any
 ---@return number
 function dm_avi_cells_class:resonances(margin) end

@@ -22,7 +22,7 @@ typedef struct {
     dm_avi_factors factors;
     dm_kernel of_t;
     uint32_t count;
-    double *limit;
+    double *limit, *alone; /* [cells], once asked for: dm_avi_limits */
 } avi;
 
 /* The cells at stack index 1. */
@@ -127,11 +127,13 @@ static int avi_limits(lua_State *L) {
     avi *k = check(L);
     dm_curvature c;
     if (!k->limit) {
-        double *limit = dm_arena_take(k->arena, ((size_t)k->a.cells + 1) * sizeof *limit);
+        const size_t cells = k->a.cells;
+        double *limit = dm_arena_take(k->arena, (2 * cells + 1) * sizeof *limit);
         if (!limit) return luaL_error(L, "not enough memory");
         need(L, dm_curvature_open(&c, k->sums, k->count, k->a.n, dml_findbackend(L, NULL)->compile,
                                   k->arena));
-        need(L, dm_avi_limits(&k->a, &c, limit, k->arena));
+        need(L, dm_avi_limits(&k->a, &c, limit, limit + cells, k->arena));
+        k->alone = limit + cells;
         k->limit = limit;
     }
     memcpy(dml_pushvector(L, k->a.cells), k->limit, k->a.cells * sizeof *k->limit);
@@ -142,7 +144,7 @@ static int avi_limits(lua_State *L) {
 static int avi_resonances(lua_State *L) {
     const avi *k = check(L);
     if (!k->limit || !k->a.near) return luaL_error(L, "limits and a run first");
-    lua_pushinteger(L, (lua_Integer)dm_avi_resonances(&k->a, k->limit, luaL_checknumber(L, 2)));
+    lua_pushinteger(L, (lua_Integer)dm_avi_resonances(&k->a, k->alone, luaL_checknumber(L, 2)));
     return 1;
 }
 
@@ -264,7 +266,7 @@ static const dml_row methods[] =
      {"resonances", avi_resonances,
       "cells:resonances(margin) -> number\n"
       "Pairs of cells with a common entry of which one kicks the other near a multiple of its half "
-      "period, omega_K h_L = k pi, by so many half periods."},
+      "period, as steps turn it, by so many half periods."},
      {"run", avi_run,
       "cells:run({p=, half=, file=, from=, t0=}, h, times) -> dm.path, status, events, row, why\n"
       "Steps h of every cell from q and p at times[1]; a row at every time. Sets `ending` of the "

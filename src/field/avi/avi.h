@@ -97,12 +97,16 @@ dm_status dm_avi_run(dm_avi *a, double t, volatile const int *stop);
  * half, as Verlet has it. */
 void dm_avi_row(dm_avi *a, double t, double *q, double *p);
 
-/* limit[cells]: 2 / omega of every cell alone at x, with the share of the masses that is its own
- * among the cells around an entry; infinite where nothing moves. c: of the same sums. */
-dm_status dm_avi_limits(const dm_avi *a, const dm_curvature *c, double *limit, dm_arena *arena);
+/* 2 / omega of every cell at x without the others: limit[cells] with the share of the masses that
+ * is its own among the cells around an entry, which bounds its step; alone[cells] with all of these
+ * masses, as it oscillates between kicks of the others. Infinite where nothing moves. c: of the same
+ * sums. */
+dm_status dm_avi_limits(const dm_avi *a, const dm_curvature *c, double *limit, double *alone,
+                        dm_arena *arena);
 
 /* Pairs of cells with a common entry of which one kicks the other near a multiple of its half
- * period: |omega_K h_L / pi - k| < margin for some k >= 1. Behind dm_avi_start. */
-double dm_avi_resonances(const dm_avi *a, const double *limit, double margin);
+ * period: what steps h_K turn the oscillation of K by in a time h_L is within margin pi of k pi, k
+ * >= 1 (Fong, Darve, Lew 2008). Behind dm_avi_start. */
+double dm_avi_resonances(const dm_avi *a, const double *alone, double margin);
 
 #endif

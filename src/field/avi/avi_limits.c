@@ -16,7 +16,8 @@ static void count_shares(const dm_avi *a, double *share) {
     }
 }
 
-/* the largest eigenvalue of M^-1 H of one cell, whose second derivatives are y[outputs] */
+/* 2 / omega of one cell, omega^2 the largest eigenvalue of M^-1 H; second derivatives are y[outputs],
+ * share: among how many cells the mass of an entry is divided, or NULL for all of it */
 static dm_status stiffest(const dm_avi *a, const dm_curvature_sum *c, double factor,
                           const double *share, uint32_t i, const double *y, double *work,
                           double *out) {
@@ -28,11 +29,12 @@ static dm_status stiffest(const dm_avi *a, const dm_curvature_sum *c, double fac
         const uint32_t p = c->pair[o][0], q = c->pair[o][1];
         const size_t ep = dm_sum_entry(s, s->column + p, i, 0);
         const size_t eq = dm_sum_entry(s, s->column + q, i, 0);
-        const double scale = sqrt(a->w[ep] * share[ep]) * sqrt(a->w[eq] * share[eq]);
-        A[p * m + q] = A[q * m + p] = -factor * y[o] * scale;
+        const double wp = a->w[ep] * (share ? share[ep] : 1.0);
+        const double wq = a->w[eq] * (share ? share[eq] : 1.0);
+        A[p * m + q] = A[q * m + p] = -factor * y[o] * (sqrt(wp) * sqrt(wq));
     }
     const dm_status status = dm_symmetric_eigen(A, value, scratch, m, NULL);
-    *out = status == DM_OK ? value[m - 1] : 0.0;
+    if (status == DM_OK && value[m - 1] > 0.0) *out = 2.0 / sqrt(value[m - 1]);
     return status;
 }
 
@@ -43,41 +45,47 @@ static const dm_avi_sum *find(const dm_avi *a, const dm_sum *s) {
     return NULL;
 }
 
-dm_status dm_avi_limits(const dm_avi *a, const dm_curvature *c, double *limit, dm_arena *arena) {
+dm_status dm_avi_limits(const dm_avi *a, const dm_curvature *c, double *limit, double *alone,
+                        dm_arena *arena) {
     const size_t widest = DM_SUM_COLUMNS;
     double *share = dm_arena_take(arena, ((size_t)a->n + 1) * sizeof *share);
     double *work = dm_arena_take(arena, (widest * widest + 2 * widest) * sizeof *work);
     if (!share || !work) return DM_NO_MEMORY;
     count_shares(a, share);
-    for (uint32_t k = 0; k < a->cells; k++) limit[k] = INFINITY;
+    for (uint32_t k = 0; k < a->cells; k++) limit[k] = alone[k] = INFINITY;
     for (uint32_t k = 0; k < c->sums; k++) {
         const dm_curvature_sum *s = c->sum + k;
         const dm_avi_sum *own = find(a, s->loop.sum);
         if (!own || !s->loop.outputs) continue;
         for (uint32_t i = 0; i < s->loop.sum->bodies; i++) {
-            double lambda, *y = c->work;
+            const uint32_t cell = own->first + i;
+            double *y = c->work;
             dm_cell_loop_run(&s->loop, y, 1, a->x, i, 1, y + s->loop.outputs);
-            const dm_status status = stiffest(a, s, own->factor, share, i, y, work, &lambda);
+            dm_status status = stiffest(a, s, own->factor, share, i, y, work, limit + cell);
+            if (status == DM_OK) status = stiffest(a, s, own->factor, NULL, i, y, work, alone + cell);
             if (status != DM_OK) return status;
-            if (lambda > 0.0) limit[own->first + i] = 2.0 / sqrt(lambda);
         }
     }
     return DM_OK;
 }
 
-/* is omega_K h_L near a multiple of pi? */
-static int is_near(double limit, double h, double margin) {
-    const double x = 2.0 / limit * h / 3.14159265358979323846, k = floor(x + 0.5);
+/* Is what the kicks of a cell each h turn its oscillation by in a time T near a multiple of pi? A
+ * step turns it by 2 asin(omega h / 2), alone = 2 / omega. */
+static int is_near(double alone, double h, double T, double margin) {
+    if (!(h < alone)) return 0;
+    const double x = 2.0 * asin(h / alone) * (T / h) / 3.14159265358979323846, k = floor(x + 0.5);
     return k >= 1.0 && fabs(x - k) < margin;
 }
 
-double dm_avi_resonances(const dm_avi *a, const double *limit, double margin) {
+double dm_avi_resonances(const dm_avi *a, const double *alone, double margin) {
+    const double *h = a->h;
     double pairs = 0.0;
     for (uint32_t k = 0; k < a->cells; k++)
         for (uint32_t j = a->near_start[k]; j < a->near_start[k + 1]; j++) {
             const uint32_t l = a->near[j];
-            if (l >= k || a->h[k] == a->h[l]) continue;
-            pairs += is_near(limit[k], a->h[l], margin) || is_near(limit[l], a->h[k], margin);
+            if (l >= k || h[k] == h[l]) continue;
+            pairs +=
+                is_near(alone[k], h[k], h[l], margin) || is_near(alone[l], h[l], h[k], margin);
         }
     return pairs;
 }
