@@ -62,7 +62,8 @@ dm_status dm_avi_limits(const dm_avi *a, const dm_curvature *c, double *limit, d
             double *y = c->work;
             dm_cell_loop_run(&s->loop, y, 1, a->x, i, 1, y + s->loop.outputs);
             dm_status status = stiffest(a, s, own->factor, share, i, y, work, limit + cell);
-            if (status == DM_OK) status = stiffest(a, s, own->factor, NULL, i, y, work, alone + cell);
+            if (status == DM_OK)
+                status = stiffest(a, s, own->factor, NULL, i, y, work, alone + cell);
             if (status != DM_OK) return status;
         }
     }
@@ -84,8 +85,7 @@ double dm_avi_resonances(const dm_avi *a, const double *alone, double margin) {
         for (uint32_t j = a->near_start[k]; j < a->near_start[k + 1]; j++) {
             const uint32_t l = a->near[j];
             if (l >= k || h[k] == h[l]) continue;
-            pairs +=
-                is_near(alone[k], h[k], h[l], margin) || is_near(alone[l], h[l], h[k], margin);
+            pairs += is_near(alone[k], h[k], h[l], margin) || is_near(alone[l], h[l], h[k], margin);
         }
     return pairs;
 }
