@@ -99,8 +99,8 @@ void dm_avi_row(dm_avi *a, double t, double *q, double *p);
 
 /* 2 / omega of every cell at x without the others: limit[cells] with the share of the masses that
  * is its own among the cells around an entry, which bounds its step; alone[cells] with all of these
- * masses, as it oscillates between kicks of the others. Infinite where nothing moves. c: of the same
- * sums. */
+ * masses, as it oscillates between kicks of the others. Infinite where nothing moves. c: of the
+ * same sums. */
 dm_status dm_avi_limits(const dm_avi *a, const dm_curvature *c, double *limit, double *alone,
                         dm_arena *arena);
 

@@ -16,8 +16,8 @@ static void count_shares(const dm_avi *a, double *share) {
     }
 }
 
-/* 2 / omega of one cell, omega^2 the largest eigenvalue of M^-1 H; second derivatives are y[outputs],
- * share: among how many cells the mass of an entry is divided, or NULL for all of it */
+/* 2 / omega of one cell, omega^2 the largest eigenvalue of M^-1 H, whose second derivatives are
+ * y[outputs]; share: among how many cells the mass of an entry is divided, or NULL for all of it */
 static dm_status stiffest(const dm_avi *a, const dm_curvature_sum *c, double factor,
                           const double *share, uint32_t i, const double *y, double *work,
                           double *out) {
