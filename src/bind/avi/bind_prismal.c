@@ -124,7 +124,10 @@ static int prismal_run(lua_State *L) {
     push_ending(L, &r);
     lua_pushinteger(L, done), lua_setfield(L, 2, "done");
     status = dml_field_rows_close(L, &rows, status);
-    if (status == DM_NOT_WRITTEN) r.unwritten = dml_field_rows_why(L, &rows);
+    if (status == DM_NOT_WRITTEN) {
+        lua_pushboolean(L, 1), lua_setfield(L, 2, "unwritten");
+        r.unwritten = dml_field_rows_why(L, &rows);
+    }
     if (status == DM_STOPPED) dml_stop = 0;
     r.t0 = times[done] - r.solver->h * (double)done; /* so that a failure tells the time */
     dml_stepping_end(&r);

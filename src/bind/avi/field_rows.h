@@ -16,7 +16,8 @@ typedef struct {
 } dml_field_rows;
 
 /* Push an empty path for `rows` rows of the system at stack index `system`, whose n coordinates are
- * a field's. from: the time at which the run goes on; NaN: a start. Other things stay below it. */
+ * a field's. from: the time at which the run goes on; NaN: a start. Option `missing`: rows before
+ * it that the file does not have. Other things stay below it. */
 dml_path *dml_field_rows_open(lua_State *L, dml_field_rows *r, int system, uint32_t n, long rows,
                               double from);
 

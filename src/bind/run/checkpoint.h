@@ -24,6 +24,7 @@ typedef struct {
     size_t memory;            /* doubles of dm_method.memory */
     double check[DML_CHECKS]; /* is it the same system? */
     int checked;    /* that is known: it is asked for when somebody wants to go on from here */
+    long unfiled;   /* rows before it that its file did not take; not known in a file of it */
     double state[]; /* dm_state_size(n), memory, carried */
 } dml_checkpoint;
 

@@ -185,7 +185,8 @@ static int is_there(const char *name) {
 }
 
 /* The header is as long for any number of rows, so that it can be counted up in its place. */
-void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from) {
+void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from,
+                   long missing) {
     const int one = 1;
     lua_getfield(L, 2, "file");
     if (lua_type(L, -1) != LUA_TSTRING || !strstr(lua_tostring(L, -1), ".npy"))
@@ -200,6 +201,11 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
     f->why = 0;
     f->outlet = (dm_outlet){.room = DML_ROWS_IN_MEMORY, .flush = flush, .ud = f};
     const int goes_on = !isnan(from) && is_there(f->name);
+    if (goes_on && missing)
+        luaL_error(L,
+                   "field 'file': %d rows before t = %f are missing in %s, which its disk did not "
+                   "take (they are in failure.path): give a new name",
+                   (int)missing, from, f->name);
     open_stream(L, f, !goes_on);
     push_header(L, names, arrays, 0, &f->behind);
     f->size = (long)lua_rawlen(L, -1);

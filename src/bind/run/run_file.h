@@ -27,9 +27,10 @@ typedef struct {
 /* Open the file that field 'file' of the options at 2 names, for the columns whose names are the
  * list at `names`; arrays: q1, q2, ... are one field q, as those of a field on a mesh. A run that
  * goes on (from: its time; NaN: a start) adds to a file of the same columns, whose rows from that
- * time on it replaces. Raises when that is not possible. Leaves things on the stack that must
+ * time on it replaces. Raises when that is not possible, as where `missing` rows before it are
+ * not there. Leaves things on the stack that must
  * stay. */
-void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from);
+void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from, long missing);
 
 /* Close it. 0: it is not whole, f->why says why. */
 int dml_file_close(lua_State *L, dml_run_file *f);

@@ -267,7 +267,7 @@ static void open_file(lua_State *L, run *u) {
     lua_getfield(L, u->path, "system");
     const int is_field = lua_getfield(L, -1, "field") != LUA_TNIL;
     lua_settop(L, names);
-    dml_file_open(L, &u->file, names, is_field, from);
+    dml_file_open(L, &u->file, names, is_field, from, u->from ? u->from->unfiled : 0);
     u->plan.outlet = &u->file.outlet;
     lua_pushstring(L, u->file.name);
     lua_setiuservalue(L, u->path, DML_PATH_FILE);
@@ -309,6 +309,7 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
     const size_t width = path->width;
     path->rows = rows, path->steps = done;
     if (u->plan.outlet) dml_file_keep(&u->file, path, rows), rows = path->rows;
+    u->end->unfiled = path->unfiled;
     path->every = u->plan.every;
     if (!u->plan.at) path->until = u->plan.until;
     path->t = rows ? path->data[(size_t)(rows - 1) * width] : u->plan.t0;
@@ -338,12 +339,14 @@ static void note_unwritten(lua_State *L, run *u, const char *file, int why) {
                                      file, strerror(why));
 }
 
-/* files and events of a run whose path is whole */
+/* Files and events of a run whose path is whole. A checkpoint behind rows that are not in the file
+ * is not written: a run that goes on from the one that is there leaves no gap. */
 static dm_status finish(lua_State *L, run *u, dm_status status) {
     if (u->unwritten) note_unwritten(L, u, u->saving, u->unwritten);
     if (u->plan.outlet && !dml_file_close(L, &u->file))
         note_unwritten(L, u, u->file.name, u->file.why);
-    if (u->saving && !dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving))
+    if (u->saving && !u->end->unfiled &&
+        !dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving))
         note_unwritten(L, u, u->saving, errno);
     if (u->plan.events) {
         dml_pushevents(L, &u->events, u->r.system);

@@ -61,18 +61,50 @@ ok(bare and filed and bare.step == filed.step and #rows.t == #bare.path
   and same_row(filed.path, 1, bare.path, #bare.path) and #filed.path == 1,
   "a step that fails leaves the rows before it", bare and filed and tostring(filed))
 
--- a full disk, as a limit of the size of files, of which only an error is left
-local script = at "child.lua"
-do
+-- A full disk, as a limit of the size of files, of which only an error is left: the path says which
+-- rows are where, and what goes on leaves no gap in the file.
+local function on_full_disk(blocks, body)
+  local script = at "child.lua"
   local f <close> = assert(io.open(script, "w"))
   f:write(([[local dm = require "dm"
-local k = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
-local done, failure = pcall(function() return k:solver { rule = "verlet", h = .01 }:run {
-  q = { .4, 0 }, v = { 0, 2 }, steps = 400, file = %q } end)
-print(done, #failure.path, failure.path)]]):format(at "full.npy"))
+local file, state, more = %q, %q, nil
+%s
+more = more or { t = 1 }
+more.file = file
+print(failure.path, pcall(function() dm.resume(failure.path):run(more) end))]]):format(
+    at "full.npy", at "full.state", body))
+  f:close()
+  os.remove(at "full.npy")
+  os.remove(at "full.state")
+  local pipe <close> = assert(io.popen(("trap '' XFSZ; ulimit -f %d; '%s' %s 2>&1"):format(blocks, arg[-1], script)))
+  return pipe:read "a"
 end
-local pipe <close> = assert(io.popen(("trap '' XFSZ; ulimit -f 8; '%s' %s 2>&1"):format(arg[-1], script)))
-local said = pipe:read "a"
-ok(said:find("^false\t401\t") and said:find("those before them in", 1, true), "which rows are where", said)
+local KEPLER = [[
+local k = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local _, failure = pcall(function() return k:solver { rule = "verlet", h = .01 }:run {
+  q = { .4, 0 }, v = { 0, 2 }, steps = %s, file = file, checkpoint = { file = state, every = %s } } end)]]
+local said = on_full_disk(8, KEPLER:format("400", "60"))
+ok(said:find("those before them in", 1, true), "which rows are where", said)
+ok(said:find("401 rows before t = 4.0 are missing in", 1, true), "a run that goes on does not skip them", said)
+ok(not io.open(at "full.state"), "no checkpoint is behind rows that are missing")
+said = on_full_disk(1000, KEPLER:format("1e6", "1e-4"))
+ok(said:find("are missing in", 1, true), "nor after blocks of rows", said)
+dm.resume(at "full.state", kepler):run { steps = 9000, file = at "full.npy" }
+local data, gap = dm.load(at "full.npy"), 0
+for i = 2, #data.t do gap = math.max(gap, data.t[i] - data.t[i - 1]) end
+ok(#data.t > 9000 and math.abs(gap - 0.01) < 1e-9, "what goes on from the last checkpoint leaves no gap", gap)
+for name, solver in pairs { avi = [["avi"]], slices = "dm.prismal(slices)" } do
+  said = on_full_disk(100, ([[
+local slices = {}
+for i = 1, 9000 do slices[i] = 0.01 * (i - 1) end
+local K = dm.mesh { grid = 4 }
+local wave = K:field { form = 0, L = function(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end }
+local rule = %s
+if rule ~= "avi" then more = {} end
+local _, failure = pcall(function() return wave:solver { rule = rule }:run { q = function(x, y) return x * y end,
+  v = function() return 0 end, t = rule == "avi" and 300 or nil, file = file, checkpoint = state } end)]]):format(solver))
+  ok(said:find("those before them in", 1, true) and not io.open(at "full.state"), name .. ": no checkpoint, either", said)
+  ok(said:find("rows before t = .* are missing in"), name .. ": a run that goes on does not skip them, either", said)
+end
 os.execute("rm -r " .. folder)
 tap.done()

@@ -202,6 +202,7 @@ local function begin(s, options)
     out.now, out.t0, out.h = ending.t, ending.t0, ending.h
     out.cells = core.avi(s.system, core.vector(ending.q), out.now)
     out.given.from, out.given.t0 = ending.state, ending.t0
+    out.given.missing = ending.missing
   else
     local q = start_of(s, f, options, "q")
     out.given.p = momentum_of(s, f, options)
@@ -236,9 +237,9 @@ local function run(s, options)
   local times = times_of(options, (largest(b.h)), b.t0, b.now)
   local path, status, events, row, why = b.cells:run(b.given, b.h, core.vector(times))
   endings.keep(path, { kind = "avi", state = b.given.ending, t = times[row], t0 = b.t0, h = b.h,
-    start = s.start })
+    start = s.start, missing = why and #path })
   describe(s, b.h, b.limits, events, path.t[#path] - times[1], b.cells)
-  if file then path:checkpoint(file) end
+  if file and not why then path:checkpoint(file) end -- behind missing rows it would leave a gap
   if status ~= 0 then
     core.strip_fail({ status = status, done = events, time = path.t[#path], h = path.h }, "avi",
       path, why or blamed(s.last))

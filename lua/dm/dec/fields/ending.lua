@@ -14,6 +14,11 @@ local ends = setmetatable({}, { __mode = "k" }) -- by path
 --- Where the run of a path ended: { kind = "avi" | "prismal", ... }.
 function M.keep(path, ending) ends[path] = ending end
 
+--- Rows before that which a full disk did not take, where a run goes on from a path that had some.
+function M.missing(from)
+  return type(from) == "userdata" and ends[from].missing or nil
+end
+
 -- 1 where a value is held, else 0
 local function marks(f)
   local out = core.constant(f.n, 0)

@@ -65,6 +65,8 @@ core.resume = function(from, model, options)
     option.fail("dm.resume", "the field that the run is of is needed beside it (got %s)",
       option.got(model or nil))
   end
-  return checkpoints.resume(kind, model, from, options)
+  local solver = checkpoints.resume(kind, model, from, options)
+  solver.ending.missing = endings.missing(from)
+  return solver
 end
 core.docs[core.resume] = core.docs[resume]

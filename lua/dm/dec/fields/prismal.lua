@@ -115,6 +115,7 @@ local function given_of(s, options)
     checkpoint.check_options(options, { "q", "v", "p" })
     endings.check_still("prismal", s)
     given.from, given.done = s.ending.state, s.ending.done
+    given.missing = s.ending.missing
     return given
   end
   given.q, given.v, given.p = options.q, options.v, options.p
@@ -124,8 +125,8 @@ end
 -- where a path ended; a checkpoint of it
 local function keep(s, path, given, file)
   endings.keep(path, { kind = "prismal", state = given.ending, done = given.done,
-    times = s.slices.times, sums = s.sums })
-  if file then path:checkpoint(file) end
+    times = s.slices.times, sums = s.sums, missing = given.unwritten and #path })
+  if file and not given.unwritten then path:checkpoint(file) end -- else it would leave a gap
 end
 
 local function run(s, options)
