@@ -201,4 +201,41 @@ tap.raises("no rule steps such a system", function()
   dm.system({ Q = dm.R(2), L = function(q, v) return q[1] * v[2] - q:dot(q) / 2 end, force = function(q) return -0.1 * q end })
     :solver({ rule = "degenerate(2)", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 }
 end)
+-- fields: growth beyond the CFL limit, on a line and on a mesh; even rings; ends for another speed
+local CELLS = 40
+local function string_of(options)
+  options.L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end
+  options.x = options.x or { 0, 1, CELLS, periodic = true }
+  return dm.field(options)
+end
+local function zigzag(x) return 1e-3 * (-1) ^ math.floor(x * CELLS + 0.5) end
+for lambda, grows in pairs { [0.99] = false, [1.05] = true } do
+  local u = string_of({}):solver({ rule = "cell(corners)", h = lambda / CELLS }):run { u = zigzag, steps = 40 }.u
+  local largest = math.max(math.abs(u[41][1]), math.abs(u[40][1]))
+  local by = u[41][1] / u[40][1]
+  if grows then
+    tap.near(-by, (lambda + math.sqrt(lambda ^ 2 - 1)) ^ 2, 1e-9, "a string beyond its limit grows by")
+  else
+    ok(largest < 1.1e-3, "a string below its limit does not grow", largest)
+  end
+end
+local membrane = dm.mesh { grid = 8 }:field { form = 0, fixed = "boundary",
+  L = function(u, v) return v:dot(v) / 2 - u:d():dot(u:d()) / 2 end }
+local most = membrane:stability_limit "verlet"
+local function sizes(part, steps)
+  local rough = { q = function(x, y) return math.sin(37 * x) * math.sin(29 * y) end, v = function() return 0 end }
+  rough.steps, rough.every = 2 * steps, steps
+  local q = membrane:solver({ rule = "verlet", h = part * most }):run(rough).q
+  return q[2]:norm(), q[3]:norm()
+end
+local middle, last = sizes(0.999, 1000)
+ok(middle < 10 and last < 10, "a membrane below its limit stays", last)
+middle, last = sizes(1.001, 150)
+tap.near((last / middle) ^ (1 / 150), (1.001 + math.sqrt(1.001 ^ 2 - 1)) ^ 2, 1e-3, "beyond it it grows by")
+raises("even", function()
+  dm.multisymplectic({ x = { 0, 1, 20, periodic = true }, names = { "u", "v", "w" },
+    M = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } },
+    S = function(z) return z.v ^ 2 / 2 - z.w ^ 2 / 2 + z.u ^ 2 / 2 end }):solver { h = 0.1 }
+end)
+tap.near(string_of({ x = { 0, 1, 40 }, absorbing = 2 }):reflection().left, -1 / 3, 1e-15, "ends for twice the impedance")
 tap.done()
