@@ -101,12 +101,15 @@ local function size_of_points(n)
   return n > 2000 and 0.2 or n > 200 and 0.35 or n > 80 and 0.45 or 0.7
 end
 
--- the colours are used again after the last: then dashed, with open points; and a third time with
--- squares
+-- The colours are used again after the last, each time with other dashes and points: full lines and
+-- discs, then open circles, squares, triangles up and down, diamonds.
+local DASHES = { "", " dt 2", " dt 3", " dt 4", " dt 5", " dt (14,3,2,3,2,3)" }
+local POINTS = { 7, 6, 4, 8, 10, 12 }
+
 local function draw_style(series, colour, round, linewidth)
-  local paint = "lc rgb " .. quote(colour)
-  if round > 0 and series.style ~= "points" then paint = paint .. " dt 2" end
-  local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4,
+  local paint, again = "lc rgb " .. quote(colour), round % #DASHES + 1
+  if series.style ~= "points" then paint = paint .. DASHES[again] end
+  local dots = ("pt %d ps %.2f "):format(POINTS[again],
     size_of_points(#series.x) * (round > 0 and 1.4 or 1))
   if series.style == "cells" then
     return "boxxyerror fs solid 1 noborder " .. paint
