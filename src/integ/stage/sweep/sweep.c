@@ -137,6 +137,7 @@ static void copy_blocks(double *to, const double *state, uint32_t rows) {
     }
 }
 
+/* few rows in one loop: gauss(2), gauss(3) of Kepler's problem (docs/benchmarks/steps.md) */
 static void copy_1(double *to, const double *state, uint32_t rows) {
     if (rows > 4)
         copy_blocks(to, state, rows);
@@ -211,7 +212,7 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #include "integ/stage/sweep/sweep_row.h"
 
 #define FOUR_TOTALS(a, b, c, d) ADDED_FOUR(SIDES(a, c), SIDES(b, d))
-#define COPY copy_blocks
+#define COPY copy_1
 #define ROW fused4
 #define W 4
 #define V v4
