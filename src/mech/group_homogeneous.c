@@ -1,8 +1,8 @@
 /* group_homogeneous.c - a system on a group as one on R^N that does not see multiples of q. A unit
  * quaternion u = q/|q|, a matrix g/det(g)^(1/n) are those of an element, and with their velocity xi
  *   L(q, v) = L(u, xi, t) + sum_k m_k (d log s_k/dt)^2/2,  s_k the scales, such as |q|,
- * m_k > 0 of the size of the masses of L (1 where these depend on xi), so that units of mass change
- * nothing, is a regular Lagrangian on R^N that the multiples q -> s q leave alone. These are
+ * m_k > 0 of the size of the masses of L at rest (at xi = 1 where they are zero or infinite at rest),
+ * so that units of mass change nothing, is a regular Lagrangian on R^N that the multiples q -> s q leave alone. These are
  * linear, so that every variational rule and every symplectic pair keeps their momenta, zero at
  * the start, exactly, and its step goes down to T*(R^N without 0)/scales at momentum zero, which is
  * T*G: it is a symplectic step on the group, whatever the rule does to |q| (docs/theory/lie.md).
@@ -13,6 +13,7 @@
 #include "mech/constraints.h"
 #include "mech/group_inside.h"
 
+#include <math.h>
 #include <string.h>
 
 /* what is worked on while a lift is made */
@@ -91,21 +92,58 @@ static dm_status make_down(pulling *l, dm_kernel *out, dm_compile *compile) {
     return status == DM_OK ? compile(out, g, below, count, l->arena) : status;
 }
 
-/* L_xi_xi[d*d] at (u, 0, t); zeros where it depends on xi, and may be infinite at rest */
-static dm_node *find_inertia(pulling *l, dm_graph *g) {
+/* L_xi_xi[d*d] in a graph f of its own of so many inputs */
+static dm_node *second_of(pulling *l, dm_graph *f, uint32_t count) {
     const dm_source *s = &l->m->source;
-    const uint32_t n = l->n, d = l->d, count = dm_graph_inputs(s->graph);
-    dm_graph *f = dm_graph_new(l->arena, count);
-    dm_node *inputs = take(l, count), *at_rest = take(l, n), *slope = take(l, d);
-    dm_node *second = take(l, (size_t)d * d), *out = take(l, (size_t)d * d), L = 0;
-    if (!f || !inputs || !at_rest || !slope || !second || !out) return NULL;
+    const uint32_t d = l->d;
+    dm_node *inputs = take(l, count), *slope = take(l, d), L = 0;
+    dm_node *second = take(l, (size_t)d * d);
+    if (!inputs || !slope || !second) return NULL;
     dm_inputs(f, inputs, 0, count);
     dm_transplant(f, s->graph, &s->lagrangian, 1, inputs, &L);
-    dm_hessian(f, L, n, d, slope, second);
-    memset(at_rest, 0, n * sizeof *at_rest);
+    dm_hessian(f, L, l->n, d, slope, second);
+    return dm_graph_status(f) == DM_OK ? second : NULL;
+}
+
+/* are those finite at xi[d] = (at, ... at), t = 1 and one element, which coordinates of the
+ * `seed` are a multiple of? */
+static int is_finite_at(const pulling *l, dm_graph *f, const dm_node *second, double at,
+                        uint32_t seed) {
+    const uint32_t n = l->n, d = l->d, count = dm_graph_inputs(f);
+    dm_graph *g = dm_graph_new(l->arena, 2 * n + 1);
+    dm_node *inputs = take(l, 2 * (size_t)n), *with = take(l, count + d);
+    dm_node *out = take(l, (size_t)d * d);
+    if (!g || !inputs || !with || !out) return 0;
+    memset(inputs, 0, 2 * n * sizeof *inputs);
+    memset(with, 0, count * sizeof *with);
+    for (uint32_t i = 0; i < n; i++) inputs[i] = dm_constant(g, sin(seed + 1.7 * i * seed + i));
+    dm_transplant(g, l->h->rates, l->h->rate, n, inputs, with);
+    for (uint32_t a = 0; a < d; a++) with[n + a] = dm_constant(g, at);
+    if (count > 2 * n) with[2 * n] = dm_constant(g, 1.0);
+    dm_transplant(g, f, second, d * d, with, out);
+    for (uint32_t a = 0; a < d * d; a++) {
+        double value = 0.0;
+        if (out[a] && !(dm_is_constant(g, out[a], &value) && isfinite(value))) return 0;
+    }
+    return dm_graph_status(g) == DM_OK;
+}
+
+/* L_xi_xi[d*d] at (u, xi, t), xi[d] = (at, ... at) where it depends on xi; zeros where that is not
+ * finite, as at rest for |xi|^(3/2) */
+static dm_node *find_inertia(pulling *l, dm_graph *g, double at) {
+    static const uint32_t SEEDS = 8; /* elements that are tried: of some, det g has no root */
+    const uint32_t n = l->n, d = l->d, count = dm_graph_inputs(l->m->source.graph);
+    dm_graph *f = dm_graph_new(l->arena, count);
+    dm_node *still = take(l, d), *out = take(l, (size_t)d * d);
+    dm_node *second = f ? second_of(l, f, count) : NULL;
+    if (!still || !out || !second) return NULL;
+    for (uint32_t a = 0; a < d; a++) still[a] = dm_constant(g, at);
     memset(out, 0, (size_t)d * d * sizeof *out);
-    if (dm_graph_status(f) != DM_OK || !stand_in(l, g, at_rest, count)) return NULL;
-    if (dm_depends(f, second, d * d, n, d)) return out;
+    int finite = !dm_depends(f, second, d * d, n, d);
+    for (uint32_t seed = 1; seed <= SEEDS && !finite; seed++)
+        finite = is_finite_at(l, f, second, at, seed);
+    if (!finite) return out;
+    if (!stand_in(l, g, still, count)) return NULL;
     dm_transplant(g, f, second, d * d, l->with, out);
     return out;
 }
@@ -118,7 +156,7 @@ static int moves_with(const pulling *l, const dm_node *scale, uint32_t k, uint32
 }
 
 /* 4 times the mean size of the inertia of those entries: that of a ball of quaternions, |xi|^2/2
- * along the sphere and 4 s'^2/2 across it */
+ * along the sphere and 4 s'^2/2 across it; 0: there is none */
 static dm_node scale_mass(const pulling *l, dm_graph *g, const dm_node *inertia,
                           const dm_node *scale, uint32_t k) {
     dm_node sum = 0;
@@ -132,7 +170,7 @@ static dm_node scale_mass(const pulling *l, dm_graph *g, const dm_node *inertia,
             if (moves_with(l, scale, k, b)) sum = dm_add(g, sum, dm_mul(g, x, x));
         }
     }
-    if (count == 0 || (dm_is_constant(g, sum, &value) && !(value > 0.0))) return dm_constant(g, 1);
+    if (count == 0 || (dm_is_constant(g, sum, &value) && !(value > 0.0))) return 0;
     sum = dm_mul(g, sum, dm_constant(g, 16.0 / count));
     return dm_power(g, sum, dm_constant(g, 0.5));
 }
@@ -143,14 +181,18 @@ static dm_graph *pull_lagrangian(pulling *l, dm_node *L) {
     dm_graph *g = dm_graph_new(l->arena, 2 * l->n + 1);
     if (!g || find_rates(l, g) != DM_OK) return NULL;
     const uint32_t scales = l->h->scales;
-    dm_node *scale = take(l, (size_t)scales * l->n), *inertia = find_inertia(l, g);
-    if (!scale || !inertia) return NULL;
+    dm_node *scale = take(l, (size_t)scales * l->n);
+    dm_node *rest = find_inertia(l, g, 0.0), *moving = find_inertia(l, g, 1.0);
+    if (!scale || !rest || !moving) return NULL;
     dm_jacobian(g, l->rate + l->n + l->d, scales, l->n, l->n, scale);
     if (!stand_in(l, g, l->rate + l->n, dm_graph_inputs(s->graph))) return NULL;
     dm_transplant(g, s->graph, &s->lagrangian, 1, l->with, L);
     for (uint32_t k = 0; k < scales; k++) {
         const dm_node rate = l->rate[l->n + l->d + k];
-        const dm_node half = dm_mul(g, dm_constant(g, 0.5), scale_mass(l, g, inertia, scale, k));
+        dm_node mass = scale_mass(l, g, rest, scale, k);
+        if (!mass) mass = scale_mass(l, g, moving, scale, k);
+        if (!mass) mass = dm_constant(g, 1.0);
+        const dm_node half = dm_mul(g, dm_constant(g, 0.5), mass);
         *L = dm_add(g, *L, dm_mul(g, half, dm_mul(g, rate, rate)));
     }
     return g;

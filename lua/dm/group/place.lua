@@ -263,7 +263,7 @@ local function on_group(place, q, project)
     error(("%s; an element of %s is %s"):format(g, tostring(place.space),
       require "dm.group.form".of(kit)), 0)
   end
-  local defect = kit.defect(g)
+  local defect, why = kit.defect(g)
   if defect <= LOOSE then
     local list = place.flat(g)
     if kits.is_finite(list) then return list end
@@ -272,11 +272,12 @@ local function on_group(place, q, project)
   if not kits.is_finite(kit.entries(g)) then
     error(("field 'q': the element of %s is not finite"):format(name), 0)
   end
-  if not project then
-    error(("field 'q': this is no element of %s, it is off by %.3g: project = true starts at the "
-      .. "nearest one"):format(name, defect), 0)
-  end
-  return place.flat(kit.project(g))
+  local can, near = blame.try(kit.project, g)
+  local found = can and kit.defect(near) <= LOOSE
+  if project and found then return place.flat(near) end
+  error(("field 'q': this is no element of %s, %s%s"):format(name,
+    why or ("it is off by %.3g"):format(defect),
+    found and ": project = true starts at the nearest one" or can and "" or ": " .. near), 0)
 end
 
 -- a reduced system (dm.euler_poincare) knows its own start
