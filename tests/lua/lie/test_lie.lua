@@ -254,7 +254,7 @@ end
 ---- refusals ----
 
 raises("pi: take a smaller step", finish, free, "lie(1)", 1, 1, { q = one, v = { 0, 0, 4 } })
-raises("no element of SO(3), it is off by 0.21", finish, free, "lie(1)", 0.1, 1,
+raises("no element of SO(3), its columns are off orthonormal ones by 0.21", finish, free, "lie(1)", 0.1, 1,
   { q = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1.1 } }, v = { 0, 0, 1 } })
 local near_by = free:solver { rule = "lie(1)", h = 0.1 }:run { v = { 0, 0, 1 }, steps = 1,
   q = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1.1 } }, project = true }
