@@ -3,8 +3,8 @@
  *   L(q, v) = L(u, xi, t) + sum_k m_k (d log s_k/dt)^2/2,  s_k the scales, such as |q|,
  * m_k > 0 of the size of the masses of L at rest (at xi = 1 where they are zero or infinite at
  * rest), so that units of mass change nothing, is a regular Lagrangian on R^N that the multiples
- * q -> s q leave alone. These are linear, so that every variational rule and every symplectic pair keeps their momenta, zero at
- * the start, exactly, and its step goes down to T*(R^N without 0)/scales at momentum zero, which is
+ * q -> s q leave alone. These are linear, so that every variational rule and every symplectic
+ * pair keeps their momenta, zero at the start, exactly, and its step goes down to T*(R^N without 0)/scales at momentum zero, which is
  * T*G: it is a symplectic step on the group, whatever the rule does to |q| (docs/theory/lie.md).
  * Constraints and forces are pulled back: their covectors f become f dxi/dv, which do no work along
  * q. */

@@ -6,7 +6,9 @@ local G = dm.SO(3)
 local function square(w) return w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2 end
 local start = { q = G:exp { 0.4, 0, 0 }, v = { 0.2, 0.1, 1.5 } }
 local function finish(kinetic, c, rule, h, steps)
-  local system = dm.system { Q = G, L = function(g, w) return c * (kinetic(square(w)) - g[3][3]) end }
+  local system = dm.system { Q = G, L = function(g, w)
+    return c * (kinetic(square(w)) - g[3][3])
+  end }
   local path = system:solver { rule = rule, h = h }
     :run { q = start.q, v = start.v, steps = steps, every = steps }
   return path.q[2]
@@ -47,7 +49,8 @@ end
 for _, rule in ipairs { "verlet", "lobatto(3)" } do
   local one = of_sl(1, rule)
   for _, c in ipairs { 1e-3, 1e8 } do
-    tap.near(SL:distance(of_sl(c, rule), one), 0, 1e-11, ("SL(2), %s: masses of %g"):format(rule, c))
+    tap.near(SL:distance(of_sl(c, rule), one), 0, 1e-11,
+      ("SL(2), %s: masses of %g"):format(rule, c))
   end
 end
 
@@ -56,13 +59,16 @@ local function start_of(Q, q, project)
   local system = dm.system { Q = Q, L = function(_, w) return w:dot(w) / 2 end }
   local v = {}
   for i = 1, Q.dimension do v[i] = 0.1 end
-  return system:solver { rule = "lie(1)", h = 0.1 }:run { q = q, v = v, project = project, steps = 1 }
+  return system:solver { rule = "lie(1)", h = 0.1 }
+    :run { q = q, v = v, project = project, steps = 1 }
 end
 for _, project in ipairs { false, true } do
-  tap.raises("this is no element of GL(2), it is singular", start_of, dm.GL(2), { { 1, 2 }, { 2, 4 } },
-    project)
-  tap.raises("its determinant is -1, not 1: no multiple", start_of, SL, { { -1, 0 }, { 0, 1 } }, project)
-  tap.raises("no single nearest rotation", start_of, G, { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }, project)
+  tap.raises("this is no element of GL(2), it is singular", start_of, dm.GL(2),
+    { { 1, 2 }, { 2, 4 } }, project)
+  tap.raises("its determinant is -1, not 1: no multiple", start_of, SL,
+    { { -1, 0 }, { 0, 1 } }, project)
+  tap.raises("no single nearest rotation", start_of, G,
+    { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }, project)
 end
 tap.raises("project = true starts at the nearest one", start_of, SL, { { 1.1, 0 }, { 0, 1 } })
 local near_by = start_of(SL, { { 1.1, 0 }, { 0, 1 } }, true).q[1]
