@@ -4,8 +4,9 @@
  * m_k > 0 of the size of the masses of L at rest (at xi = 1 where they are zero or infinite at
  * rest), so that units of mass change nothing, is a regular Lagrangian on R^N that the multiples
  * q -> s q leave alone. These are linear, so that every variational rule and every symplectic
- * pair keeps their momenta, zero at the start, exactly, and its step goes down to T*(R^N without 0)/scales at momentum zero, which is
- * T*G: it is a symplectic step on the group, whatever the rule does to |q| (docs/theory/lie.md).
+ * pair keeps their momenta, zero at the start, exactly, and its step goes down to
+ * T*(R^N without 0)/scales at momentum zero, which is T*G: it is a symplectic step on the group,
+ * whatever the rule does to |q| (docs/theory/lie.md).
  * Constraints and forces are pulled back: their covectors f become f dxi/dv, which do no work along
  * q. */
 #include "algebra/derive.h"
