@@ -59,30 +59,26 @@ end
 
 local AT_ONCE = 1 << 20 -- bytes between two times that the head counts the rows
 
-local function close_badly(out, why)
-  out.handle:close()
-  error(("cannot write %s: %s"):format(out.file, why), 0)
+local function check(out, fine, why)
+  if not fine then error(("cannot write %s: %s"):format(out.file, why), 0) end
 end
 
-local function put(out, text)
-  local fine, why = out.handle:write(text)
-  if not fine then close_badly(out, why) end
-end
+local function put(out, text) check(out, out.handle:write(text)) end
 
--- the head counts the rows that are in the file
+-- the head counts the rows that are in the file; nil and why where it cannot
 local function count_rows(out)
-  out.handle:flush()
   out.handle:seek("set", out.behind)
-  put(out, count_text(out.rows))
+  local fine, why = out.handle:write(count_text(out.rows))
   out.handle:seek("set", #out.head + out.rows * out.width)
   out.since = 0
+  return fine, why
 end
 
 local function add(out, fields, row)
   local record = M.record(fields, row)
   put(out, record)
   out.rows, out.since = out.rows + 1, out.since + #record
-  if out.since > AT_ONCE then count_rows(out) end
+  if out.since > AT_ONCE then check(out, count_rows(out)) end
 end
 
 -- the time of row i, from 0
@@ -107,7 +103,7 @@ local function keep_rows(out, from)
   end
   out.rows = least
   core.cut_file(out.file, #out.head + least * out.width)
-  count_rows(out)
+  check(out, count_rows(out))
   return true
 end
 
@@ -122,6 +118,7 @@ local function open(file, fields, where, from)
   local goes_on = from and not core.is_silent() and is_there(file)
   local out = { handle = text_file.open(file, goes_on and "r+b" or "wb", where), file = file,
     rows = 0, since = 0, width = 0 }
+  out.handle:setvbuf "no" -- a row is there or is not counted, also on a disk that is full
   out.head, out.behind = M.header(fields, 0)
   for _, field in ipairs(fields) do out.width = out.width + 8 * math.max(1, field[2]) end
   if not goes_on then
@@ -140,10 +137,11 @@ end
 function M.stream(file, fields, where, body, from)
   local out = open(file, fields, where, from)
   local fine, message = pcall(body, function(row) add(out, fields, row) end)
-  count_rows(out)
+  local counted, uncounted = count_rows(out)
   local closed, why = out.handle:close()
   if not fine then error(message, 0) end
-  if not closed then error(("cannot write %s: %s"):format(file, why), 0) end
+  check(out, counted, uncounted)
+  check(out, closed, why)
 end
 
 return M
