@@ -117,7 +117,7 @@ local function raster_script(run, q, options)
     local lines = { gnuplot.head(part, options, 800, 600)
       .. gnuplot.map(options, 800, 600) .. "\nset title "
       .. gnuplot.caption(options.title or title_of(run, q.name)),
-      "set xlabel 'x'", "set ylabel 't'", "set cblabel " .. gnuplot.caption(q.name),
+      "set xlabel 'x'", "set ylabel 't' norotate", "set cblabel " .. gnuplot.upright(q.name),
       "set palette defined (0 '#440154', 1 '#3b518b', 2 '#21908d', 3 '#5cc863', 4 '#fde725')",
       "set pm3d map corners2color mean", "set autoscale fix", "$rows << EOD" }
     for _, j in ipairs(rows) do

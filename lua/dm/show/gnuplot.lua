@@ -335,8 +335,8 @@ function M.map(options, width, height)
     (1 - 6 * across) / 1.09, 5.2 * up, 1 - 2.6 * up)
 end
 
---- Text of a user, as gnuplot reads it.
-M.caption = caption
+--- Text of a user, as gnuplot reads it; of a scale that goes up.
+M.caption, M.upright = caption, label.upright
 
 --- Have gnuplot draw the script that script_of(name of a new file) is; the file appears whole or
 -- not at all.

@@ -67,6 +67,18 @@ if is_there then
     return count(read(dm.mesh { cube_tiling = N }:form(0, function(x) return x end):plot { file = name }), "<polygon")
   end
   ok(faces(2) - faces(1) == 6 * (4 - 1), "faces that are turned away are not drawn", faces(2) - faces(1))
+  -- and of their edges: 9 N^2 + 3 N of the 18 N^2 (a disc of 6 N^2 triangles with 6 N edges round it), which have lines
+  -- of a width of their own
+  local function lines(N)
+    local drawn = read(dm.mesh { cube_tiling = N }:form(1, function() return { 1, 0, 0 } end):plot { file = name })
+    return count(drawn, 'currentColor" stroke%-width="1.80"')
+  end
+  for N, seen in pairs { 12, 42, 90 } do ok(lines(N) == seen, "edges that are turned away are not drawn", lines(N)) end
+  -- a name of one letter stands upright beside its colours, a longer one along them
+  local function upright(label)
+    return not read(dm.mesh { grid = 2 }:form(0, function(x) return x end):plot { file = name, label = label }):find "rotate%(270"
+  end
+  ok(upright "p" and not upright "pressure", "short names are upright")
   raises("does the folder exist", function() flat:plot { file = base .. "/no/such.png" } end)
 else
   print "# gnuplot is not installed: files are not drawn"

@@ -49,14 +49,21 @@ local function pieces_of(d, see, scale)
     for j, p in ipairs(points(cell)) do corners[j] = { see(p) } end
     return not drawing.is_turned_away(d, table.unpack(corners))
   end
+  local around = {} -- pairs of vertices that are edges of what is seen
   for i, cell in ipairs(d.faces) do
     if is_seen(cell) then
+      for j, v in ipairs(cell) do
+        local w = cell[j % #cell + 1]
+        around[math.min(v, w) .. " " .. math.max(v, w)] = true
+      end
       add("face", points(cell), d.on == "faces" and colours.at(scale, d.values[i]) or "#eef2f6")
     end
   end
   for i, cell in ipairs((d.on == "edges" or #d.faces == 0) and d.edges or {}) do
-    add("edge", points(cell), d.on == "edges" and colours.at(scale, d.values[i]) or "#303030",
-      0.6 * d.unit)
+    if not d.solid or around[math.min(cell[1], cell[2]) .. " " .. math.max(cell[1], cell[2])] then
+      add("edge", points(cell), d.on == "edges" and colours.at(scale, d.values[i]) or "#303030",
+        0.6 * d.unit)
+    end
   end
   for _, pair in ipairs(d.dual) do add("dual", pair, "#b35806", 0.7 * d.unit) end
   for _, arrow in ipairs(d.arrows) do
@@ -122,7 +129,7 @@ local function colour_box(lines, d, scale)
   for i, stop in ipairs(scale.stops) do stops[i] = ("%d '%s'"):format(i - 1, stop) end
   lines[#lines + 1] = "set palette defined (" .. table.concat(stops, ", ") .. ")"
   lines[#lines + 1] = ("set cbrange [%.9g:%.9g]"):format(scale.least, scale.largest)
-  lines[#lines + 1] = "set cblabel " .. gnuplot.caption(d.label)
+  lines[#lines + 1] = "set cblabel " .. gnuplot.upright(d.label)
 end
 
 local function script_of(d, pieces, scale, title, file, options)

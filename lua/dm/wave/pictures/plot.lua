@@ -135,7 +135,7 @@ local function script(path, options, of, file)
   end
   add "EOD"
   add("set title " .. gnuplot.caption(options.title or path.title))
-  add "set xlabel 'x'\nset ylabel 't'\nset pm3d map corners2color c1"
+  add "set xlabel 'x'\nset ylabel 't' norotate\nset pm3d map corners2color c1"
   add(gnuplot.map(options, 800, 560))
   add(("set xrange [%.9g:%.9g]"):format(path.wave.x[1], path.wave.x[points[#points]]))
   add(("set yrange [%.9g:%.9g]"):format(path.t[1], path.t[rows[#rows]]))
