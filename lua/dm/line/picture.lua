@@ -32,7 +32,7 @@ local function quantity(run, name, where)
     option.fail(where, "takes \"u\" or \"p\"%s (got %s)",
       n > 1 and (", \"u1\" to \"p%d\""):format(n) or "", option.got(name))
   end
-  return { levels = run[stem], first = v, step = n, name = name }
+  return { levels = run[stem], first = v, step = n, name = n > 1 and stem .. v or stem }
 end
 
 local function value(q, j, i) return q.levels[j][q.first + (i - 1) * q.step] end

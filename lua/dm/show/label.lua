@@ -74,8 +74,8 @@ function M.caption(text, plain)
   return M.quote(plain and escaped(text) or marked(axis.raised(text)))
 end
 
---- The same of a scale that goes up, on its right: a name of up to three letters stands upright, since a lone u, w
--- or p that lies on its side is read as another sign.
+--- The same of a scale that goes up, on its right: a name of up to three letters stands upright,
+-- since a lone u, w or p that lies on its side is read as another sign.
 function M.upright(text)
   return M.caption(text) .. ((utf8.len(text) or 4) <= 3 and " offset 1.5,0 norotate" or "")
 end

@@ -167,4 +167,17 @@ ok(fell.u[#fell]:norm() < 6 and fell:column "u1":norm() > 1, "what leaves an uns
 -- and rest is rest
 local rest = hill:solver { h = 0.05 }:run { u = 0, steps = 200 }
 near(rest.u[201]:norm(), 0, 0, "rest")
+-- a plot of several values names the one that it draws, also where none was asked for by number
+do
+  local run = dm.field { x = { 0, 1, 8 }, values = 2, L = function(u, ut, ux) return ut:dot(ut) / 2 - ux:dot(ux) / 2 end }
+    :solver { h = 0.05 }:run { u = function(x) return { 0.5, x } end, ut = function() return { 0, 0 } end, steps = 8 }
+  local write, out = io.write, {}
+  io.write = function(...) out[#out + 1] = table.concat({ ... }) end -- luacheck: ignore
+  run:plot "u"
+  run:plot "p2"
+  io.write = write -- luacheck: ignore
+  local text = table.concat(out)
+  tap.ok(text:find "^u1, " and text:find "\np2, ", "plots of several values are named", text:sub(1, 40))
+end
+
 tap.done()
