@@ -1,5 +1,5 @@
---- The logarithm of a rotation matrix of any size, numbers only, to all digits near the identity
--- and near half turns.
+--- The logarithm of a rotation matrix: of any size, numbers only, to all digits near the identity
+-- and near half turns; of R^4 in symbols too.
 --
 -- S = (R + R^T)/2 and K = (R - R^T)/2 commute; in the eigenvectors of S a plane turned by x has S =
 -- cos x, K = sin x J. Where cos x is away from -1 the logarithm is x/sin x K, a smooth function of
@@ -7,6 +7,7 @@
 -- pairing vectors, since K says little about it.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
+local smooth = require "dm.group.smooth"
 
 local M = {}
 
@@ -134,6 +135,68 @@ function M.log(R)
   end
   if #span > 0 then out = out + of_half_turns(K, span) end
   return (out - out:transpose()) * 0.5
+end
+
+---- rotations of R^4 ----
+
+local function times(a, b)
+  return { a[1] * b[1] - a[2] * b[2] - a[3] * b[3] - a[4] * b[4],
+    a[1] * b[2] + a[2] * b[1] + a[3] * b[4] - a[4] * b[3],
+    a[1] * b[3] - a[2] * b[4] + a[3] * b[1] + a[4] * b[2],
+    a[1] * b[4] + a[2] * b[3] - a[3] * b[2] + a[4] * b[1] }
+end
+
+-- matrices of x -> e_i x and of x -> x e_i
+local left, right = {}, {}
+local units = core.identity(4):totable()
+for i, e in ipairs(units) do
+  local l, r = {}, {}
+  for j, x in ipairs(units) do l[j], r[j] = times(e, x), times(x, e) end
+  left[i], right[i] = core.matrix(l):transpose(), core.matrix(r):transpose()
+end
+
+-- A[i][j] = <e_i x e_j, R>/4
+local function pairing(R)
+  local rows = {}
+  for i = 1, 4 do
+    rows[i] = {}
+    for j = 1, 4 do
+      local turn, sum = left[i] * right[j], 0
+      for a = 1, 4 do
+        for b = 1, 4 do
+          if turn[a][b] ~= 0 then sum = sum + turn[a][b] * R[a][b] end
+        end
+      end
+      rows[i][j] = 0.25 * sum
+    end
+  end
+  return core.matrix(rows)
+end
+
+-- log of a unit quaternion other than -1, three numbers, by that of its square root
+local function log_unit(q)
+  local w = core.sqrt(0.5 * (1 + q[1]))
+  local s = q[2] * q[2] + q[3] * q[3] + q[4] * q[4]
+  local f = smooth.arc(w, s / (4 * w * w)) / w
+  return { q[2] * f, q[3] * f, q[4] * f }
+end
+
+local function unit(v) return v * (1 / core.sqrt(v:dot(v))) end
+
+--- The principal logarithm of a rotation of R^4 in closed form, for symbols and hyper-dual numbers
+-- too: x -> p x q with unit quaternions, log = log p on the left and log q on the right, which
+-- commute. A = p q^T is linear in the entries; A e_w = q_w p, A A^T e_w = p_w p. Of (p, q) and
+-- (-p, -q) it is that with p_w + q_w > 0: their angles have a sum below pi, as the larger turn has.
+-- So p is the direction of A e_w + A A^T e_w, and q likewise, without a choice.
+function M.of_pair(R)
+  local A = pairing(R)
+  local B = A:transpose()
+  local e = core.vector(units[1])
+  local p, q = A * e, B * e
+  local a, b = log_unit(unit(p + A * q)), log_unit(unit(q + B * p))
+  local sum = core.zeros(4, 4)
+  for k = 1, 3 do sum = sum + left[k + 1] * a[k] + right[k + 1] * b[k] end
+  return sum
 end
 
 return M

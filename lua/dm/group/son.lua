@@ -121,9 +121,15 @@ function M.sample(n, stream, i)
   return core.matrix(rows)
 end
 
+-- the logarithm of a matrix of symbols
+local function smooth_log(R, n)
+  if n == 4 then return require "dm.group.rotation_log".of_pair(R) end
+  return matrix_functions.log(R)
+end
+
 -- the logarithm of a rotation matrix; of numbers that are none it is an error.
 local function log_of(R, n)
-  if not linear.is_plain(R) then return matrix_functions.log(R) end
+  if not linear.is_plain(R) then return smooth_log(R, n) end
   local defect, why = M.defect(R, n)
   if not (defect < 1e-6) then
     error(("the matrix is no rotation: %s"):format(why or ("off by %g"):format(defect)), 0)
@@ -133,7 +139,7 @@ end
 
 -- angles of the planes of a rotation, each found twice among the eigenvalues
 local function angle_norm(R)
-  if not linear.is_plain(R) then return kits.norm(M.vee(matrix_functions.log(R), R.rows)) end
+  if not linear.is_plain(R) then return kits.norm(M.vee(smooth_log(R, R.rows), R.rows)) end
   local defect = M.defect(R, R.rows)
   if not (defect < 1e-6) then
     error(("the matrix a^T b is no rotation: off by %g"):format(defect), 0)
