@@ -305,26 +305,28 @@ static const dml_row methods[] =
       "constraint and rolling, the largest |g| and "
       "|phi| at the end of a step."},
      {NULL, NULL, NULL}};
-static const dml_row functions[] =
-    {{"solver", dml_solver_new,
-      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, "
-      "threads=} -> dm.solver\n"
-      "A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian "
-      "(which has its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
-      "stops, 4e-15 unless a looser one is asked for. sums = \"plain\": kicks and drifts without "
-      "compensation, for wide ensembles and long chains: fewer operations, and round-off that "
-      "grows faster (default \"compensated\"). threads: of a step, of fields on meshes by kicks "
-      "and drifts and rattle, and of sums over pairs of 64 bodies or more by kicks and drifts; the "
-      "bits are those of one."},
-     {"resume", dml_resume,
-      "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> "
-      "dm.solver\n"
-      "A solver that goes on where a run ended, from path:checkpoint(file) or from the path "
-      "itself: solver:run{steps=} gives the bits of a run that never stopped. Rule, h and Newton's "
-      "tolerance are those of the checkpoint; rule: for a rule that is an object, which a file "
-      "does not hold. Raises when the file is not a whole checkpoint or the system is another "
-      "one."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"solver", dml_solver_new,
+     "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, "
+     "threads=} -> dm.solver\n"
+     "A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian "
+     "(which has its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
+     "stops, 4e-15 unless a looser one is asked for. sums = \"plain\": kicks and drifts without "
+     "compensation, for wide ensembles and long chains: fewer operations, and round-off that "
+     "grows faster (default \"compensated\"). threads: of a step, of fields on meshes by kicks "
+     "and drifts and rattle, and of sums over pairs of 64 bodies or more by kicks and drifts; the "
+     "bits are those of one."},
+    {"resume", dml_resume,
+     "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> "
+     "dm.solver\n"
+     "A solver that goes on where a run ended, from path:checkpoint(file) or from the path "
+     "itself: solver:run{steps=} gives the bits of a run that never stopped. Rows of every = k are "
+     "at every k-th step from there, the first where it goes on. Rule, h and Newton's tolerance "
+     "are "
+     "those of the checkpoint; rule: for a rule that is an object, which a file "
+     "does not hold. Raises when the file is not a whole checkpoint or the system is another "
+     "one."},
+    {NULL, NULL, NULL}};
 
 static const dml_row solver_row[] = {{"solver", dml_solver_of,
                                       "system:solver{rule=, h=, newton={tolerance=, "

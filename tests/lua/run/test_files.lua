@@ -169,5 +169,12 @@ local t = not fine and failure.path.t
 ok(t and failure.code == "not_written" and t[#t] < 1.5e5 and tostring(failure):find("gone/x", 1, true),
   "a checkpoint that cannot be written ends the run, and names the file", tostring(failure))
 
+-- rows of every = k are counted from where it goes on, as help says
+local cut = gauss:run(start { steps = 7, every = 5 })
+local rest = dm.resume(cut):run { steps = 12, every = 5 }
+local times = {}
+for k = 1, #rest do times[k] = ("%.2f"):format(rest.t[k]) end
+ok(table.concat(times, " ") == "0.35 0.60 0.85 0.95", "every k-th step from there", table.concat(times, " "))
+
 os.execute("rm -r " .. folder)
 tap.done()
