@@ -1876,6 +1876,70 @@ function dm_function_class:operations() end
 ---@return table
 function dm_function_class:terms() end
 
+---dm.group_lagrangian: Ld(g0, g1) on a group, made by dm.discrete_lagrangian{Q=, h=, Ld=} or
+---dm.discrete_lagrangian(system, {rule = "lie(2)", h=})
+---fields: Q, h, name, Ld or system and rule; Ld(g0, g1) is its value.
+---@class dm.group_lagrangian
+local dm_group_lagrangian_class = {}
+
+---Ld:legendre_minus(g0, g1 [, t]) -> dm.vector of dim G entries
+---
+---The body momentum at g0, -D1 Ld along g0 exp(e). t: the time at g0 (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return dm.vector
+function dm_group_lagrangian_class:legendre_minus(g0, g1, t) end
+
+---Ld:legendre_plus(g0, g1 [, t]) -> dm.vector of dim G entries
+---
+---The body momentum at g1, D2 Ld along g1 exp(e). t: the time at g0 (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return dm.vector
+function dm_group_lagrangian_class:legendre_plus(g0, g1, t) end
+
+---Ld:momentum(group, g0, g1 [, {side=, action=, t=}]) -> dm.vector
+---
+---Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body. t:
+---the time at g0 (0).
+---@param group? any
+---@param g0? any
+---@param g1? any
+---@param options? table
+---@return dm.vector
+function dm_group_lagrangian_class:momentum(group, g0, g1, options) end
+
+---Ld:solver{newton=, backend=} -> dm.solver
+---
+---Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
+---they have no energy: the one of a path is that of |xi|^2/2.
+---@param options? table
+---@return dm.solver
+function dm_group_lagrangian_class:solver(options) end
+
+---Ld:two_form(g0, g1 [, t]) -> dm.matrix, dim G x dim G
+---
+----D1 D2 Ld, row e0, column e1: the discrete symplectic form in the left-invariant frames at g0 and
+---g1. t: the time at g0 (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return dm.matrix
+---@return any
+function dm_group_lagrangian_class:two_form(g0, g1, t) end
+
+---Ld:value(g0, g1 [, t]) -> number
+---
+---The same as Ld(g0, g1 [, t]): approximately the action between two elements in the time h. t: of an
+---L that depends on time, when it begins (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return number
+function dm_group_lagrangian_class:value(g0, g1, t) end
+
 ---dm.hyperdual: a number with exact derivatives along two directions
 ---fields: f (value), a, b (first derivatives), ab (second); comparisons work on the value
 ---@class dm.hyperdual
@@ -6401,7 +6465,7 @@ function dm.smith(A) end
 
 ---dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, threads=} -> dm.solver
 ---
----A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"). newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated"). threads: of a step, of fields on meshes by kicks and drifts and rattle, and of sums over pairs of 64 bodies or more by kicks and drifts; the bits are those of one.
+---A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian (which has its own h; rule "del"), or of anything else with a method solver. newton.tolerance: relative increment at which Newton stops, 4e-15 unless a looser one is asked for. sums = "plain": kicks and drifts without compensation, for wide ensembles and long chains: fewer operations, and round-off that grows faster (default "compensated"). threads: of a step, of fields on meshes by kicks and drifts and rattle, and of sums over pairs of 64 bodies or more by kicks and drifts; the bits are those of one.
 ---@param options? table
 ---@return dm.solver
 function dm.solver(options) end

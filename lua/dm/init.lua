@@ -190,6 +190,7 @@ function M.__tostring() return "dm: discrete mechanics; help(dm) lists what it h
 function M.load_all()
   for name in pairs(M.lazy) do local _ = dm[name] end
   for _, module in pairs(rows) do require(module) end
+  require "dm.group.discrete" -- the class of what dm.discrete_lagrangian makes on groups
   return dm
 end
 

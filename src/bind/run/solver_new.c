@@ -160,6 +160,19 @@ static int new_solver(lua_State *L) {
     return 1;
 }
 
+/* Others know solvers of their own, as a field on a line or a discrete Lagrangian on a group: with
+ * options at 1 and such a thing at 2, push thing:solver(options). 0: it is none. */
+static int push_own(lua_State *L) {
+    if (luaL_testudata(L, 2, DML_SYSTEM) || luaL_testudata(L, 2, DML_DISCRETE) ||
+        !luaL_getmetafield(L, 2, "__index"))
+        return 0;
+    if (lua_getfield(L, 2, "solver") != LUA_TFUNCTION) return lua_settop(L, 2), 0;
+    lua_pushvalue(L, 2);
+    lua_pushvalue(L, 1);
+    lua_call(L, 2, 1);
+    return 1;
+}
+
 /* dm.solver{ system, rule =, h = } */
 int dml_solver_new(lua_State *L) {
     lua_settop(L, 1);
@@ -178,6 +191,7 @@ int dml_solver_new(lua_State *L) {
         luaL_error(L, "dm.solver needs a system or discrete Lagrangian as its first entry: "
                       "dm.solver{ system, rule = \"verlet\", h = 0.01 }");
     lua_remove(L, 1);
+    if (push_own(L)) return 1;
     return new_solver(L);
 }
 

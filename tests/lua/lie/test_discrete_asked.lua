@@ -177,4 +177,16 @@ local frame = dm.moving_frame { action = dm.action { group = dm.R(2), on = dm.R(
   map = function(g, z) return g + z end }, cross_section = function(u) return u end }
 raises("has 'force'", function() return frame:invariantize(rubbed) end)
 
+---- its solver, by either name; its class, in a session that has made none ----
+
+local top = dm.system { Q = dm.SO(3), L = function(g, xi) return xi[1] ^ 2 + xi:dot(xi) - g[3][3] end }
+local of_top = dm.discrete_lagrangian(top, { rule = "lie(2)", h = 0.05 })
+local from = { q = dm.SO(3):identity(), v = { 0.1, 1, 0.3 }, steps = 20 }
+ok(dm.solver({ of_top }):run(from).p[21] == of_top:solver({}):run(from).p[21], "dm.solver{Ld} is Ld:solver{}")
+raises("expected, got string", dm.solver, { "Ld" })
+raises("expected, got dm.space", dm.solver, { dm.R(2) })
+local pipe = assert(io.popen(("%s -e 'help \"dm.group_lagrangian\"' 2>&1"):format(os.getenv "DMLUA" or "build/dmlua")))
+ok(pipe:read("a"):find "Ld:legendre_minus", "its class has help before there is one")
+pipe:close()
+
 tap.done()
