@@ -218,4 +218,40 @@ M["dm.step"] = [=[
 > s:solver({ rule = euler, h = 0.1 }):run({ q = {1}, v = {0}, steps = 2 }).q[3]
 [0.9701]]=]
 
+M["dm.group_lagrangian"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld(0.1, 0.6)
+0.24483487621925]=]
+M["group_lagrangian.value"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld:value(0.1, 0.6)
+0.24483487621925]=]
+M["group_lagrangian.legendre_minus"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld:legendre_minus(0.1, 0.6)
+[0.95885107720841]]=]
+M["group_lagrangian.legendre_plus"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld:legendre_plus(0.1, 0.6)
+[0.95885107720841]]=]
+M["group_lagrangian.momentum"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld:momentum(dm.SO(2), 0.1, 0.6)
+[0.95885107720841]]=]
+M["group_lagrangian.two_form"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld:two_form(0.1, 0.6)
+[[1.7551651237807]]]=]
+M["group_lagrangian.solver"] = [=[
+> Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
+>>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
+> Ld:solver {}
+solver 'del (own)', order 1 (declared, to be measured in the first run), h = 0.5, for system on SO(2): separable, constant mass, 2 operations, derivatives exact]=]
+
 return M
