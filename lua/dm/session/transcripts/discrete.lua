@@ -251,7 +251,7 @@ M["group_lagrangian.two_form"] = [=[
 M["group_lagrangian.solver"] = [=[
 > Ld = dm.discrete_lagrangian { Q = dm.SO(2), h = 0.5,
 >>   Ld = function(a, b, h) return (1 - dm.cos(b - a))/h end }
-> Ld:solver {}
-solver 'del (own)', order 1 (declared, to be measured in the first run), h = 0.5, for system on SO(2): separable, constant mass, 2 operations, derivatives exact]=]
+> Ld:solver({}).h
+0.5]=]
 
 return M
