@@ -126,4 +126,17 @@ near(order(natural_chart(2, "momentum", 1), 40), 0, 0.2, "with dexp for its inve
 tap.raises("has order 2.0", finish, natural_chart(2, "velocity"), 20)
 tap.raises("has order 1.0", finish, natural_chart(2, "frozen"), 20)
 
+-- steps too long for the Cayley chart: its equations have roots that turn the body the other way, by 2.5 rad for 4
+do
+  local body = dm.system { Q = dm.SO(3), L = function(_, xi) return (xi[1] ^ 2 + 2 * xi[2] ^ 2 + 3 * xi[3] ^ 2) / 2 end }
+  local function turn(rule, h)
+    local g = body:solver({ rule = rule, h = h }):run({ q = dm.SO(3):identity(), v = { 0.05, 0, 1 }, steps = 1 }).q[2]
+    return math.atan(g[2][1], g[1][1])
+  end
+  for _, case in ipairs { { "lie(1, cayley)", 1.8 }, { "lie(1, cayley)", 4 }, { "lie(2, cayley)", 4 }, { "lie(2, cayley)", 6 }, { "lie(2, pade(2))", 6 } } do
+    tap.ok(not pcall(turn, case[1], case[2]), case[1] .. ": no step that turns the other way", case[2])
+  end
+  tap.raises("h turns the body", turn, "lie(2, cayley)", 4)
+  tap.near(turn("lie(3, cayley)", 1.8), 1.8, 0.01, "one of 1.8 rad is taken")
+end
 tap.done()
