@@ -43,5 +43,6 @@ if arg and arg[1] then
   local X, U = {}, {}
   for k = 0, 400 do X[k + 1], U[k + 1] = k / 400, exact(k / 400) end
   dm.plot({ { x = X, y = U, name = "solution" }, { x = x, y = u, name = "equal elements" },
-    { x = knots.x, y = knots.u, name = "free knots", style = "linespoints" } }, { file = arg[1] .. "/free_knots.png", title = "eight elements and a layer" })
+    { x = knots.x, y = knots.u, name = "free knots", style = "linespoints" } }, { file = arg[1] .. "/free_knots.png", xlabel = "x", ylabel = "u",
+      title = "eight elements and a layer" })
 end

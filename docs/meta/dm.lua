@@ -2282,8 +2282,9 @@ function dm_line_field_class:solver(options) end
 ---field:stability_limit(rule, {u=, t=}) -> number
 ---
 ---The height h at which the fastest oscillation about the level u (a function of x, nodes; default: 0)
----begins to grow: (-1)^k v becomes a motion there. math.huge where there is none. t: the time that L
----is looked at, needed where it depends on it. L must not depend on the sign of ut.
+---begins to grow: (-1)^k v becomes a motion there. math.huge where there is none: also of an elliptic
+---L, as that of minimal surfaces, whose waves grow at any h. t: the time that L is looked at, needed
+---where it depends on it. L must not depend on the sign of ut.
 ---@param rule? any
 ---@param options? table
 ---@return number
