@@ -16,6 +16,14 @@ function M.unit(n, k)
   return core.vector(out)
 end
 
+--- The product of two quaternions (w, x, y, z), as a list.
+function M.quaternion_product(a, b)
+  return { a[1] * b[1] - a[2] * b[2] - a[3] * b[3] - a[4] * b[4],
+    a[1] * b[2] + a[2] * b[1] + a[3] * b[4] - a[4] * b[3],
+    a[1] * b[3] - a[2] * b[4] + a[3] * b[1] + a[4] * b[2],
+    a[1] * b[4] + a[2] * b[3] - a[3] * b[2] + a[4] * b[1] }
+end
+
 --- The matrix of a linear map f on vectors of n entries.
 function M.matrix_of(f, n)
   local columns = {}

@@ -43,7 +43,8 @@ local function rule_text(rule, system, options)
     if fine then
       local out = {}
       for _, name in ipairs(path.columns) do
-        for i = 1, #path.t do out[#out + 1] = ("%a"):format(path:column(name)[i]) end
+        local column = path:column(name)
+        for i = 1, #column do out[#out + 1] = ("%a"):format(column[i]) end
       end
       return ("%s %08x"):format(text, core.crc32(table.concat(out, " ")))
     end

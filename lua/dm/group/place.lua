@@ -172,12 +172,10 @@ end
 --- What a step asks of the chart g = g0 tau(xi) (right: tau(xi) g0), tau = exp, cayley or pade(k),
 -- functions that are traced: chart(q0, e, xi, rate) gives the coordinates of g0 near(e) tau(xi),
 -- then the velocity of xi(t) with this rate; finish(q0, xi, mu) those of g0 tau(xi), then mu
--- carried there by the coadjoint action, then squares of angles that must stay below pi (of exp(xi)
--- for every tau: a Cayley map of pi turns by 2 atan(pi/2) = 2.0 rad, and one of 7 by 2.6, as if the
--- body had turned the other way; no step may come there). turns(q0,
--- mu, x) gives, for every axis a of the algebra, the coordinates of g0 exp(x e_a) and mu carried
--- there, for x of any size; nothing where that has no closed form. Nothing at all where the group
--- has no such tau.
+-- carried there by the coadjoint action, then squares of the angles of exp(xi), which a step bounds
+-- (dm_lie_reach in integ/lie/lie.h). turns(q0, mu, x) gives, for every axis a of the algebra, the
+-- coordinates of g0 exp(x e_a) and mu carried there, for x of any size; nothing where that has no
+-- closed form. Nothing at all where the group has no such tau.
 function M.chart(place, tau)
   local kit, right = place.kit, place.right
   local map, slope, element = maps(place, tau)

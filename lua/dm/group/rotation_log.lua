@@ -139,19 +139,14 @@ end
 
 ---- rotations of R^4 ----
 
-local function times(a, b)
-  return { a[1] * b[1] - a[2] * b[2] - a[3] * b[3] - a[4] * b[4],
-    a[1] * b[2] + a[2] * b[1] + a[3] * b[4] - a[4] * b[3],
-    a[1] * b[3] - a[2] * b[4] + a[3] * b[1] + a[4] * b[2],
-    a[1] * b[4] + a[2] * b[3] - a[3] * b[2] + a[4] * b[1] }
-end
-
 -- matrices of x -> e_i x and of x -> x e_i
 local left, right = {}, {}
 local units = core.identity(4):totable()
 for i, e in ipairs(units) do
   local l, r = {}, {}
-  for j, x in ipairs(units) do l[j], r[j] = times(e, x), times(x, e) end
+  for j, x in ipairs(units) do
+    l[j], r[j] = linear.quaternion_product(e, x), linear.quaternion_product(x, e)
+  end
   left[i], right[i] = core.matrix(l):transpose(), core.matrix(r):transpose()
 end
 

@@ -2,6 +2,7 @@
 local acts = require "dm.group.acts"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local linear = require "dm.base.linear"
 local kits = require "dm.group.kit"
 local matrices = require "dm.group.matrices"
 local matrix_functions = class.module(function() return require "dm.group.matrix_functions" end)
@@ -96,12 +97,7 @@ local function cayley_maps(kit)
 end
 
 -- unit quaternions as coordinates: products and maps without a choice of sign
-local function times(a, b)
-  return { a[1] * b[1] - a[2] * b[2] - a[3] * b[3] - a[4] * b[4],
-    a[1] * b[2] + a[2] * b[1] + a[3] * b[4] - a[4] * b[3],
-    a[1] * b[3] - a[2] * b[4] + a[3] * b[1] + a[4] * b[2],
-    a[1] * b[4] + a[2] * b[3] - a[3] * b[2] + a[4] * b[1] }
-end
+local times = linear.quaternion_product
 
 -- 2 Im(conj(q) v), and q . v: velocity of a unit quaternion and rate of its length
 local function velocity(q, v)

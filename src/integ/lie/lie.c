@@ -203,11 +203,11 @@ static dm_status guess(dm_lie *e) {
     return guess_ahead(e) ? DM_OK : guess_at_rest(e);
 }
 
-/* past half a turn the chart is not that of the step: log would not find xi again; exp alone */
+/* past half a turn the chart is not that of the step: log would not find xi again */
 static dm_status check_end(dm_lie *e) {
     find_end(e);
     e->turn = sqrt(arc_of(e));
-    if (e->turn >= DM_LIE_LARGEST_TURN) return DM_NO_CONVERGENCE;
+    if (e->turn >= dm_lie_reach(e->group->tau)) return DM_NO_CONVERGENCE;
     e->turn = 0.0;
     return has_finite_end(e) ? DM_OK : DM_NOT_FINITE;
 }
@@ -268,11 +268,15 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 }
 
 /* Both engines say the same. */
-const char *dm_lie_why(char *text, size_t size, double turn, dm_status status) {
+const char *dm_lie_why(char *text, size_t size, double turn, dm_tau tau, dm_status status) {
     if (status == DM_SINGULAR)
         return "is L degenerate in the velocity there, d2L/dxi2 without an inverse?";
     if (!(turn > 0.0)) return NULL;
-    snprintf(text, size, "h turns the body by %.1f rad; the chart ends at pi: take a smaller step",
+    snprintf(text, size,
+             tau == DM_TAU_EXP
+                 ? "h turns the body by %.1f rad; the chart ends at pi: take a smaller step"
+                 : "xi of the step is %.1f, and roots so far away turn the body elsewhere: take a "
+                   "smaller step, or exp",
              turn);
     return text;
 }
@@ -281,7 +285,7 @@ const char *dm_lie_why(char *text, size_t size, double turn, dm_status status) {
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie *e = dm_lie_of(s);
     (void)state;
-    return dm_lie_why(e->text, sizeof e->text, e->turn, status);
+    return dm_lie_why(e->text, sizeof e->text, e->turn, e->group->tau, status);
 }
 
 const dm_engine dm_engine_lie = {

@@ -12,13 +12,17 @@
 /* Reads the basis of a row; steps free coordinates as rules of stages do. */
 extern const dm_engine dm_engine_lie;
 
-/* rad: a step that turns a body further is refused. The chart of exp ends at pi, and next to it a
- * small change of the step leads to its other side. */
-#define DM_LIE_LARGEST_TURN 2.98
+/* rad: a step whose xi turns a body further is refused. The chart of exp ends at pi, and next to it
+ * a small change of the step leads to its other side. That of the Cayley map does not end, but its
+ * equations have other roots, which turn the body elsewhere: by 2.2 rad = 2 atan(3.93/2) and more
+ * on random bodies (tests/lua/lie/test_traps.lua). */
+static inline double dm_lie_reach(dm_tau tau) {
+    return tau == DM_TAU_CAYLEY ? 3.93 : 2.98;
+}
 
 /* Why a step failed, into text[size]: turn is its angle where that was too large, else 0; NULL is
  * the general advice. */
-const char *dm_lie_why(char *text, size_t size, double turn, dm_status status);
+const char *dm_lie_why(char *text, size_t size, double turn, dm_tau tau, dm_status status);
 
 /* The map that the arguments of a rule name; exp where they name none. */
 dm_tau dm_lie_tau(const dm_rule *rule);

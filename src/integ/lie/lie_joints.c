@@ -267,7 +267,7 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie_joints *e = dm_lie_joints_of(s);
     (void)state;
     if (status == DM_SINGULAR && e->m) return NULL;
-    return dm_lie_why(e->text, sizeof e->text, e->turn, status);
+    return dm_lie_why(e->text, sizeof e->text, e->turn, e->joints->tau, status);
 }
 
 const dm_engine dm_engine_lie_joints = {
