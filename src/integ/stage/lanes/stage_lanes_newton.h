@@ -30,8 +30,8 @@ INLINE I lacks_factors(const lanes_newton *it) {
 
 /* factors of all lanes are new, those of `fine` are of their h; or of these alone */
 INLINE void note_factors(const lanes_newton *it, I fine, int all) {
-    const V h = load(it->e.group->h), others = all ? (V){0} : load(it->matrix->made);
-    store(it->matrix->made, pick(fine, h, others));
+    const V h = load(it->e.group->h);
+    store(it->matrix->made, all ? pick(fine, h, (V){0}) : pick(fine, h, load(it->matrix->made)));
 }
 
 /* residual, and matrix and factors of the lanes that renew them; lanes where that does not go
