@@ -1,6 +1,8 @@
 /* team.c - a team is a counting barrier, and a mutex with a condition for threads that wait. */
 #include "chain/team.h"
 
+#include "base/doubles.h"
+
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -27,7 +29,7 @@ struct dm_team {
 };
 
 size_t dm_team_size(void) {
-    return (sizeof(dm_team) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(dm_team));
 }
 
 uint32_t dm_team_parts(const dm_team *t) {

@@ -1,6 +1,7 @@
 /* step_method.c - dm.step as a rule: one row for all steps that scripts write. */
 #include "integ/step_method.h"
 
+#include "base/doubles.h"
 #include "integ/method/method.h"
 #include "linalg/solve/newton.h"
 #include "mech/group.h"
@@ -60,17 +61,12 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return m->structure & (DM_CONSTANT_MASS | DM_HAMILTONIAN) ? 0 : DM_WANT_MASS;
 }
 
-/* Of structures in front of arrays. */
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
 /* As `open` lays it out. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_step_row *row = row_of(rule);
     const size_t k = row ? row->unknowns : 0, states = m->n + (size_t)dm_momenta(m) + 1;
     const size_t y = states + (row ? row->parts : 0);
-    return doubles(sizeof(made_step)) + 4 * y + 2 * (size_t)m->n + 2 + k + k + k * k + 2 * k +
+    return dm_doubles(sizeof(made_step)) + 4 * y + 2 * (size_t)m->n + 2 + k + k + k * k + 2 * k +
            CONDITIONS + PLACES * (1 + y) + dm_newton_work((uint32_t)k);
 }
 
@@ -84,7 +80,7 @@ static dm_status open(dm_stepper *s) {
     made_step *e = step_of(s);
     const dm_step_kernels *k = s->brought;
     const size_t y = k->n + (size_t)k->d + 1 + k->w, m = k->m;
-    *e = (made_step){.k = k, .in = s->work + doubles(sizeof *e), .pace = 1.0};
+    *e = (made_step){.k = k, .in = s->work + dm_doubles(sizeof *e), .pace = 1.0};
     e->short_in = e->in + y + m + 1;
     e->out = e->short_in + y + 1;
     e->x = e->out + m + m * m;

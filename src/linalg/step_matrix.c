@@ -1,22 +1,20 @@
 #include "linalg/step_matrix.h"
 
+#include "base/doubles.h"
+
 #include <string.h>
 
 enum { SMALL = 24 }; /* unknowns for which a band is not worth its numbering */
 
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
 size_t dm_step_matrix_work(uint32_t unknowns) {
-    return 2 * doubles(unknowns * sizeof(size_t)) + doubles(unknowns * sizeof(uint32_t));
+    return 2 * dm_doubles(unknowns * sizeof(size_t)) + dm_doubles(unknowns * sizeof(uint32_t));
 }
 
 /* Dense by rows, until it is found to be narrow. */
 void dm_step_matrix_open(dm_step_matrix *m, uint32_t n, double *memory) {
     m->row = (size_t *)(void *)memory;
     m->column = m->row + n;
-    m->order = (uint32_t *)(void *)(memory + 2 * doubles(n * sizeof(size_t)));
+    m->order = (uint32_t *)(void *)(memory + 2 * dm_doubles(n * sizeof(size_t)));
     m->banded = 0;
     m->band = (dm_band){.n = n};
     for (uint32_t i = 0; i < n; i++) {

@@ -1,3 +1,4 @@
+#include "base/doubles.h"
 #include "integ/constrained/constrained_inside.h"
 #include "integ/method/method.h"
 
@@ -40,78 +41,58 @@ static sizes sizes_of(size_t s, size_t r, size_t K, const dm_model *model) {
     return z;
 }
 
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
 /* One block serves both Newton iterations, the elimination for the hidden constraint and the
  * Legendre transform: they never run at the same time. */
 static size_t scratch_size(const sizes *z, const dm_model *m) {
     const size_t newton =
-        larger(dm_newton_work((uint32_t)z->unknowns), dm_newton_work((uint32_t)(z->n + z->m)));
+        dm_larger(dm_newton_work((uint32_t)z->unknowns), dm_newton_work((uint32_t)(z->n + z->m)));
     const size_t hidden = z->m * (z->m + z->n + 3);
-    return larger(larger(newton, hidden), dm_legendre_work(m));
-}
-
-/* memory NULL: it is only counted */
-typedef struct {
-    double *memory;
-    size_t used;
-} layout;
-
-/* The next block of doubles; where memory is only counted a NULL, which nobody reads. */
-static double *take(layout *to, size_t count) {
-    double *block = to->memory ? to->memory + to->used : NULL;
-    to->used += count;
-    return block;
+    return dm_larger(dm_larger(newton, hidden), dm_legendre_work(m));
 }
 
 /* outputs of kernels */
-static void lay_out_kernels(dm_constrained *g, const sizes *z, layout *to) {
+static void lay_out_kernels(dm_constrained *g, const sizes *z, dm_layout *to) {
     const size_t n = z->n, nn = n * n;
-    g->plain = take(to, z->r * 2 * n);
-    g->curve = take(to, z->r * (2 * n + 3 * nn));
-    g->drag = take(to, z->r * (n + 2 * nn));
-    g->holonomic = take(to, (z->K + 1) * z->k * (n + 2));
-    g->rolling = take(to, (z->K + 1) * z->l * (1 + 3 * n));
-    g->roll = take(to, z->K * z->l * (1 + 3 * n));
-    g->reaction = take(to, (z->K + 1) * (n + 2 * nn));
-    g->mass = take(to, n + nn);
+    g->plain = dm_layout_take(to, z->r * 2 * n);
+    g->curve = dm_layout_take(to, z->r * (2 * n + 3 * nn));
+    g->drag = dm_layout_take(to, z->r * (n + 2 * nn));
+    g->holonomic = dm_layout_take(to, (z->K + 1) * z->k * (n + 2));
+    g->rolling = dm_layout_take(to, (z->K + 1) * z->l * (1 + 3 * n));
+    g->roll = dm_layout_take(to, z->K * z->l * (1 + 3 * n));
+    g->reaction = dm_layout_take(to, (z->K + 1) * (n + 2 * nn));
+    g->mass = dm_layout_take(to, n + nn);
 }
 
 /* Every array of the struct but the tables; returns how many doubles that took. The memory of a
  * step comes last. */
 static size_t lay_out(dm_constrained *g, const sizes *z, double *memory) {
-    layout to = {memory, 0};
+    dm_layout to = {memory, 0};
     const size_t n = z->n, m = z->m;
     lay_out_kernels(g, z, &to);
-    g->x = take(&to, 2 * n + 1 + m + g->m->constraints->controls);
-    g->shift = take(&to, n);
-    g->v = take(&to, n);
-    g->slope = take(&to, z->r * 2 * n);
-    g->impulse = take(&to, (z->K + 1) * n);
-    g->lambda = take(&to, m);
-    g->row_unit = take(&to, m);
-    g->impulse_unit = take(&to, m);
-    g->root = take(&to, z->unknowns);
-    g->end = take(&to, n + m);
-    g->v0 = take(&to, n);
-    g->inner_v = take(&to, z->K * n);
-    g->next = take(&to, 4 * n);
-    g->dq = take(&to, n);
-    g->dp = take(&to, n);
-    g->before = take(&to, n);
-    g->scratch = take(&to, scratch_size(z, g->m));
+    g->x = dm_layout_take(&to, 2 * n + 1 + m + g->m->constraints->controls);
+    g->shift = dm_layout_take(&to, n);
+    g->v = dm_layout_take(&to, n);
+    g->slope = dm_layout_take(&to, z->r * 2 * n);
+    g->impulse = dm_layout_take(&to, (z->K + 1) * n);
+    g->lambda = dm_layout_take(&to, m);
+    g->row_unit = dm_layout_take(&to, m);
+    g->impulse_unit = dm_layout_take(&to, m);
+    g->root = dm_layout_take(&to, z->unknowns);
+    g->end = dm_layout_take(&to, n + m);
+    g->v0 = dm_layout_take(&to, n);
+    g->inner_v = dm_layout_take(&to, z->K * n);
+    g->next = dm_layout_take(&to, 4 * n);
+    g->dq = dm_layout_take(&to, n);
+    g->dp = dm_layout_take(&to, n);
+    g->before = dm_layout_take(&to, n);
+    g->scratch = dm_layout_take(&to, scratch_size(z, g->m));
     if (m == 0) { /* forces alone: a matrix that may be constant */
-        g->constant.J = take(&to, z->unknowns * z->unknowns);
-        g->constant.pivot = (uint32_t *)(void *)take(&to, doubles(z->unknowns * sizeof(uint32_t)));
+        g->constant.J = dm_layout_take(&to, z->unknowns * z->unknowns);
+        g->constant.pivot =
+            (uint32_t *)(void *)dm_layout_take(&to, dm_doubles(z->unknowns * sizeof(uint32_t)));
     }
-    g->memory =
-        take(&to, dm_constrained_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
+    g->memory = dm_layout_take(&to, dm_constrained_memory_size((uint32_t)n, (uint32_t)z->unknowns,
+                                                               (uint32_t)m));
     return to.used;
 }
 
@@ -123,7 +104,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t s = (size_t)basis.s, r = (size_t)basis.q.r;
     const sizes z = sizes_of(s, r, s, m); /* K is s or one less */
     dm_constrained g = {.m = m};
-    return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_constrained_weights_size(s, r) +
+    return dm_doubles(sizeof g) + dm_stage_table_size(s, r) + dm_constrained_weights_size(s, r) +
            dm_constrained_entries_size((uint32_t)z.n, (uint32_t)z.k, (uint32_t)z.l) +
            dm_step_matrix_work((uint32_t)z.unknowns) + dm_step_matrix_work((uint32_t)(z.n + z.m)) +
            lay_out(&g, &z, NULL);
@@ -180,7 +161,7 @@ static dm_status open(dm_stepper *stepper) {
     dm_stage_basis(&basis, stepper->rule, stepper->model);
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     const dm_model *m = stepper->model;
-    double *memory = stepper->work + doubles(sizeof *g);
+    double *memory = stepper->work + dm_doubles(sizeof *g);
     *g = (dm_constrained){.m = m, .constraints = m->constraints, .n = m->n};
     g->k = m->constraints->holonomic;
     g->l = m->constraints->rolling;

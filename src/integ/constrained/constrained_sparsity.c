@@ -1,17 +1,14 @@
 /* constrained_sparsity.c - which entries of the kernels' matrices can differ from zero. */
+#include "base/doubles.h"
 #include "integ/constrained/constrained_inside.h"
 
 #include <math.h>
 #include <string.h>
 
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
 /* Eight blocks of n x n, k rows of G, 3 l of E, phi_v and phi_q, each with three lists. */
 size_t dm_constrained_entries_size(uint32_t n, uint32_t k, uint32_t l) {
     const size_t entries = 8 * (size_t)n * n + (k + 3 * (size_t)l) * n;
-    return doubles(3 * entries * sizeof(uint32_t));
+    return dm_doubles(3 * entries * sizeof(uint32_t));
 }
 
 /* Fixed to be zero when the kernel was compiled: no argument changes it. */

@@ -1,5 +1,6 @@
 /* rattle.c - RATTLE and SHAKE: the loop around the kernels of rattle_kernels.c. */
 #include "integ/constrained/rattle.h"
+#include "base/doubles.h"
 #include "integ/constrained/rattle_cells.h"
 
 #include "integ/constrained/constrained.h"
@@ -26,7 +27,7 @@ enum { LAST, MU };
 
 /* In doubles, so that what follows is aligned. */
 static size_t layout_size(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static layout *layout_of(const dm_stepper *s) {

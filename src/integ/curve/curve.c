@@ -5,6 +5,7 @@
  * errors of both Legendre transforms agree to leading order, so that the step has the order of
  * the method. */
 #include "integ/curve/curve.h"
+#include "base/doubles.h"
 #include "integ/curve/curve_inside.h"
 #include "integ/curve/curve_recipe.h"
 
@@ -23,7 +24,7 @@ static size_t choice_size(const dm_rule *rule, size_t n) {
 
 /* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
-    return (sizeof(dm_curve_step) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(dm_curve_step));
 }
 
 /* ---- the rule ---- */

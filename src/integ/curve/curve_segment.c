@@ -1,20 +1,10 @@
 #include "integ/curve/curve_segment.h"
 
+#include "base/doubles.h"
 #include "linalg/lu.h"
 
 #include <math.h>
 #include <string.h>
-
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
-}
 
 /* Of two doubles what is added to positions and velocities; the rest one. */
 static size_t coefficients(size_t s) {
@@ -26,7 +16,7 @@ size_t dm_segment_work(const dm_curve *c, const dm_model *m) {
     const size_t s = (size_t)c->s, n = m->n, N = 2 * n, M = dm_field_rows(m);
     if (c->recipe) return dm_written_segment_work(c, m);
     const size_t inputs = dm_field_inputs(m), controls = inputs - N - 2 - 2 * M;
-    return s * (inputs + M + 2 * M * M + doubles(M * sizeof(uint32_t)) + N + N * N + n * N) + N +
+    return s * (inputs + M + 2 * M * M + dm_doubles(M * sizeof(uint32_t)) + N + N * N + n * N) + N +
            dm_field_curve(m) + (N * N + 2 * M) + controls + 4 * n + N + N * N + 2 * n * N +
            coefficients(s) + 4 * n * N + M * N + inputs;
 }
@@ -36,12 +26,12 @@ static void place_coefficients(dm_segment *g, double *memory) {
     const size_t s = g->points;
     dm_weight **const pairs[] = {&g->plus_q, &g->minus_q, &g->plus_lift, &g->minus_lift};
     dm_weight **const squares[] = {&g->to_q, &g->to_v, &g->lift};
-    for (size_t i = 0; i < 3; i++) *squares[i] = (dm_weight *)(void *)take(&memory, 2 * s * s);
-    for (size_t i = 0; i < 4; i++) *pairs[i] = (dm_weight *)(void *)take(&memory, 2 * s);
+    for (size_t i = 0; i < 3; i++) *squares[i] = (dm_weight *)(void *)dm_take(&memory, 2 * s * s);
+    for (size_t i = 0; i < 4; i++) *pairs[i] = (dm_weight *)(void *)dm_take(&memory, 2 * s);
     if (!g->curve->lifted) g->lift = NULL;
-    g->weight = take(&memory, s);
-    g->plus_v = take(&memory, s);
-    g->next_v = take(&memory, s);
+    g->weight = dm_take(&memory, s);
+    g->plus_v = dm_take(&memory, s);
+    g->next_v = dm_take(&memory, s);
 }
 
 /* A product of h and a coefficient is rounded once, for both sweeps, and kept in two parts, since
@@ -76,32 +66,32 @@ dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, d
     g->inputs = dm_field_inputs(m);
     const dm_status status = dm_field_build(&g->field, m);
     if (status != DM_OK) return status;
-    place_coefficients(g, take(&memory, coefficients(s)));
-    g->x = take(&memory, s * g->inputs);
-    g->force = take(&memory, s * (M + M * M));
-    g->factors = take(&memory, s * M * M);
-    g->pivot = (uint32_t *)(void *)take(&memory, s * doubles(M * sizeof(uint32_t)));
-    g->gradient = take(&memory, s * N);
-    g->pull = take(&memory, N);
-    g->second = take(&memory, dm_field_curve(m));
-    g->tangent = take(&memory, s * N * N);
-    g->push = take(&memory, s * n * N);
-    g->some = take(&memory, N * N + 2 * M);
-    g->held = take(&memory, g->inputs - N - 2 - 2 * M);
-    g->plus = take(&memory, n);
-    g->minus = take(&memory, n);
-    g->arrival = take(&memory, n);
-    g->next = take(&memory, n);
-    g->slope = take(&memory, N);
-    g->hessian = take(&memory, N * N);
-    g->plus_tangent = take(&memory, n * N);
-    g->minus_tangent = take(&memory, n * N);
-    g->arrival_tangent = take(&memory, n * N);
-    g->departure_tangent = take(&memory, n * N);
-    g->momentum = take(&memory, n * N);
-    g->change = take(&memory, n * N);
-    g->a_y = take(&memory, M * N);
-    g->end = take(&memory, g->inputs);
+    place_coefficients(g, dm_take(&memory, coefficients(s)));
+    g->x = dm_take(&memory, s * g->inputs);
+    g->force = dm_take(&memory, s * (M + M * M));
+    g->factors = dm_take(&memory, s * M * M);
+    g->pivot = (uint32_t *)(void *)dm_take(&memory, s * dm_doubles(M * sizeof(uint32_t)));
+    g->gradient = dm_take(&memory, s * N);
+    g->pull = dm_take(&memory, N);
+    g->second = dm_take(&memory, dm_field_curve(m));
+    g->tangent = dm_take(&memory, s * N * N);
+    g->push = dm_take(&memory, s * n * N);
+    g->some = dm_take(&memory, N * N + 2 * M);
+    g->held = dm_take(&memory, g->inputs - N - 2 - 2 * M);
+    g->plus = dm_take(&memory, n);
+    g->minus = dm_take(&memory, n);
+    g->arrival = dm_take(&memory, n);
+    g->next = dm_take(&memory, n);
+    g->slope = dm_take(&memory, N);
+    g->hessian = dm_take(&memory, N * N);
+    g->plus_tangent = dm_take(&memory, n * N);
+    g->minus_tangent = dm_take(&memory, n * N);
+    g->arrival_tangent = dm_take(&memory, n * N);
+    g->departure_tangent = dm_take(&memory, n * N);
+    g->momentum = dm_take(&memory, n * N);
+    g->change = dm_take(&memory, n * N);
+    g->a_y = dm_take(&memory, M * N);
+    g->end = dm_take(&memory, g->inputs);
     for (size_t i = 0; i < s; i++)
         dm_kernel_prepare(&g->field.force, g->force + i * g->field.force.outputs);
     dm_kernel_prepare(&g->field.gradient, g->pull);

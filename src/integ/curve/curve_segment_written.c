@@ -1,16 +1,10 @@
 /* curve_segment_written.c - a segment of a method that is no tableau: three kernels of all of
  * it. */
+#include "base/doubles.h"
 #include "integ/curve/curve_segment.h"
 
 #include <math.h>
 #include <string.h>
-
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
-}
 
 /* Controls are inputs of the field, before h. */
 static size_t controls(const dm_model *m) {
@@ -31,18 +25,18 @@ dm_status dm_written_segment_open(dm_segment *g, double *memory) {
     if (status != DM_OK) return status;
     g->points = g->written.calls;
     g->inputs = g->written.inputs;
-    g->x = take(&memory, g->inputs);
-    g->pull = take(&memory, 4 * n + 1 + 2 * rolling);
-    g->slope = take(&memory, N);
-    g->hessian = take(&memory, 2 * N * N);
+    g->x = dm_take(&memory, g->inputs);
+    g->pull = dm_take(&memory, 4 * n + 1 + 2 * rolling);
+    g->slope = dm_take(&memory, N);
+    g->hessian = dm_take(&memory, 2 * N * N);
     g->plus_tangent = g->hessian + N * N;
     g->minus_tangent = g->plus_tangent + n * N;
-    g->held = take(&memory, controls(g->m));
-    g->share = take(&memory, (size_t)g->curve->substeps);
-    g->plus = take(&memory, n);
-    g->minus = take(&memory, n);
-    g->arrival = take(&memory, n);
-    g->next = take(&memory, n);
+    g->held = dm_take(&memory, controls(g->m));
+    g->share = dm_take(&memory, (size_t)g->curve->substeps);
+    g->plus = dm_take(&memory, n);
+    g->minus = dm_take(&memory, n);
+    g->arrival = dm_take(&memory, n);
+    g->next = dm_take(&memory, n);
     memset(g->x, 0, g->inputs * sizeof *g->x);
     dm_kernel_prepare(&g->written.ends, g->pull);
     dm_kernel_prepare(&g->written.gradient, g->slope);

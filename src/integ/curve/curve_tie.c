@@ -7,6 +7,7 @@
  * sigma_d, and R0 has only what the method misses: without it the order would be 1 (Cuell-Patrick
  * 2009, 3 and 5). At the end of the step p1 is put onto the hidden constraints, which the next R0
  * would do. */
+#include "base/doubles.h"
 #include "integ/curve/curve_inside.h"
 
 #include "base/largest.h"
@@ -38,13 +39,6 @@ size_t dm_curve_tie_work(const dm_model *m) {
            (n + rows) + n + n * n;
 }
 
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
-}
-
 /* Buffers of kernels get the outputs that never vary. */
 static void prepare(dm_curve_tie *c, const dm_model *m) {
     dm_kernel_prepare(&m->mass, c->mass);
@@ -62,18 +56,18 @@ void dm_curve_tie_open(dm_curve_tie *c, const dm_model *m, double *memory) {
     c->k = c->c->holonomic;
     c->l = c->c->rolling;
     c->m = c->k + c->l;
-    c->x = take(&memory, inputs(c->c));
-    c->start = take(&memory, held_size(c->c));
-    c->end = take(&memory, held_size(c->c));
-    c->roll_start = take(&memory, roll_size(c->c));
-    c->roll = take(&memory, roll_size(c->c));
-    c->reaction = take(&memory, n + 2 * n * n);
-    c->unit = take(&memory, c->m);
-    c->pull = take(&memory, c->m);
-    c->impulse = take(&memory, 2 * c->m);
-    c->p0 = take(&memory, n);
-    c->hidden = take(&memory, n + c->m);
-    c->mass = take(&memory, n + n * n);
+    c->x = dm_take(&memory, inputs(c->c));
+    c->start = dm_take(&memory, held_size(c->c));
+    c->end = dm_take(&memory, held_size(c->c));
+    c->roll_start = dm_take(&memory, roll_size(c->c));
+    c->roll = dm_take(&memory, roll_size(c->c));
+    c->reaction = dm_take(&memory, n + 2 * n * n);
+    c->unit = dm_take(&memory, c->m);
+    c->pull = dm_take(&memory, c->m);
+    c->impulse = dm_take(&memory, 2 * c->m);
+    c->p0 = dm_take(&memory, n);
+    c->hidden = dm_take(&memory, n + c->m);
+    c->mass = dm_take(&memory, n + n * n);
     memset(c->x, 0, inputs(c->c) * sizeof *c->x);
     prepare(c, m);
 }

@@ -2,6 +2,7 @@
  * are products of exponentials of the velocities found so far,
  *   g_i = g0 exp(h a_i1 xi_1) exp(h a_i2 xi_2) ...,
  *   g1 = g0 exp(h b_1 xi_1) exp(h b_2 xi_2) exp(h b_3 xi_3). */
+#include "base/doubles.h"
 #include "integ/lie/group_field.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ typedef struct {
 } layout;
 
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static layout *layout_of(const dm_stepper *s) {
@@ -88,16 +89,12 @@ static dm_status stage(layout *l, const double *state, int i, double t, double h
 /* The state is changed at the end alone. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     layout *l = layout_of(s);
-    const size_t n = l->field.n, d = l->field.d;
     dm_status status = DM_OK;
     for (int i = 0; i < STAGES && status == DM_OK; i++) status = stage(l, state, i, t, h);
     s->report.evaluations += STAGES;
     if (status == DM_OK) status = place(l, state, STAGES, h);
-    if (status != DM_OK) return status;
-    memcpy(state, l->q, n * sizeof *state);
-    memcpy(state + n, l->mu, d * sizeof *state);
-    memset(state + 2 * n, 0, 2 * n * sizeof *state);
-    return DM_OK;
+    if (status == DM_OK) dm_group_field_end(&l->field, state, l->q, l->mu);
+    return status;
 }
 
 /* Of the last step. */

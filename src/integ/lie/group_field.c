@@ -152,6 +152,12 @@ dm_status dm_group_field_chart_rate(dm_group_field *f, double *xi, const double 
     return status;
 }
 
+void dm_group_field_end(const dm_group_field *f, double *state, const double *q, const double *mu) {
+    memcpy(state, q, f->n * sizeof *state);
+    memcpy(state + f->n, mu, f->d * sizeof *state);
+    memset(state + 2 * (size_t)f->n, 0, 2 * (size_t)f->n * sizeof *state);
+}
+
 const char *dm_group_field_why(dm_group_field *f) {
     if (!(f->turn > 0.0)) return NULL;
     snprintf(f->text, sizeof f->text,

@@ -52,6 +52,9 @@ void dm_group_field_carry_back(dm_group_field *f, double *mu, const double *xi);
 /* u'[d] with exp(u)' = exp(u) xi, in place of xi. */
 dm_status dm_group_field_chart_rate(dm_group_field *f, double *xi, const double *u);
 
+/* A step ends at (q, mu): the state, whose low parts these rules do not keep. */
+void dm_group_field_end(const dm_group_field *f, double *state, const double *q, const double *mu);
+
 /* Why a step failed: the turn, or NULL. */
 const char *dm_group_field_why(dm_group_field *f);
 

@@ -1,6 +1,7 @@
 /* lie.c - steps in the natural chart: guess, Newton's method, the end. */
 #include "integ/lie/lie.h"
 
+#include "base/doubles.h"
 #include "code/native/jit.h"
 #include "integ/lie/lie_joints.h"
 #include "integ/lie/lie_lanes.h"
@@ -44,57 +45,36 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 /* ---- memory ---- */
 
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
-/* memory NULL: it is only counted */
-typedef struct {
-    double *memory;
-    size_t used;
-} layout;
-
-/* The next `count` doubles; where memory is only counted a NULL, which nobody reads. */
-static double *take(layout *to, size_t count) {
-    double *block = to->memory ? to->memory + to->used : NULL;
-    to->used += count;
-    return block;
-}
-
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
 size_t dm_lie_lay_out(dm_lie *e, uint32_t lanes, double *memory) {
     const size_t n = e->n, d = e->d, s = e->s, r = e->r, m = e->m, w = lanes;
     const size_t arcs = e->group ? e->group->arcs : 0;
-    layout to = {memory, 0};
-    e->a = take(&to, r * s);
-    e->D = take(&to, r * s);
-    e->b = take(&to, r);
-    e->c = take(&to, r);
-    e->beta = take(&to, s);
-    e->seeing = (uint32_t *)(void *)take(&to, doubles(d * sizeof *e->seeing));
+    dm_layout to = {memory, 0};
+    e->a = dm_layout_take(&to, r * s);
+    e->D = dm_layout_take(&to, r * s);
+    e->b = dm_layout_take(&to, r);
+    e->c = dm_layout_take(&to, r);
+    e->beta = dm_layout_take(&to, s);
+    e->seeing = (uint32_t *)(void *)dm_layout_take(&to, dm_doubles(d * sizeof *e->seeing));
     to.used = (to.used + 7) / 8 * 8; /* what follows are vectors */
-    e->h = take(&to, w);
-    e->x = take(&to, (n + 2 * d + 2) * w);
-    e->slope = take(&to, 3 * d * w);
-    e->curve = take(&to, 3 * d * (2 * d + 1) * w);
-    e->V = take(&to, m * w);
-    e->xi = take(&to, d * w);
-    e->gain = take(&to, d * w);
-    e->mu = take(&to, d * w);
-    e->mu_V = take(&to, d * m * w);
-    e->row = take(&to, m * w);
-    e->sees = take(&to, d * w);
-    e->in = take(&to, (n + 2 * d) * w);
-    e->pull = take(&to, d * (2 * d + 1) * w);
-    e->pulled = take(&to, d * w);
-    e->end = take(&to, (n + d + arcs) * w);
-    e->sizes = take(&to, m * w);
-    e->room = take(&to, dm_group_map_room(n + 7 * d + 2));
-    e->memory = take(&to, (2 + DM_LIE_KEPT * m) * w);
-    e->work = take(&to, 0);
+    e->h = dm_layout_take(&to, w);
+    e->x = dm_layout_take(&to, (n + 2 * d + 2) * w);
+    e->slope = dm_layout_take(&to, 3 * d * w);
+    e->curve = dm_layout_take(&to, 3 * d * (2 * d + 1) * w);
+    e->V = dm_layout_take(&to, m * w);
+    e->xi = dm_layout_take(&to, d * w);
+    e->gain = dm_layout_take(&to, d * w);
+    e->mu = dm_layout_take(&to, d * w);
+    e->mu_V = dm_layout_take(&to, d * m * w);
+    e->row = dm_layout_take(&to, m * w);
+    e->sees = dm_layout_take(&to, d * w);
+    e->in = dm_layout_take(&to, (n + 2 * d) * w);
+    e->pull = dm_layout_take(&to, d * (2 * d + 1) * w);
+    e->pulled = dm_layout_take(&to, d * w);
+    e->end = dm_layout_take(&to, (n + d + arcs) * w);
+    e->sizes = dm_layout_take(&to, m * w);
+    e->room = dm_layout_take(&to, dm_group_map_room(n + 7 * d + 2));
+    e->memory = dm_layout_take(&to, (2 + DM_LIE_KEPT * m) * w);
+    e->work = dm_layout_take(&to, 0);
     return to.used;
 }
 
@@ -113,9 +93,9 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     dm_stage_basis(&g, rule, m);
     dm_lie e = sizes(&g, m);
-    const size_t solving = larger(dm_newton_work(e.m), dm_legendre_work(m) + m->n);
-    return doubles(sizeof e) + dm_lie_lay_out(&e, 1, NULL) +
-           larger(solving, dm_stage_table_size(e.s, e.r));
+    const size_t solving = dm_larger(dm_newton_work(e.m), dm_legendre_work(m) + m->n);
+    return dm_doubles(sizeof e) + dm_lie_lay_out(&e, 1, NULL) +
+           dm_larger(solving, dm_stage_table_size(e.s, e.r));
 }
 
 /* the coefficients of the rule in doubles: what is rounded alike everywhere stays variational */
@@ -162,7 +142,7 @@ static dm_status open(dm_stepper *s) {
     dm_lie *e = dm_lie_of(s);
     dm_stage_basis(&g, s->rule, s->model);
     *e = sizes(&g, s->model);
-    dm_lie_lay_out(e, 1, s->work + doubles(sizeof *e));
+    dm_lie_lay_out(e, 1, s->work + dm_doubles(sizeof *e));
     fill(e, &g, e->work);
     memset(e->memory, 0, (2 + DM_LIE_KEPT * (size_t)e->m) * sizeof *e->memory);
     dm_lie_choose(e, e->group, 1);

@@ -1,38 +1,18 @@
 /* lie_joints_open.c - coefficients and workspace of lie(s) with constraints. */
+#include "base/doubles.h"
 #include "integ/constrained/constrained.h"
 #include "integ/lie/lie_joints_inside.h"
 
 #include <math.h>
 #include <string.h>
 
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
-/* memory NULL: it is only counted */
-typedef struct {
-    double *memory;
-    size_t used;
-} layout;
-
-/* The next block of doubles; where memory is only counted a NULL, which nobody reads. */
-static double *take(layout *to, size_t count) {
-    double *block = to->memory ? to->memory + to->used : NULL;
-    to->used += count;
-    return block;
-}
-
 /* ---- coefficients ---- */
 
-static void take_points(dm_lie_points *p, uint32_t count, uint32_t s, layout *to) {
+static void take_points(dm_lie_points *p, uint32_t count, uint32_t s, dm_layout *to) {
     p->count = count;
-    p->a = take(to, (size_t)count * s);
-    p->d = take(to, (size_t)count * s);
-    p->c = take(to, count);
+    p->a = dm_layout_take(to, (size_t)count * s);
+    p->d = dm_layout_take(to, (size_t)count * s);
+    p->c = dm_layout_take(to, count);
 }
 
 /* in doubles: what is rounded alike everywhere stays variational */
@@ -101,15 +81,15 @@ size_t dm_lie_joints_memory_size(const dm_lie_joints *e) {
     return DM_LIE_AT_UNITS + 2 * (size_t)e->m + DM_LIE_JOINTS_KEPT * (size_t)e->N;
 }
 
-static void lay_out_outputs(dm_lie_joints *e, layout *to) {
+static void lay_out_outputs(dm_lie_joints *e, dm_layout *to) {
     const size_t n = e->n;
-    e->slope = take(to, dm_group_entries_size(e->along));
-    e->reaction = take(to, dm_group_entries_size(&e->joints->reaction));
-    e->phi = take(to, dm_group_entries_size(&e->joints->rolling));
-    e->pull = take(to, dm_group_entries_size(&e->joints->pull));
-    e->hidden = take(to, dm_group_entries_size(&e->joints->hidden));
-    e->holonomic = take(to, e->k * (n + 2));
-    e->rolling = take(to, e->l * (3 * n + 1));
+    e->slope = dm_layout_take(to, dm_group_entries_size(e->along));
+    e->reaction = dm_layout_take(to, dm_group_entries_size(&e->joints->reaction));
+    e->phi = dm_layout_take(to, dm_group_entries_size(&e->joints->rolling));
+    e->pull = dm_layout_take(to, dm_group_entries_size(&e->joints->pull));
+    e->hidden = dm_layout_take(to, dm_group_entries_size(&e->joints->hidden));
+    e->holonomic = dm_layout_take(to, e->k * (n + 2));
+    e->rolling = dm_layout_take(to, e->l * (3 * n + 1));
 }
 
 /* Newton's methods with a look at the whole matrix before, the Legendre transform, a look at the
@@ -117,42 +97,42 @@ static void lay_out_outputs(dm_lie_joints *e, layout *to) {
 static size_t work(const dm_lie_joints *e) {
     const uint32_t closing = e->d + e->m;
     const size_t rank = e->m ? dm_constraints_dependent_work(e->constraints) : 0;
-    const size_t newton = larger(dm_newton_work(e->N), dm_newton_work(closing));
+    const size_t newton = dm_larger(dm_newton_work(e->N), dm_newton_work(closing));
     const size_t looking = (size_t)e->N * e->N + 2 * (size_t)e->N;
-    return larger(larger(newton, looking),
-                  larger(dm_legendre_work(e->model) + 4 * (size_t)e->n, rank));
+    return dm_larger(dm_larger(newton, looking),
+                     dm_larger(dm_legendre_work(e->model) + 4 * (size_t)e->n, rank));
 }
 
 /* all arrays of *e, whose sizes are known, `work` last; returns how many doubles that took */
 static size_t lay_out(dm_lie_joints *e, double *memory) {
-    layout to = {memory, 0};
+    dm_layout to = {memory, 0};
     const size_t n = e->n, d = e->d, s = e->s, m = e->m;
     const uint32_t controls = e->constraints ? e->constraints->controls : 0;
     take_points(&e->at, e->at.count, e->s, &to);
     take_points(&e->nodes, e->K ? e->K + 1 : 0, e->s, &to);
     take_points(&e->rolls, e->K, e->s, &to);
-    e->b = take(&to, e->at.count);
-    e->beta = take(&to, s);
-    e->x = take(&to, n + 3 * d + 1 + m + controls);
-    e->v = take(&to, larger(e->K, 1) * n);
-    e->inner_force = take(&to, (size_t)e->K * e->at.count);
-    e->inner_impulse = take(&to, (size_t)e->K * (e->K + 1));
-    e->of_e = take(&to, (e->at.count + e->K + 1) * d);
+    e->b = dm_layout_take(&to, e->at.count);
+    e->beta = dm_layout_take(&to, s);
+    e->x = dm_layout_take(&to, n + 3 * d + 1 + m + controls);
+    e->v = dm_layout_take(&to, dm_larger(e->K, 1) * n);
+    e->inner_force = dm_layout_take(&to, (size_t)e->K * e->at.count);
+    e->inner_impulse = dm_layout_take(&to, (size_t)e->K * (e->K + 1));
+    e->of_e = dm_layout_take(&to, (e->at.count + e->K + 1) * d);
     lay_out_outputs(e, &to);
-    e->pull_first = (uint32_t *)(void *)take(&to, d + 1);
-    e->pull_entry = (uint32_t *)(void *)take(&to, e->joints->pull.count);
-    e->z = take(&to, e->N);
-    e->w = take(&to, d);
-    e->xi = take(&to, d);
-    e->last = take(&to, d + m);
-    e->in = take(&to, n + 2 * d + 1 + m);
-    e->end = take(&to, n + d + e->joints->arcs);
-    e->row_unit = take(&to, m);
-    e->impulse_unit = take(&to, m);
-    e->end_x = take(&to, 2 * n + 1 + m + controls);
-    e->momenta = take(&to, (e->K + 1) * m);
-    e->memory = take(&to, dm_lie_joints_memory_size(e));
-    e->work = take(&to, work(e));
+    e->pull_first = (uint32_t *)(void *)dm_layout_take(&to, d + 1);
+    e->pull_entry = (uint32_t *)(void *)dm_layout_take(&to, e->joints->pull.count);
+    e->z = dm_layout_take(&to, e->N);
+    e->w = dm_layout_take(&to, d);
+    e->xi = dm_layout_take(&to, d);
+    e->last = dm_layout_take(&to, d + m);
+    e->in = dm_layout_take(&to, n + 2 * d + 1 + m);
+    e->end = dm_layout_take(&to, n + d + e->joints->arcs);
+    e->row_unit = dm_layout_take(&to, m);
+    e->impulse_unit = dm_layout_take(&to, m);
+    e->end_x = dm_layout_take(&to, 2 * n + 1 + m + controls);
+    e->momenta = dm_layout_take(&to, (e->K + 1) * m);
+    e->memory = dm_layout_take(&to, dm_lie_joints_memory_size(e));
+    e->work = dm_layout_take(&to, work(e));
     return to.used;
 }
 
@@ -160,7 +140,7 @@ size_t dm_lie_joints_work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     dm_stage_basis(&g, rule, m);
     dm_lie_joints e = sizes(&g, m);
-    return doubles(sizeof e) + dm_step_matrix_work(e.N) + dm_step_matrix_work(e.d + e.m) +
+    return dm_doubles(sizeof e) + dm_step_matrix_work(e.N) + dm_step_matrix_work(e.d + e.m) +
            lay_out(&e, NULL);
 }
 
@@ -207,7 +187,7 @@ dm_status dm_lie_joints_open(dm_stepper *s) {
     dm_lie_joints *e = dm_lie_joints_of(s);
     dm_stage_basis(&g, s->rule, s->model);
     *e = sizes(&g, s->model);
-    double *matrices = s->work + doubles(sizeof *e);
+    double *matrices = s->work + dm_doubles(sizeof *e);
     const size_t taken = dm_step_matrix_work(e->N) + dm_step_matrix_work(e->d + e->m);
     lay_out(e, matrices + taken);
     fill(e, &g);

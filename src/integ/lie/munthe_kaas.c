@@ -1,6 +1,7 @@
 /* munthe_kaas.c - the classical Runge-Kutta method in the chart of exp about the start of a step
  * (Munthe-Kaas 1999; Iserles, Munthe-Kaas, Norsett & Zanna 2000, Algorithm 3.1):
  *   g = g0 exp(u),  u' = dexp^-1_(-u) xi,  dexp^-1 exact, not its series. */
+#include "base/doubles.h"
 #include "integ/lie/group_field.h"
 
 #include <string.h>
@@ -21,7 +22,7 @@ typedef struct {
 } layout;
 
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static layout *layout_of(const dm_stepper *s) {
@@ -83,7 +84,7 @@ static dm_status finish(layout *l, const double *state, double h) {
 /* The state is changed at the end alone. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     layout *l = layout_of(s);
-    const size_t n = l->field.n, d = l->field.d;
+    const size_t d = l->field.d;
     dm_status status = DM_OK;
     memset(l->rate, 0, 2 * d * sizeof *l->rate);
     memset(l->sum, 0, 2 * d * sizeof *l->sum);
@@ -93,11 +94,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     }
     s->report.evaluations += STAGES;
     if (status == DM_OK) status = finish(l, state, h);
-    if (status != DM_OK) return status;
-    memcpy(state, l->q, n * sizeof *state);
-    memcpy(state + n, l->mu, d * sizeof *state);
-    memset(state + 2 * n, 0, 2 * n * sizeof *state);
-    return DM_OK;
+    if (status == DM_OK) dm_group_field_end(&l->field, state, l->q, l->mu);
+    return status;
 }
 
 /* Of the last step. */

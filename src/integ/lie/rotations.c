@@ -4,6 +4,7 @@
  * and a torque (Reich 1994; Dullweber, Leimkuhler & McLachlan 1997). Axes that commute may be
  * coupled, as those of R^m, or each with its own of the tangent group, whose step is the tangent
  * of a step. The symmetric step of order 2 is composed to orders 4, 6, 8. */
+#include "base/doubles.h"
 #include "code/native/jit.h"
 #include "integ/lie/turns.h"
 #include "integ/method/lanes.h"
@@ -32,7 +33,7 @@ typedef struct {
 
 /* the struct, in doubles */
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static layout *layout_of(const dm_stepper *s) {

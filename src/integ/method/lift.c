@@ -1,5 +1,6 @@
 #include "integ/method/lift.h"
 
+#include "base/doubles.h"
 #include "integ/method/lift_inside.h"
 
 #include "numbers/small_copy.h"
@@ -9,7 +10,7 @@
 
 /* the struct, in doubles */
 static size_t head(void) {
-    return (sizeof(dm_lift) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(dm_lift));
 }
 
 /* doubles of the arrays, without what the base leaves to its next step */

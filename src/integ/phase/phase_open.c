@@ -1,4 +1,5 @@
 /* phase_open.c - kernels, coefficients and workspace of the stage methods on H. */
+#include "base/doubles.h"
 #include "code/native/jit.h"
 #include "integ/method/cache.h"
 #include "integ/method/hamilton.h"
@@ -16,10 +17,6 @@ static size_t width_of(size_t r) {
     return r == 1 ? 1 : r <= 4 ? 4 : r <= DM_SWEEP_WIDTH ? 8 : r;
 }
 
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
 size_t dm_phase_memory_size(const dm_phase *g) {
     return DM_SWEPT_END + 4 * (size_t)g->n + 2 * (size_t)g->n * g->width;
 }
@@ -29,11 +26,11 @@ size_t dm_phase_work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin basis;
     dm_stage_basis(&basis, rule, m);
     const size_t n = m->n, r = (size_t)basis.q.r, w = width_of(r), unknowns = 2 * n * r;
-    const size_t head = (sizeof(dm_phase) + sizeof(double) - 1) / sizeof(double);
+    const size_t head = dm_doubles(sizeof(dm_phase));
     return head + dm_stage_table_size((size_t)basis.s, r) + dm_phase_modes_size((uint32_t)r) +
            4 * r * r + 4 * r + 12 * n * w + w + 8 * r * w + 6 * w + 4 * (4 * n + 1) + 14 * n +
            r * (2 * n + 4 * n * n) + 2 * n + 1 + unknowns +
-           larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m)) + DM_SWEPT_END +
+           dm_larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m)) + DM_SWEPT_END +
            ARRAYS * LINE;
 }
 
@@ -87,7 +84,8 @@ static double *lay_out(dm_phase *g, double *memory) {
     g->at = take(&memory, 2 * n + 1);
     g->modes_memory = take(&memory, dm_phase_modes_size(g->r));
     g->before = take(&memory, 4 * n);
-    g->scratch = take(&memory, larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(g->m)));
+    g->scratch =
+        take(&memory, dm_larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(g->m)));
     const size_t ahead = DM_SWEPT_END + 4 * n; /* u begins a line, too */
     g->memory = memory + (LINE - ahead % LINE) % LINE;
     return g->memory + dm_phase_memory_size(g);

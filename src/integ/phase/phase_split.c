@@ -1,5 +1,6 @@
 /* phase_split.c - kicks and drifts for H = T(p) + V(q, t) with any T: p -= b h V_q(q), q += a h
  * T_p(p), each the exact flow of its part (HLW II.5, VI.3.1). */
+#include "base/doubles.h"
 #include "integ/phase/phase.h"
 #include "integ/split/splitting.h"
 #include "numbers/compensated.h"
@@ -19,7 +20,7 @@ static layout *layout_of(const dm_stepper *s) {
 }
 
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {

@@ -8,6 +8,7 @@
  * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
  * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison.
  * Long because it is one step equation, from its workspace to its Newton method. */
+#include "base/doubles.h"
 #include "integ/method/stage_table.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
@@ -39,11 +40,6 @@ typedef struct {
     double *z, *next, *scratch;
     long evaluations;
 } degenerate;
-
-/* Bytes as doubles, rounded up. */
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
 
 /* The first argument. */
 static int stages(const dm_rule *rule) {
@@ -96,15 +92,8 @@ static size_t unknowns_of(const dm_rule *rule, const dm_model *m) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, s = (size_t)stages(rule), width = 3 * n + 3 * n * n;
     const size_t z = unknowns_of(rule, m);
-    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * (2 * s * s + s) + 4 * n +
-           1 + 4 * width + 2 * n + 2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
-}
-
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
+    return dm_doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * (2 * s * s + s) +
+           4 * n + 1 + 4 * width + 2 * n + 2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
 }
 
 /* A product of h and a coefficient in two parts: h times one has roundings with a mean by a decimal
@@ -131,7 +120,7 @@ static dm_status open(dm_stepper *stepper) {
     degenerate *g = (degenerate *)(void *)stepper->work;
     const dm_model *m = stepper->model;
     const size_t n = m->n, width = 3 * n + 3 * n * n;
-    double *memory = stepper->work + doubles(sizeof *g);
+    double *memory = stepper->work + dm_doubles(sizeof *g);
     dm_quadrature q;
     dm_galerkin basis;
     dm_quadrature_gauss(&q, stages(stepper->rule));
@@ -143,22 +132,22 @@ static dm_status open(dm_stepper *stepper) {
     memory += dm_stage_table_size(g->table.s, g->table.r);
     const size_t s = g->table.s;
     g->scaled = NAN;
-    g->ha = (dm_weight *)(void *)take(&memory, 2 * s * s);
-    g->hw = (dm_weight *)(void *)take(&memory, 2 * s * s);
-    g->hb = (dm_weight *)(void *)take(&memory, 2 * s);
-    g->x = take(&memory, 2 * n + 1);
-    g->rest = take(&memory, n);
-    g->at = take(&memory, width);
-    g->begin = take(&memory, width);
-    g->end = take(&memory, width);
-    g->still = take(&memory, width);
-    g->shift = take(&memory, n);
-    g->dp = take(&memory, n);
-    g->turn = take(&memory, n);
-    g->W = take(&memory, n * n);
-    g->U = take(&memory, n * n);
-    g->z = take(&memory, g->unknowns);
-    g->next = take(&memory, 4 * n);
+    g->ha = (dm_weight *)(void *)dm_take(&memory, 2 * s * s);
+    g->hw = (dm_weight *)(void *)dm_take(&memory, 2 * s * s);
+    g->hb = (dm_weight *)(void *)dm_take(&memory, 2 * s);
+    g->x = dm_take(&memory, 2 * n + 1);
+    g->rest = dm_take(&memory, n);
+    g->at = dm_take(&memory, width);
+    g->begin = dm_take(&memory, width);
+    g->end = dm_take(&memory, width);
+    g->still = dm_take(&memory, width);
+    g->shift = dm_take(&memory, n);
+    g->dp = dm_take(&memory, n);
+    g->turn = dm_take(&memory, n);
+    g->W = dm_take(&memory, n * n);
+    g->U = dm_take(&memory, n * n);
+    g->z = dm_take(&memory, g->unknowns);
+    g->next = dm_take(&memory, 4 * n);
     g->scratch = memory;
     for (double *out = g->at; out < g->shift; out += width) dm_kernel_prepare(&m->stage, out);
     return DM_OK;

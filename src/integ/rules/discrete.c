@@ -1,5 +1,6 @@
 #include "integ/rules/discrete.h"
 
+#include "base/doubles.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
 
@@ -30,13 +31,6 @@ size_t dm_discrete_work(const dm_galerkin *g, uint32_t n, uint32_t pieces) {
     return dm_stage_table_size((size_t)g->s * N, r) +
            (N > 1 ? dm_stage_table_size((size_t)g->s, (size_t)g->q.r) : 0) + (2 * (size_t)n + 1) +
            (2 * n + 3 * nn) + m + 4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
-}
-
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
 }
 
 /* w/N, from all digits */
@@ -86,18 +80,18 @@ static between lay_out(const dm_discrete_problem *in, double *memory) {
     between e = {.in = in, .n = (uint32_t)n, .m = (uint32_t)m};
     memory = lay_table(&e, in, memory);
     const size_t r = e.table.r;
-    e.x = take(&memory, 2 * n + 1);
-    e.curve = take(&memory, 2 * n + 3 * n * n);
-    e.z = take(&memory, m);
-    e.q = take(&memory, r * n);
-    e.v = take(&memory, r * n);
-    e.p = take(&memory, r * n);
-    e.force = take(&memory, r * n);
-    e.end = take(&memory, n);
-    e.form = take(&memory, n * n);
-    e.J = take(&memory, m * m);
-    e.right = take(&memory, m);
-    e.scratch = take(&memory, dm_newton_work((uint32_t)m) + m);
+    e.x = dm_take(&memory, 2 * n + 1);
+    e.curve = dm_take(&memory, 2 * n + 3 * n * n);
+    e.z = dm_take(&memory, m);
+    e.q = dm_take(&memory, r * n);
+    e.v = dm_take(&memory, r * n);
+    e.p = dm_take(&memory, r * n);
+    e.force = dm_take(&memory, r * n);
+    e.end = dm_take(&memory, n);
+    e.form = dm_take(&memory, n * n);
+    e.J = dm_take(&memory, m * m);
+    e.right = dm_take(&memory, m);
+    e.scratch = dm_take(&memory, dm_newton_work((uint32_t)m) + m);
     return e;
 }
 

@@ -3,6 +3,7 @@
  * time s: drift  dt/ds = 1/(T + B), dq/ds = v/(T + B);   kick  dp/ds = L_q/U (Mikkola & Tanikawa
  * 1999; Preto & Tremaine 1999). The motion near a centre takes small steps of t by itself, and
  * the orbit of two bodies is exact but for its timing. h is the step of s. */
+#include "base/doubles.h"
 #include "integ/rules/verlet.h"
 #include "integ/split/log_loop.h"
 #include "numbers/compensated.h"
@@ -19,7 +20,7 @@ typedef struct {
 
 /* The struct at the head of the workspace, in doubles. */
 static size_t table_size(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 /* The composition, verlet where none is named. */

@@ -1,4 +1,5 @@
 /* sem.c - symplectic-energy-momentum steps as an engine with a time of its own. */
+#include "base/doubles.h"
 #include "integ/rules/galerkin.h"
 #include "integ/sem/sem_places.h"
 #include "integ/sem/sem_warm.h"
@@ -10,11 +11,6 @@
 
 static const double SHORTEST = 0.2; /* of the first step */
 static const double FURTHEST = 2.0; /* times the last step, or a part of it */
-
-/* Bytes as doubles, rounded up. */
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
 
 /* What a step leaves to the next one: places, and what sem_warm.c keeps. */
 static size_t memory_size(uint32_t n, uint32_t unknowns) {
@@ -63,8 +59,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     dm_galerkin_basis(&g, rule);
     const size_t n = m->n, K = (size_t)g.s * n + 1;
-    return doubles(sizeof(dm_sem)) + dm_stage_table_size((size_t)g.s, (size_t)g.q.r) + 2 * n + 1 +
-           2 * n + 3 * n * n + 3 * n + n + 4 * K + 2 * K * K + n + K + scratch_size(m, K - 1) +
+    return dm_doubles(sizeof(dm_sem)) + dm_stage_table_size((size_t)g.s, (size_t)g.q.r) + 2 * n +
+           1 + 2 * n + 3 * n * n + 3 * n + n + 4 * K + 2 * K * K + n + K + scratch_size(m, K - 1) +
            memory_size(m->n, (uint32_t)K) + dm_sem_inputs(m->n) + dm_sem_outputs(m->n) +
            dm_sem_sweep_size(m);
 }
@@ -72,13 +68,6 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
 /* It stands at the beginning of the workspace. */
 static dm_sem *sem_of(const dm_stepper *s) {
     return (dm_sem *)(void *)s->work;
-}
-
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
 }
 
 /* All that steps have left. */
@@ -103,30 +92,30 @@ static dm_status open(dm_stepper *s) {
     dm_sem *e = sem_of(s);
     const dm_model *m = s->model;
     const size_t n = m->n;
-    double *memory = s->work + doubles(sizeof *e);
+    double *memory = s->work + dm_doubles(sizeof *e);
     dm_galerkin g;
     dm_galerkin_basis(&g, s->rule);
     *e = (dm_sem){.m = m, .n = m->n, .velocities = (uint32_t)g.s * m->n, .pace = 1.0};
     const size_t K = e->unknowns = e->velocities + 1;
     dm_stage_table_find(&e->table, &g, m,
-                        take(&memory, dm_stage_table_size((size_t)g.s, (size_t)g.q.r)));
-    e->x = take(&memory, 2 * n + 1);
-    e->at = take(&memory, 2 * n + 3 * n * n);
-    e->w = take(&memory, 3 * n);
-    e->v0 = take(&memory, n);
-    e->z = take(&memory, K);
-    e->kept = take(&memory, K);
-    e->R = take(&memory, K);
-    e->dz = take(&memory, K);
-    e->J = take(&memory, K * K);
-    e->LU = take(&memory, K * K);
-    e->end = take(&memory, n);
-    e->pivot = (uint32_t *)(void *)take(&memory, K);
-    e->scratch = take(&memory, scratch_size(m, K - 1));
-    e->places = take(&memory, memory_size(m->n, e->unknowns));
+                        dm_take(&memory, dm_stage_table_size((size_t)g.s, (size_t)g.q.r)));
+    e->x = dm_take(&memory, 2 * n + 1);
+    e->at = dm_take(&memory, 2 * n + 3 * n * n);
+    e->w = dm_take(&memory, 3 * n);
+    e->v0 = dm_take(&memory, n);
+    e->z = dm_take(&memory, K);
+    e->kept = dm_take(&memory, K);
+    e->R = dm_take(&memory, K);
+    e->dz = dm_take(&memory, K);
+    e->J = dm_take(&memory, K * K);
+    e->LU = dm_take(&memory, K * K);
+    e->end = dm_take(&memory, n);
+    e->pivot = (uint32_t *)(void *)dm_take(&memory, K);
+    e->scratch = dm_take(&memory, scratch_size(m, K - 1));
+    e->places = dm_take(&memory, memory_size(m->n, e->unknowns));
     e->warm = e->places + DM_SEM_PLACES * dm_sem_place_size(m->n);
-    e->in = take(&memory, dm_sem_inputs(m->n));
-    e->out = take(&memory, dm_sem_outputs(m->n));
+    e->in = dm_take(&memory, dm_sem_inputs(m->n));
+    e->out = dm_take(&memory, dm_sem_outputs(m->n));
     forget(e);
     s->report.operations = m->stage.operations + m->energy.operations;
     if (is_middle(&g)) open_written(e, s, memory);

@@ -1,5 +1,6 @@
 /* cells_split.c - a burst of steps: every thread goes through the same stages, and all meet before
  * entries are moved and before their forces are made anew. */
+#include "base/doubles.h"
 #include "integ/split/cells_split_inside.h"
 
 #include "chain/cell_lists.h"
@@ -19,7 +20,7 @@ enum { BLOCK = DM_CELL_BLOCK, ELIMINATIONS = 100, AGAIN = 32 };
 static const double SETTLED = 4e-16, FAR = 1e-8;
 
 static size_t struct_size(void) {
-    return (sizeof(struct dm_cells_split) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(struct dm_cells_split));
 }
 
 /* entries of a block */

@@ -1,5 +1,6 @@
 /* chain.c - splitting steps along arrays: what is planned for a table, and bursts of steps.
  * Speed: P8-fpu-1024: 12.7x, against forces by loops over rounds. */
+#include "base/doubles.h"
 #include "integ/split/chain_inside.h"
 
 #include "integ/method/cache.h"
@@ -45,7 +46,7 @@ static int find(dm_chain *c, const dm_model *m) {
 
 /* The struct at the head of the workspace, in doubles. */
 static size_t own_size(void) {
-    return (sizeof(dm_chain) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(dm_chain));
 }
 
 /* Six arrays at most: q, q0, p0, dq, dp and weights. */

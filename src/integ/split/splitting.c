@@ -1,5 +1,6 @@
 #include "integ/split/splitting.h"
 
+#include "base/doubles.h"
 #include "chain/loops.h"
 #include "chain/team.h"
 #include "integ/split/cells_split.h"
@@ -43,7 +44,7 @@ void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
 
 /* The struct at the head of the workspace, in doubles. */
 static size_t layout_size(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {

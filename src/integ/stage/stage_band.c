@@ -51,7 +51,7 @@ static int has_room(dm_stage *g, size_t room) {
     const size_t size = w->matrix.banded ? dm_band_size(&w->matrix.band) : m * m;
     w->factors = g->scratch + before;
     w->pivot = (uint32_t *)(void *)(w->factors + size);
-    return before + size + dm_stage_doubles(m * sizeof(uint32_t)) <= room;
+    return before + size + dm_doubles(m * sizeof(uint32_t)) <= room;
 }
 
 void dm_stage_band_open(dm_stage *g, size_t room) {

@@ -14,7 +14,7 @@
 
 size_t dm_one_point_size(const dm_model *m) {
     if (m->n > DM_ONE_POINT_MOST) return 0;
-    return dm_stage_doubles(sizeof(dm_one_point)) + dm_one_point_doubles(m->n) +
+    return dm_doubles(sizeof(dm_one_point)) + dm_one_point_doubles(m->n) +
            dm_one_point_inputs(m->n) + dm_one_point_outputs(m->n);
 }
 
@@ -28,7 +28,7 @@ int dm_one_point_open(dm_stage *g, double *memory) {
     dm_kernel kernel;
     if (!g->separable || !one || !dm_one_point_kernel(&kernel, g->m, 1)) return 0;
     g->one_point = w;
-    g->group.memory = memory + dm_stage_doubles(sizeof *w);
+    g->group.memory = memory + dm_doubles(sizeof *w);
     w->kernel = kernel;
     w->heaviest = dm_stage_heaviest(g->m);
     w->in = g->group.memory + dm_one_point_memory(g);

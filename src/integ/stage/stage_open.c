@@ -1,4 +1,5 @@
 /* stage_open.c - what a step of stages wants of its model, which form it takes, and its memory. */
+#include "base/doubles.h"
 #include "integ/stage/lanes/one_point.h"
 #include "integ/stage/stage_inside.h"
 #include "integ/stage/sweep/stage_sweep.h"
@@ -18,32 +19,21 @@ unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
                   : DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
 /* The first guess, which lays M and its pivots there, then Newton's method; factors that stay from
  * step to step lie behind the guess. */
 static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
-    const size_t n = m->n, unknowns = larger(s, r) * n;
+    const size_t n = m->n, unknowns = dm_larger(s, r) * n;
     return dm_newton_work((uint32_t)unknowns) + dm_legendre_work(m) + n * n + n;
 }
 
 /* struct, table, weights and arrays of Newton's method, then room for each of the other roads */
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
-    return dm_stage_doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
-           dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n +
-           2 * n + 2 * r * n + 4 * n + n + 1 + 2 * dm_stage_doubles(r * 4) + scratch_size(s, r, m) +
-           dm_step_matrix_work((uint32_t)(larger(s, r) * n)) + dm_one_point_size(m) +
+    return dm_doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + dm_stage_weights_size(s, r) +
+           2 * n + 1 + r * 2 * n + r * curve + 2 * dm_larger(s, r) * n + 2 * n + 2 * r * n + 4 * n +
+           n + 1 + 2 * dm_doubles(r * 4) + scratch_size(s, r, m) +
+           dm_step_matrix_work((uint32_t)(dm_larger(s, r) * n)) + dm_one_point_size(m) +
            dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
-}
-
-/* the next `count` doubles; *memory moves behind them */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
 }
 
 /* returns what is left */
@@ -51,22 +41,22 @@ static double *lay_out(dm_stage *g, double *memory) {
     dm_stage_newton *w = &g->newton;
     dm_stage_points *p = &g->points;
     const size_t n = g->n, s = g->table.s, r = g->table.r;
-    w->x = take(&memory, 2 * n + 1);
-    w->slopes = take(&memory, r * 2 * n);
-    w->curve = take(&memory, r * (2 * n + 3 * n * n));
-    w->root = take(&memory, larger(s, r) * n);
-    p->v0 = take(&memory, n);
-    p->a0 = take(&memory, n);
-    p->u = take(&memory, r * n);
-    p->base = take(&memory, r * n);
-    g->group.next = take(&memory, 4 * n);
-    p->kind = (uint32_t *)(void *)take(&memory, dm_stage_doubles(r * sizeof(uint32_t)));
-    w->solved = (uint32_t *)(void *)take(&memory, dm_stage_doubles(r * sizeof(uint32_t)));
-    w->place = take(&memory, n + 1);
-    w->lists = take(&memory, dm_step_matrix_work((uint32_t)(larger(s, r) * n)));
+    w->x = dm_take(&memory, 2 * n + 1);
+    w->slopes = dm_take(&memory, r * 2 * n);
+    w->curve = dm_take(&memory, r * (2 * n + 3 * n * n));
+    w->root = dm_take(&memory, dm_larger(s, r) * n);
+    p->v0 = dm_take(&memory, n);
+    p->a0 = dm_take(&memory, n);
+    p->u = dm_take(&memory, r * n);
+    p->base = dm_take(&memory, r * n);
+    g->group.next = dm_take(&memory, 4 * n);
+    p->kind = (uint32_t *)(void *)dm_take(&memory, dm_doubles(r * sizeof(uint32_t)));
+    w->solved = (uint32_t *)(void *)dm_take(&memory, dm_doubles(r * sizeof(uint32_t)));
+    w->place = dm_take(&memory, n + 1);
+    w->lists = dm_take(&memory, dm_step_matrix_work((uint32_t)(dm_larger(s, r) * n)));
     g->room = scratch_size(s, r, g->m);
-    g->scratch = take(&memory, g->room);
-    g->before.root = take(&memory, larger(s, r) * n);
+    g->scratch = dm_take(&memory, g->room);
+    g->before.root = dm_take(&memory, dm_larger(s, r) * n);
     w->missed = g->before.root; /* which continuation has done with */
     return memory;
 }
@@ -82,7 +72,7 @@ static void choose_road(dm_stage *g, const dm_galerkin *basis, double *memory) {
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage *g = dm_stage_of(stepper);
     const dm_model *m = stepper->model;
-    double *memory = stepper->work + dm_stage_doubles(sizeof *g);
+    double *memory = stepper->work + dm_doubles(sizeof *g);
     *g = (dm_stage){.m = m, .n = m->n};
     g->weights.h = NAN; /* of no step yet */
     g->group.h = &g->weights.h;

@@ -1,4 +1,5 @@
 /* stage_sparse.c - the engine: the workspace, and a step around its equation. */
+#include "base/doubles.h"
 #include "chain/curvature.h"
 #include "chain/loops.h"
 #include "integ/method/hamilton.h"
@@ -15,16 +16,12 @@ typedef dm_stage_sparse layout;
 
 /* In doubles. */
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
-static void basis_of(dm_galerkin *g, const dm_rule *rule, const dm_model *m) {
-    dm_stage_basis(g, rule, m);
-}
-
-static const char *fits(const dm_rule *rule, const dm_model *m) {
+const char *dm_stage_field_fits(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
-    basis_of(&g, rule, m);
+    dm_stage_basis(&g, rule, m);
     if (!g.s) return "its pair of tables is for L = T(v) - V(q) alone";
     if (g.sweeps) return "a number of sweeps is not for fields; leave it out";
     if (m->massless)
@@ -33,7 +30,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
+unsigned dm_stage_field_wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
     return DM_WANT_FORCE | DM_WANT_CURVATURE;
 }
@@ -50,7 +47,7 @@ static size_t place_of(const dm_model *m) {
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
-    basis_of(&g, rule, m);
+    dm_stage_basis(&g, rule, m);
     const size_t n = m->n, r = (size_t)g.q.r, all = m->curvature ? entries(m, r) : 0;
     return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 3 * r * n + 7 * r * n + all +
            (all + r * n + 4) / 2 + 4 + (all + 1) / 2 + 8 + dm_stage_place_room(place_of(m));
@@ -79,7 +76,7 @@ static dm_status open(dm_stepper *s) {
     const dm_model *m = s->model;
     const size_t n = m->n;
     dm_galerkin g;
-    basis_of(&g, s->rule, m);
+    dm_stage_basis(&g, s->rule, m);
     *l = (layout){.begin = s->work + head()};
     dm_stage_table_fill(&l->table, &g, l->begin);
     sort_points(l);
@@ -194,8 +191,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 }
 
 const dm_engine dm_engine_stage_sparse = {
-    .fits = fits,
-    .wants = wants,
+    .fits = dm_stage_field_fits,
+    .wants = dm_stage_field_wants,
     .work = work,
     .open = open,
     .start = start,

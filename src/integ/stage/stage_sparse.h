@@ -10,4 +10,9 @@
 
 extern const dm_engine dm_engine_stage_sparse;
 
+/* Why a rule cannot step a field on a mesh, or NULL; the force of L and its second derivatives,
+ * with the first of which come forces beside L. Those of stage_worked.h, too. */
+const char *dm_stage_field_fits(const dm_rule *rule, const dm_model *m);
+unsigned dm_stage_field_wants(const dm_rule *rule, const dm_model *m);
+
 #endif

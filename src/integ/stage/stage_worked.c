@@ -2,6 +2,7 @@
  * once a step, or once where all of it is made of numbers. */
 #include "integ/stage/stage_worked.h"
 
+#include "base/doubles.h"
 #include "chain/curvature.h"
 #include "chain/loops.h"
 #include "chain/virtual_work.h"
@@ -9,6 +10,7 @@
 #include "integ/stage/stage_continue.h"
 #include "integ/stage/stage_factor.h"
 #include "integ/stage/stage_place.h"
+#include "integ/stage/stage_sparse.h"
 #include "linalg/sparse/conjugate_gradient.h"
 #include "numbers/compensated.h"
 
@@ -33,24 +35,7 @@ typedef struct {
 
 /* In doubles. */
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
-}
-
-static const char *fits(const dm_rule *rule, const dm_model *m) {
-    dm_galerkin g;
-    dm_stage_basis(&g, rule, m);
-    if (!g.s) return "its pair of tables is for L = T(v) - V(q) alone";
-    if (g.sweeps) return "a number of sweeps is not for fields; leave it out";
-    if (m->massless)
-        return "values without mass are for kicks, drifts and explicit Runge-Kutta; take verlet";
-    if (!m->inverse_mass) return "cells without mass have no equation of motion";
-    return NULL;
-}
-
-/* the force of L, its second derivatives; forces beside L come with the first */
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    (void)rule, (void)m;
-    return DM_WANT_FORCE | DM_WANT_CURVATURE;
+    return dm_doubles(sizeof(layout));
 }
 
 /* entries of S at most: those of L_qq, and the blocks of the forces */
@@ -389,8 +374,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 
 const dm_engine dm_engine_stage_worked = {
     .works = 1,
-    .fits = fits,
-    .wants = wants,
+    .fits = dm_stage_field_fits,
+    .wants = dm_stage_field_wants,
     .work = work,
     .open = open,
     .start = start,

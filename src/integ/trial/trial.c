@@ -1,14 +1,10 @@
 /* trial.c - steps of curves in any space: the engine, and its row. */
+#include "base/doubles.h"
 #include "integ/trial/trial_inside.h"
 #include "linalg/solve/newton.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Bytes as doubles, rounded up. */
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
 
 /* What the options of the script became. */
 static const dm_trial_row *row_of(const dm_rule *rule) {
@@ -47,7 +43,7 @@ static size_t scratch_size(const dm_model *m, size_t unknowns) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, K = rule->data ? dm_trial_parameters(row_of(rule), m->n) : 0;
     const size_t points = rule->data ? points_of(row_of(rule)) : 0;
-    return doubles(sizeof(dm_trial)) + 2 * points + 3 + K + 2 * n + 2 * n + 2 * n * K + K * K +
+    return dm_doubles(sizeof(dm_trial)) + 2 * points + 3 + K + 2 * n + 2 * n + 2 * n * K + K * K +
            (points + 3) * (2 * n + 2 * n * K) + 2 * n * K + 2 * n + 1 + 2 * n + 3 * n * n + 2 * n +
            2 * n * (K + 1) + K + n + n + 2 * n + 1 + scratch_size(m, K + n);
 }
@@ -57,36 +53,29 @@ static dm_trial *trial_of(const dm_stepper *s) {
     return (dm_trial *)(void *)s->work;
 }
 
-/* The next block of doubles. */
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
-}
-
 /* Tables are laid with the first step, since they belong to its length. */
 static dm_status open(dm_stepper *s) {
     dm_trial *e = trial_of(s);
     const dm_trial_row *row = row_of(s->rule);
     const dm_trial_kernels *k = s->brought;
     const size_t n = k->n, K = k->parameters, points = points_of(row);
-    double *memory = s->work + doubles(sizeof *e);
+    double *memory = s->work + dm_doubles(sizeof *e);
     *e = (dm_trial){.row = row, .k = k, .m = s->model, .n = k->n, .K = k->parameters};
     e->unknowns = e->K + e->n, e->points = (uint32_t)points;
-    e->weight = take(&memory, points);
-    e->at = take(&memory, points);
-    e->in = take(&memory, 3 + K + 2 * n);
-    e->out = take(&memory, 2 * n + 2 * n * K + K * K);
-    e->table = take(&memory, (points + 3) * (2 * n + 2 * n * K));
-    e->line = take(&memory, 2 * n * K);
-    e->x = take(&memory, 2 * n + 1);
-    e->stage = take(&memory, 2 * n + 3 * n * n);
-    e->q = take(&memory, n);
-    e->v = take(&memory, n);
-    e->A = take(&memory, 2 * n * (K + 1));
-    e->z = take(&memory, K + n);
-    e->v0 = take(&memory, n);
-    e->solved = take(&memory, 2 * n + 1);
+    e->weight = dm_take(&memory, points);
+    e->at = dm_take(&memory, points);
+    e->in = dm_take(&memory, 3 + K + 2 * n);
+    e->out = dm_take(&memory, 2 * n + 2 * n * K + K * K);
+    e->table = dm_take(&memory, (points + 3) * (2 * n + 2 * n * K));
+    e->line = dm_take(&memory, 2 * n * K);
+    e->x = dm_take(&memory, 2 * n + 1);
+    e->stage = dm_take(&memory, 2 * n + 3 * n * n);
+    e->q = dm_take(&memory, n);
+    e->v = dm_take(&memory, n);
+    e->A = dm_take(&memory, 2 * n * (K + 1));
+    e->z = dm_take(&memory, K + n);
+    e->v0 = dm_take(&memory, n);
+    e->solved = dm_take(&memory, 2 * n + 1);
     e->scratch = memory;
     dm_kernel_prepare(&s->model->stage, e->stage);
     if (!k->linear) dm_kernel_prepare(&k->point, e->out);

@@ -1,5 +1,6 @@
 #include "integ/rules/compositions/composition.h"
 
+#include "base/doubles.h"
 #include "integ/rules/verlet.h"
 #include "numbers/small_copy.h"
 
@@ -132,7 +133,7 @@ typedef struct {
 
 /* In doubles. */
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 static dm_stepper *base_of(const dm_stepper *s) {

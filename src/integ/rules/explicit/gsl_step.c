@@ -1,5 +1,6 @@
 #include "integ/rules/explicit/gsl_step.h"
 
+#include "base/doubles.h"
 #include "chain/virtual_work.h"
 #include "integ/rules/explicit/runge_kutta.h"
 #include "mech/constraints.h"
@@ -25,7 +26,7 @@ typedef struct {
 
 /* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
-    return (sizeof(explicit) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(explicit));
 }
 
 /* Arguments, two forces, five states of 2n, the Legendre transform. */

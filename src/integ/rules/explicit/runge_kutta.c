@@ -1,5 +1,6 @@
 #include "integ/rules/explicit/runge_kutta.h"
 
+#include "base/doubles.h"
 #include "chain/virtual_work.h"
 #include "integ/method/cache.h"
 #include "integ/method/hamilton.h"
@@ -59,7 +60,7 @@ static const dm_runge_kutta *table_of(const dm_rule *rule) {
 
 /* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
-    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+    return dm_doubles(sizeof(layout));
 }
 
 /* In the order of the struct. */

@@ -26,7 +26,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     const int separable = (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return dm_stage_doubles(sizeof(dm_stage_sweeps)) +
+    return dm_doubles(sizeof(dm_stage_sweeps)) +
            kernels_size(n, w, separable ? 0 : dm_hamilton_known(m->n)) + 4 * n * w + 5 * r * w +
            9 * w + 11 * n + 5 + ARRAYS * LINE;
 }

@@ -4,6 +4,7 @@
 #ifndef DM_WORKSPACE_H
 #define DM_WORKSPACE_H
 
+#include "base/doubles.h"
 #include "integ/method/method.h"
 #include "integ/method/stage_table.h"
 #include "linalg/step_matrix.h"
@@ -104,11 +105,6 @@ typedef struct dm_stage {
 
 static inline dm_stage *dm_stage_of(const dm_stepper *stepper) {
     return (dm_stage *)(void *)stepper->work;
-}
-
-/* The doubles that hold so many bytes. */
-static inline size_t dm_stage_doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
 /* Doubles of the weights above; lay them out; compute those of a step h that sweeps and one-point
