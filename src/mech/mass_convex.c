@@ -1,6 +1,7 @@
 #include "mech/mass_convex.h"
 
 #include "algebra/compact.h"
+#include "algebra/extremum.h"
 #include "linalg/signature.h"
 #include "mech/mass_bounds.h"
 
@@ -12,7 +13,7 @@ enum { MOST_DEGREE = 3, MOST_FORMS = 24 };
 
 typedef struct {
     const dm_graph *g;
-    uint32_t n;
+    uint32_t first, velocities; /* v are so many inputs, from that one on */
     unsigned char *degree;
     dm_interval *value;
     /* the form: w_i, whose squares stand in L, and c_ij[count*count], of MOST_FORMS in a row */
@@ -41,7 +42,7 @@ static int degree_of(const reading *r, const dm_expr *e) {
     }
     switch (e->op) {
     case DM_OP_INPUT:
-        return r->n <= e->as.input && e->as.input < 2 * r->n;
+        return r->first <= e->as.input && e->as.input - r->first < r->velocities;
     case DM_OP_NEG:
     case DM_OP_ADD:
     case DM_OP_SUB:
@@ -162,11 +163,12 @@ static int is_positive(const reading *r) {
     return !m || dm_surely_positive(C, m);
 }
 
-int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena) {
+/* In so many inputs of g, from one on. */
+static int is_convex(dm_graph *g, dm_node L, uint32_t first, uint32_t velocities, dm_arena *arena) {
     dm_node alone;
     reading *r = dm_arena_take(arena, sizeof *r);
     if (!r) return 0;
-    *r = (reading){.g = dm_graph_copy(g, &L, 1, &alone), .n = n};
+    *r = (reading){.g = dm_graph_copy(g, &L, 1, &alone), .first = first, .velocities = velocities};
     const uint32_t size = r->g ? dm_graph_size(r->g) : 0, inputs = dm_graph_inputs(g);
     r->degree = dm_arena_take(arena, size + 1);
     r->value = dm_arena_take(arena, ((size_t)size + inputs) * sizeof *r->value);
@@ -178,4 +180,12 @@ int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena) {
     for (int pass = 0; pass < 2; pass++)
         if (!collect(r, alone, (dm_interval){1.0, 1.0}, pass)) return 0;
     return is_positive(r);
+}
+
+/* What is least over y of an f(x, y) convex in both is convex in x (ensembles of reduced systems in
+ * docs/benchmarks/reduction.md). */
+int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena) {
+    const dm_extremum *e = dm_extremum_find(g, L);
+    if (e && e->n == 2 * n) return is_convex(e->of, e->f, n, n + e->m, arena);
+    return is_convex(g, L, n, n, arena);
 }

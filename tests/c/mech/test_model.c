@@ -1,4 +1,5 @@
 /* a model from its Lagrangian: structure, kernels against ones written by hand, Legendre. */
+#include "algebra/extremum.h"
 #include "check.h"
 #include "problems.h"
 
@@ -149,6 +150,40 @@ static void tells_a_mass_that_keeps_its_signs(void) {
     }
 }
 
+/* The extremum over y of f = s v^2/2 + (v + q y)^2/2 + y^2/2, as of a Routhian, s v^2/2 + v^2/(2 (1 +
+ * q^2)): bounds of its mass leave 0 for large q; f is convex in (v, y) where s >= 0 alone. */
+static void tells_a_least_value_that_keeps_its_signs(void) {
+    static const double s[] = {0.0, -0.5};
+    for (size_t i = 0; i < 2; i++) {
+        built b, of;
+        start(&b, 3);
+        of = b;
+        of.g = dm_graph_new(&b.arena, 4);
+        const dm_node q = input(&b, 0), v = input(&b, 1), qv = times(&b, q, v);
+        const dm_node unit = dm_add(b.g, number(&b, 1.0), times(&b, q, q));
+        const dm_node y = dm_neg(b.g, dm_div(b.g, qv, unit));
+        const dm_node w = dm_add(of.g, input(&of, 1), times(&of, input(&of, 0), input(&of, 2)));
+        const dm_node squared =
+            dm_add(of.g, times(&of, w, w), times(&of, input(&of, 2), input(&of, 2)));
+        const dm_node beside =
+            times(&of, number(&of, s[i]), times(&of, input(&of, 1), input(&of, 1)));
+        const dm_node value = times(&b, number(&b, 0.5),
+                                    dm_add(b.g, times(&b, number(&b, s[i]), times(&b, v, v)),
+                                           dm_div(b.g, times(&b, v, v), unit)));
+        const dm_extremum e = {.value = value,
+                               .n = 2,
+                               .m = 1,
+                               .y = &y,
+                               .of = of.g,
+                               .f = times(&of, number(&of, 0.5), dm_add(of.g, beside, squared))};
+        dm_extremum_keep(b.g, &e);
+        CHECK(finish(&b, value, 1) == DM_OK);
+        CHECK(!(b.model.structure & DM_DEFINITE_MASS));
+        CHECK((b.model.mass_bounds == NULL) == (s[i] >= 0.0));
+        stop(&b);
+    }
+}
+
 /* v.M v/2 + (3, -1).v - q.q/2 with M = (2 1; 1 2): full mass and a shift */
 static void keeps_a_full_mass_and_its_shift(void) {
     built b;
@@ -290,6 +325,7 @@ int main(void) {
     RUN(reads_the_structure_of_kepler, "reads the structure of Kepler's problem");
     RUN(finds_cyclic_coordinates, "finds cyclic coordinates");
     RUN(tells_a_mass_that_keeps_its_signs, "tells a mass that keeps its signs");
+    RUN(tells_a_least_value_that_keeps_its_signs, "tells a least value that keeps its signs");
     RUN(keeps_a_full_mass_and_its_shift, "keeps a full constant mass and its shift");
     RUN(tells_where_time_enters, "tells where time enters");
     RUN(tells_degenerate_lagrangians, "tells degenerate Lagrangians");
