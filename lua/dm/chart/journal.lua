@@ -92,7 +92,26 @@ local function read_shared(found)
   local h = {}
   for number in found.h:gmatch "%S+" do h[#h + 1] = tonumber(number) end
   found.h = h
-  return found
+  return #h > 0 and found
+end
+
+---- the other members ----
+
+local function is_point(found)
+  local numbers = found.why and { "h" } or { "h", "error", "ns", "steps" }
+  for _, key in ipairs(numbers) do
+    if type(found[key]) ~= "number" then return false end
+  end
+  return type(found.rule) == "string" and found
+end
+
+-- member i of a file; raises where the bytes are none of a chart
+local function read_member(i, bytes, file)
+  local fine, found = blame.try(function()
+    return (i == 1 and read_shared or is_point)(fields.unpack(bytes))
+  end)
+  if fine and found then return found end
+  error(("%s: %s: member %d is none of a chart: remove the file"):format(WHERE, file, i), 0)
 end
 
 ---- the chart ----
@@ -117,8 +136,7 @@ function M.chart(system, options, how)
   end
   local function put(first, count, bytes)
     for i, one in journal.members({ first = first, count = count }, bytes) do
-      found[i] = fields.unpack(one)
-      if i == 1 then read_shared(found[1]) end
+      found[i] = read_member(i, one, options.journal)
     end
   end
   -- what is there, into the chart

@@ -1,5 +1,7 @@
 --- Named numbers, texts and truths as bytes, in the alphabet's order, so that equal tables have
 -- equal bytes: name (u16 and text), a letter (d: f64, i: i64, s: u16 and text, t, f), the value.
+local blame = require "dm.base.blame"
+
 local M = {}
 
 local LETTERS = { integer = "i", float = "d", string = "s" }
@@ -23,9 +25,8 @@ end
 
 local readers = { i = "<i8", d = "<d", s = "<s2" }
 
---- The table of these bytes, added to `into` or a new one.
-function M.unpack(bytes, into)
-  local out, at = into or {}, 1
+local function read(bytes, out)
+  local at = 1
   while at <= #bytes do
     local name, letter, value
     name, at = ("<s2"):unpack(bytes, at)
@@ -38,6 +39,12 @@ function M.unpack(bytes, into)
     out[name] = value
   end
   return out
+end
+
+--- The table of these bytes, added to `into` or a new one.
+function M.unpack(bytes, into)
+  local fine, out = blame.try(read, bytes, into or {})
+  return fine and out or error("bytes that are no named values", 0)
 end
 
 return M

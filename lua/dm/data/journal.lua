@@ -12,6 +12,7 @@ local M = { HEAD = "dmjournl" }
 local HEAD, RECORD = M.HEAD, "dmrecord"
 local PIECE = 1 << 24 -- bytes that are read at a time where records are sought
 local SYNC = 2        -- s between waits for the disk
+local MOST = 1 << 53  -- members of a sweep: sums of their numbers are whole
 
 local fail = option.fail
 
@@ -49,7 +50,10 @@ local function read_head(file)
   local rest = file:read(12, size + 4)
   if #rest < size + 4 then return nil end
   if core.crc32(start .. rest:sub(1, size)) ~= ("<I4"):unpack(rest, size + 1) then return nil end
-  return read_text(rest:sub(1, size)), 12 + size + 4
+  local head = read_text(rest:sub(1, size))
+  local members = head.kind and math.tointeger(tonumber(head.members))
+  if not members or members < 1 or members > MOST then return nil end
+  return head, 12 + size + 4
 end
 
 --- The first entry in which two heads differ, or nothing.
@@ -70,7 +74,8 @@ local function record_at(file, at, size)
   local start = file:read(at, FIXED)
   if #start < FIXED or start:sub(1, 8) ~= RECORD then return nil end
   local first, count, bytes = ("<i8i8i8"):unpack(start, 9)
-  if first < 1 or count < 1 or bytes < 0 or bytes > size - at - FIXED - 4 then return nil end
+  if bytes < 0 or bytes > size - at - FIXED - 4 then return nil end
+  if first < 1 or first > MOST or count < 1 or count > bytes // 4 then return nil end
   local sum, done = core.crc32(start), 0
   while done < bytes do
     local piece = file:read(at + FIXED + done, math.min(PIECE, bytes - done))
@@ -162,8 +167,23 @@ function M.read(name, writes)
   return { file = file, head = head, records = records, damaged = damaged, name = name }
 end
 
---- The bytes of a record.
-function M.bytes(j, record) return j.file:read(record.at, record.size) end
+-- are these the bytes of so many members?
+local function are_members(bytes, count)
+  local at = 1
+  for _ = 1, count do
+    if at + 3 > #bytes then return false end
+    at = at + 4 + ("<I4"):unpack(bytes, at)
+  end
+  return at == #bytes + 1
+end
+
+--- The bytes of a record; raises where they are not those of its members.
+function M.bytes(j, record)
+  local bytes = j.file:read(record.at, record.size)
+  if are_members(bytes, record.count) then return bytes end
+  fail("journal", "%s: members %d to %d have other lengths than their record: remove the file",
+    j.name, record.first, record.first + record.count - 1)
+end
 
 --- For every member of these bytes: its number, and its own bytes without their length.
 function M.members(record, bytes)

@@ -1,9 +1,12 @@
 --- Columns of the journal of a sweep, for dm.load.
+local blame = require "dm.base.blame"
 local fields = require "dm.data.fields"
 local journal = require "dm.data.journal"
 local option = require "dm.base.options"
 
 local M = {}
+
+local fail = option.failing "dm.load"
 
 -- of an ensemble: steps, and q1, ..., p1, ... of members that ended well
 local function ensemble_row(bytes, n, momenta, offset)
@@ -61,44 +64,69 @@ local function named_columns(j)
   return names, columns
 end
 
---- Names and columns of the members that ended well, "member" first.
-function M.columns(file)
-  local j, why = journal.read(file)
-  if not j then option.fail("dm.load", "%s: %s", file, why) end
-  if j.head.kind == "stability" or j.head.kind == "chart" then
-    local names, columns = named_columns(j)
-    j.file:close()
-    return names, columns
-  end
-  local names, columns, seen = { "member" }, { {} }, {}
-  local n, momenta, offset = tonumber(j.head.n), tonumber(j.head.momenta), nil
-  if j.head.kind == "ensemble" then
-    names[2] = "steps"
-    for k = 1, n do names[#names + 1] = "q" .. k end
-    for k = 1, momenta do names[#names + 1] = "p" .. k end
-    offset = 16 + (j.head.h == "by member" and 24 or 0) + 8 * tonumber(j.head.varied)
-  elseif j.head.kind ~= "sweep" then
-    option.fail("dm.load", "%s is the journal of a %s, which has no columns", file, j.head.kind)
-  end
-  local rows = {}
+---- journals ----
+
+-- a number of columns that the head tells; a member has no more numbers than the file
+local function told(j, key)
+  local count = math.tointeger(tonumber(j.head[key]))
+  if count and count >= 0 and count <= j.file:size() then return count end
+  error(("its head has no number '%s'"):format(key), 0)
+end
+
+-- a row for each member that ended well, the one that comes first
+local function rows_of(j, read)
+  local rows, seen, names = {}, {}, nil
   for _, r in ipairs(j.records) do
     for i, bytes in journal.members(r, journal.bytes(j, r)) do
-      local row, own
-      if j.head.kind == "sweep" then row, own = sweep_row(bytes)
-      else row = ensemble_row(bytes, n, momenta, offset) end
-      if own and #names == 1 then
-        for name in own:gmatch "[^\t]+" do names[#names + 1] = name end
-      end
+      local fine, row, own = blame.try(read, bytes)
+      if not fine then error(("member %d has other bytes than its kind"):format(i), 0) end
       if row and not seen[i] then seen[i], rows[#rows + 1] = true, { i, row } end
+      names = names or own
     end
   end
-  j.file:close()
   table.sort(rows, function(a, b) return a[1] < b[1] end)
+  return rows, names or ""
+end
+
+local function columns_of(names, rows)
+  local columns = {}
   for c = 1, #names do columns[c] = {} end
   for k, x in ipairs(rows) do
     columns[1][k] = x[1]
     for c = 2, #names do columns[c][k] = x[2][c - 1] end
   end
+  return names, columns
+end
+
+local function ensemble_columns(j)
+  local names, n, momenta = { "member", "steps" }, told(j, "n"), told(j, "momenta")
+  for k = 1, n do names[#names + 1] = "q" .. k end
+  for k = 1, momenta do names[#names + 1] = "p" .. k end
+  local offset = 16 + (j.head.h == "by member" and 24 or 0) + 8 * told(j, "varied")
+  return columns_of(names, (rows_of(j, function(bytes)
+    return ensemble_row(bytes, n, momenta, offset)
+  end)))
+end
+
+local function sweep_columns(j)
+  local rows, own = rows_of(j, sweep_row)
+  local names = { "member" }
+  for name in own:gmatch "[^\t]+" do names[#names + 1] = name end
+  return columns_of(names, rows)
+end
+
+local KINDS = { stability = named_columns, chart = named_columns, ensemble = ensemble_columns,
+  sweep = sweep_columns }
+
+--- Names and columns of the members that ended well, "member" first.
+function M.columns(file)
+  local j, why = journal.read(file)
+  if not j then fail("%s: %s", file, why) end
+  local read = KINDS[j.head.kind]
+  if not read then fail("%s is the journal of a %s, which has no columns", file, j.head.kind) end
+  local fine, names, columns = blame.try(read, j)
+  j.file:close()
+  if not fine then fail("%s: %s", file, names) end
   return names, columns
 end
 

@@ -98,6 +98,7 @@ local function read_member(bytes)
   end
   local names
   names, at = ("<s2"):unpack(bytes, at)
+  if (#bytes - at + 1) % 8 ~= 0 then error "a number is cut" end
   return { code = code, names = names, at = at, bytes = bytes }
 end
 
@@ -199,7 +200,8 @@ local function collector(members)
   end
   local function read(range)
     for i, one in journal.members(range, range.bytes) do
-      local m = read_member(one)
+      local fine, m = blame.try(read_member, one)
+      if not fine then fail("member %d of the journal is none of a sweep: remove the file", i) end
       result.status[i] = m.code
       if m.code == "ok" then
         names_of(m, i)

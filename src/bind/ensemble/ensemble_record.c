@@ -168,7 +168,7 @@ static int unpack(lua_State *L) {
     const lua_Integer first = luaL_checkinteger(L, 2), count = luaL_checkinteger(L, 3);
     size_t left, length;
     const char *from = luaL_checklstring(L, 4, &left);
-    luaL_argcheck(L, first >= 1 && count >= 0 && first - 1 + count <= r.e->members, 2,
+    luaL_argcheck(L, first >= 1 && count >= 0 && count <= r.e->members - (first - 1), 2,
                   "no such members");
     for (lua_Integer i = 0; i < count; i++, from += length, left -= length) {
         uint32_t size;
@@ -189,7 +189,8 @@ static int rows_of(lua_State *L) {
     const double *from = a ? dml_numbersof(a) : NULL;
     const lua_Integer first = luaL_checkinteger(L, 2), count = luaL_checkinteger(L, 3);
     if (!from) return 0;
-    luaL_argcheck(L, first >= 1 && count >= 0 && first - 1 + count <= a->rows, 2, "no such rows");
+    luaL_argcheck(L, first >= 1 && count >= 0 && count <= (lua_Integer)a->rows - (first - 1), 2,
+                  "no such rows");
     double *out = dml_pushmatrix(L, (uint32_t)count, a->columns);
     memcpy(out, from + (size_t)(first - 1) * a->columns, (size_t)count * a->columns * sizeof *out);
     return 1;

@@ -1,5 +1,6 @@
 -- ensembles with a journal: what they return is what one call returns, whatever was finished before
 local tap = require "tap"
+local core = require "dm.core"
 local dm = require "dm"
 local ok, raises = tap.ok, tap.raises
 
@@ -147,6 +148,41 @@ end
 ok(believed == 0, "no changed byte and no cut is believed", believed)
 ok(refused > 100 and resumed > 100, "changes of the head are refused, of records run again", refused .. " " .. resumed)
 
+-- files whose checksums are right and whose numbers are not: refused or run again, never an index
+local head = bytes:sub(13, 12 + ("<I4"):unpack(bytes, 9))
+local record = bytes:sub(12 + #head + 5, -5)
+local function forged(about, body)
+  local all = "dmjournl" .. ("<s4"):pack(about)
+  return all .. ("<I4"):pack(core.crc32(all)) .. body .. ("<I4"):pack(core.crc32(body))
+end
+local function with(first, count, members)
+  return "dmrecord" .. ("<i8i8i8"):pack(first, count, #members) .. members
+end
+local members = record:sub(33)
+ok(forged(head, record) == bytes, "a journal by hand")
+for _, x in ipairs { { 1 << 62, 1 << 62 }, { 1, math.maxinteger }, { 2, math.maxinteger }, { math.maxinteger, 1 }, { 0, 2 }, { -5, 2 } } do
+  try(forged(head, with(x[1], x[2], members)))
+end
+ok(believed == 0, "records of impossible members")
+text(small.journal, forged(head, with(1, 2, members:sub(1, -9))))
+raises("other lengths", verlet.ensemble, verlet, small)
+raises("other lengths", dm.load, small.journal)
+text(small.journal, forged(head, with(1, 2, ("<s4s4"):pack("x", "y"))))
+raises("another member 1", verlet.ensemble, verlet, small)
+raises("member 1 has other bytes", dm.load, small.journal)
+text(small.journal, forged(head:gsub("\nn = 1", "\nn = 1000000000"), record))
+raises("no number 'n'", dm.load, small.journal)
+for _, other in ipairs { "", "-2", "1e30", "two" } do
+  text(small.journal, forged(head:gsub("members = 2", "members = " .. other), record))
+  raises("its head is damaged", dm.journal, small.journal)
+end
+local study = { members = 2, workers = 1, journal = name "study.journal", run = function(i) return i end }
+dm.sweep(study)
+local kept = text(study.journal)
+text(study.journal, forged(kept:sub(13, 12 + ("<I4"):unpack(kept, 9)), with(2, 1, ("<s4"):pack(("<s2s2"):pack("ok", "value") .. "123"))))
+raises("member 2", dm.sweep, study)
+raises("member 2 has other bytes", dm.load, study.journal)
+
 -- what is in it
 text(small.journal, bytes)
 local report = dm.journal(small.journal)
@@ -170,7 +206,6 @@ local last = #data.member
 ok(last == 700 and data.q1[last] == verlet:ensemble(base).q[700][1] and data.steps[1] == 40, "dm.load reads the columns")
 
 -- a file in use
-local core = require "dm.core"
 ok(core.crc32 "123456789" == 0xcbf43926 and core.crc32("6789", core.crc32 "12345") == 0xcbf43926, "CRC-32 of zlib")
 
 -- options

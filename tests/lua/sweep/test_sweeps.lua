@@ -160,7 +160,7 @@ for stop = 1, 60 do
   local file = name("stopped" .. stop)
   local j = journal.read(file, true)
   j.where = "test"
-  journal.begin(j, { { "kind", "test" } })
+  journal.begin(j, { { "kind", "test" }, { "members", 1 } })
   local k = 0
   local function count()
     k = k + 1
