@@ -5030,9 +5030,9 @@ function dm_system_class:stability(options) end
 ---field:stability_limit(rule, {q=, t=}) -> number
 ---
 ---The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
----which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
----Infinite where no step is too large. t: the time of L, needed where L depends on it; forces beside L
----are left out.
+---which the rule is stable on a harmonic oscillator (dm.stability_limit, which also sees narrow bands
+---of growth) over the largest frequency; 2 over it for verlet. Infinite where no step is too large. t:
+---the time of L, needed where L depends on it; forces beside L are left out.
 ---@param rule? any
 ---@param options? table
 ---@return number

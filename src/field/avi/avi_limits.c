@@ -78,6 +78,41 @@ static int is_near(double alone, double h, double T, double margin) {
     return k >= 1.0 && fabs(x - k) < margin;
 }
 
+enum { MOST_STEPS = 256, MOST_PERIODS = 32 }; /* of a common period that is looked at */
+
+/* p of T = (p / q) h with a small q, or 0 */
+static int common_period(double h, double T, int *q) {
+    for (*q = 1; *q <= MOST_PERIODS; ++*q) {
+        const double x = *q * (T / h), p = floor(x + 0.5);
+        if (p > MOST_STEPS) return 0;
+        if (p >= 1.0 && fabs(x - p) < 1e-9 * x) return (int)p;
+    }
+    return 0;
+}
+
+/* Does one oscillator that both cells kick, as if they moved the same, grow round their common
+ * period? The trace of all drifts and kicks is beyond 2 then. */
+static int grows(double alone1, double h1, double alone2, double h2) {
+    int q;
+    const int p = h1 < alone1 && h2 < alone2 ? common_period(h1, h2, &q) : 0;
+    if (!p) return 0;
+    const double tick = h1 / q; /* h1 has q of them, h2 p */
+    const double kick1 = 4.0 * h1 / (alone1 * alone1), kick2 = 4.0 * h2 / (alone2 * alone2);
+    double x[2] = {1.0, 0.0}, v[2] = {0.0, 1.0};
+    for (int i = q, j = p, now = 0; now < p * q;) {
+        const int next = i < j ? i : j;
+        const double by = (next == i ? kick1 : 0.0) + (next == j ? kick2 : 0.0);
+        for (int c = 0; c < 2; c++) {
+            x[c] += (next - now) * tick * v[c];
+            v[c] -= by * x[c];
+        }
+        i += next == i ? q : 0;
+        j += next == j ? p : 0;
+        now = next;
+    }
+    return fabs(x[0] + v[1]) > 2.0 + 1e-9;
+}
+
 double dm_avi_resonances(const dm_avi *a, const double *alone, double margin) {
     const double *h = a->h;
     double pairs = 0.0;
@@ -85,7 +120,8 @@ double dm_avi_resonances(const dm_avi *a, const double *alone, double margin) {
         for (uint32_t j = a->near_start[k]; j < a->near_start[k + 1]; j++) {
             const uint32_t l = a->near[j];
             if (l >= k || h[k] == h[l]) continue;
-            pairs += is_near(alone[k], h[k], h[l], margin) || is_near(alone[l], h[l], h[k], margin);
+            pairs += is_near(alone[k], h[k], h[l], margin) ||
+                     is_near(alone[l], h[l], h[k], margin) || grows(alone[k], h[k], alone[l], h[l]);
         }
     return pairs;
 }

@@ -61,6 +61,19 @@ for _, border in ipairs { { lo, -1 }, { most, 1 } } do
   ok(largest(w + out) < 5 and largest(w - out) > 1e5, ("the band ends at w = %.5f"):format(w), w)
 end
 
+-- strong kicks grow far from half a period, and with ratios of steps that are no whole numbers
+for _, case in ipairs { { { 5.5022, 13.2388 }, { 6, 3 } }, { { 5.3418, 1.0302 }, { 2, 12 } }, { { 15.3917, 10.2288 }, { 2, 3 } } } do
+  local s = springs(case[1], { case[2][1] / 10, case[2][2] / 10 })
+  local path, most = s:run { q = { 0, 0.1, 0 }, v = { 0, 0.05, 0 }, t = 48 }, 0
+  for i = 1, #path do most = math.max(most, math.abs(path.q[i][2])) end
+  local told = s:report()
+  ok(most > 2 and told.beyond == 0 and told.resonances == 1, "growth of one mass between two steps is told", most)
+  s = springs({ case[1][1] / 4, case[1][2] / 4 }, { case[2][1] / 10, case[2][2] / 10 })
+  path, most = s:run { q = { 0, 0.1, 0 }, v = { 0, 0.05, 0 }, t = 48 }, 0
+  for i = 1, #path do most = math.max(most, math.abs(path.q[i][2])) end
+  ok(most < 0.5 and s:report().resonances == 0, "and none of a quarter of the stiffness", most)
+end
+
 -- two masses, three springs of three steps, against the product of drifts and kicks of one period:
 -- its eigenvalues come in pairs l, 1/l, whose sums are the roots of s^2 - tr s + minors - 2
 local k, every = { 3.1 ^ 2, 0.2, 1.7 }, { 1, 10, 2 } -- steps in tenths

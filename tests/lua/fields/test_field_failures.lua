@@ -93,6 +93,15 @@ for _, rule in ipairs { "rk4", "rk8", "yoshida(4)" } do
   local fine, failure = pcall(run, 1.01)
   ok(not fine and failure.message:find "is beyond the limit of stability", rule .. " beyond it", failure.message)
 end
+-- 3.1635 to 3.1685 is a band of growth of blanes-moan(4), far below the end of what is stable, 5.03
+do
+  local limit = spring:stability_limit "blanes-moan(4)"
+  local function run(part)
+    local path = spring:solver { rule = "blanes-moan(4)", h = part * limit }:run { q = { 0, 1 }, v = { 0, 0 }, steps = 10000, every = 10000 }
+    return path.q[2]:norm()
+  end
+  ok(run(0.999) < 2 and run(1.0008) > 1e6, "a narrow band of growth is a limit", limit)
+end
 raises("one step tells no limit", function() spring:stability_limit "gauss(2, 3)" end)
 -- the same motion with masses and energies of 1e-9: growth is told by its own measure, on uneven slices too
 do

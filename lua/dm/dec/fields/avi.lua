@@ -266,8 +266,9 @@ solver:report() -> table
 Of the last run: events (kicks of cells), cells, gain (how many kicks as many equal steps of the
 least h would have made, over events), beyond (cells whose step is beyond their own limit, the first
 as first_beyond), resonances (pairs of cells with a common entry of which one kicks the other near a
-multiple of its half period, by 0.05 of it: kicks there may make the oscillation grow although each
-step is within its limit; take another step for one of them).]])
+multiple of its half period, by 0.05 of it, or whose kicks would make one oscillator that both drive
+grow round their common period, at most 32 of one step and 256 of the other: the motion may grow
+although each step is within its limit; take another step for one of them).]])
 
 function Solver.__tostring(s)
   return ("solver 'avi' for %s"):format(tostring(s.system))

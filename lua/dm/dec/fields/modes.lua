@@ -121,47 +121,13 @@ constraint's force is that of q.]])
 
 ---- the largest step ----
 
-local EXACT = 1e-9 -- a determinant so near to 1 is 1
-
--- What one step of h omega = z of a harmonic oscillator multiplies by, above 1 an instability: half
--- of the trace, where the step keeps areas, else the largest modulus of an eigenvalue.
-local function growth(rule)
-  local oscillator = core.system { Q = core.R(1), L = function(q, v)
-    return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
-  return function(z)
-    local solver = oscillator:solver { rule = rule, h = z }
-    local q, c = solver:step { q = { 1 }, p = { 0 } }
-    local b, p = solver:step { q = { 0 }, p = { 1 } }
-    local half, det = (q[1] + p[1]) / 2, q[1] * p[1] - b[1] * c[1]
-    if math.abs(det - 1) < EXACT then return math.abs(half) end
-    if half * half < det then return math.sqrt(det) end
-    return math.abs(half) + math.sqrt(half * half - det)
-  end
-end
-
-local STEP, MOST = 1 / 64, 64 -- of h omega, looked through for the first unstable one
-local limits = {}
-
--- the largest h omega up to which a rule is stable
+-- the largest h omega up to which a rule is stable, narrow bands of growth below it seen too
 local function limit_of(rule)
-  if limits[rule] then return limits[rule] end
   if rule:find "gauss%s*%(%s*%d+%s*,%s*%d" then
     option.fail("field:stability_limit", "a number of sweeps starts each step from the stages of "
       .. "the last one, so that one step tells no limit: try runs, dm.stability")
   end
-  local of, z = growth(rule), STEP
-  while z < MOST and of(z) <= 1 + 1e-12 do z = z + STEP end
-  if z >= MOST then
-    limits[rule] = math.huge
-    return math.huge
-  end
-  local low, high = z - STEP, z
-  for _ = 1, 60 do
-    local middle = (low + high) / 2
-    if of(middle) <= 1 + 1e-15 then low = middle else high = middle end
-  end
-  limits[rule] = low
-  return low
+  return (require "dm".stability_limit(rule))
 end
 
 -- the largest eigenvalue, as the one nearest to a bound of all
@@ -189,8 +155,8 @@ class.method("dm.system", "stability_limit", function(system, rule, options)
 end, [[
 field:stability_limit(rule, {q=, t=}) -> number
 The largest step of a rule on small oscillations of a field around q (default 0): the h omega up to
-which the rule is stable on a harmonic oscillator over the largest frequency; 2 over it for verlet.
-Infinite where no step is too large. t: the time of L, needed where L depends on it; forces beside L
-are left out.]])
+which the rule is stable on a harmonic oscillator (dm.stability_limit, which also sees narrow bands
+of growth) over the largest frequency; 2 over it for verlet. Infinite where no step is too large. t:
+the time of L, needed where L depends on it; forces beside L are left out.]])
 
 return {}
