@@ -8,10 +8,13 @@
 #include "numbers/compensated.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* of the size of the terms at the start: a residual above is none of round-off */
 static const double LEFT = 1e-6;
+/* of an element that `next` gives, from its group */
+static const double OFF = 1e-8;
 
 /* States whose parts are known, in the memory of the stepper, since the state of a run has no room
  * for them: where the last step began, where it led, and where another step from there led, as
@@ -27,7 +30,7 @@ typedef struct {
     double *out;      /* [m + m*m] */
     double *x;        /* [m] */
     double *scale;    /* [m] */
-    double *after;    /* [n + d + 1 + w] */
+    double *after;    /* [n + d + 1 + w + 1] */
     double *reached;  /* [n + d + 1 + w] the state behind the step */
     double *low;      /* [2n] low-order parts of its q and p */
     double *inside;   /* what the conditions gave */
@@ -35,7 +38,7 @@ typedef struct {
     double *newton;
     double size, first; /* of the terms of F, now and where Newton's method began */
     double h, pace;     /* that the run began with; dt/dh of the last step */
-    uint32_t broken;    /* number of the condition that the root broke, from 1; 0: none */
+    char trouble[120];  /* why the last step failed, or "" */
 } made_step;
 
 enum { CONDITIONS = 64 }; /* at most */
@@ -66,7 +69,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_step_row *row = row_of(rule);
     const size_t k = row ? row->unknowns : 0, states = m->n + (size_t)dm_momenta(m) + 1;
     const size_t y = states + (row ? row->parts : 0);
-    return dm_doubles(sizeof(made_step)) + 4 * y + 2 * (size_t)m->n + 2 + k + k + k * k + 2 * k +
+    return dm_doubles(sizeof(made_step)) + 4 * y + 2 * (size_t)m->n + 3 + k + k + k * k + 2 * k +
            CONDITIONS + PLACES * (1 + y) + dm_newton_work((uint32_t)k);
 }
 
@@ -86,7 +89,7 @@ static dm_status open(dm_stepper *s) {
     e->x = e->out + m + m * m;
     e->scale = e->x + m;
     e->after = e->scale + m;
-    e->reached = e->after + y;
+    e->reached = e->after + y + 1;
     e->low = e->reached + y;
     e->inside = e->low + 2 * (size_t)k->n;
     e->places = e->inside + CONDITIONS;
@@ -258,6 +261,12 @@ static int is_finite(const double *x, size_t count) {
     return 1;
 }
 
+/* With words of its own. */
+static dm_status fail(made_step *e, dm_status status, const char *words) {
+    snprintf(e->trouble, sizeof e->trouble, "%s", words);
+    return status;
+}
+
 /* NaN breaks a condition, too. */
 static uint32_t first_broken(made_step *e) {
     const uint32_t count = e->k->inside.outputs;
@@ -281,7 +290,9 @@ static dm_status solve(made_step *e, dm_stepper *s) {
                                        .max_iterations = s->max_iterations};
     dm_kernel_eval(&e->k->start, e->short_in, e->x);
     if (e->k->scale.outputs) dm_kernel_eval(&e->k->scale, e->short_in, e->scale);
-    if (!is_finite(e->x, e->k->m)) return DM_NOT_FINITE;
+    if (!is_finite(e->x, e->k->m)) return fail(e, DM_NOT_FINITE, "'start' gives NaN or infinity");
+    if (!is_finite(e->scale, e->k->m))
+        return fail(e, DM_NOT_FINITE, "'scale' gives NaN or infinity");
     e->first = -1.0;
     const dm_status status = dm_newton(e->x, &problem, e->newton, &report);
     s->report.solves++;
@@ -290,11 +301,31 @@ static dm_status solve(made_step *e, dm_stepper *s) {
     s->report.matrices += report.jacobians;
     s->report.residual = report.residual;
     s->report.evaluations += report.iterations + 1;
+    if (status == DM_SINGULAR)
+        return fail(e, status, "dF/dx of 'equation' is singular: does F determine all unknowns?");
     if (status != DM_OK) return status;
     if (report.residual > LEFT * e->first) return DM_NO_CONVERGENCE;
     memcpy(e->in + numbers_of(e), e->x, e->k->m * sizeof *e->x);
-    e->broken = first_broken(e);
-    return e->broken ? DM_NO_CONVERGENCE : DM_OK;
+    const uint32_t broken = first_broken(e);
+    if (!broken) return DM_OK;
+    snprintf(e->trouble, sizeof e->trouble,
+             "the root breaks condition %u of 'inside': take a smaller step", broken);
+    return DM_NO_CONVERGENCE;
+}
+
+/* what `next` gave: numbers, an element of the group, a later t where it is its own */
+static dm_status check_next(made_step *e, int timed, double t, double h) {
+    const size_t y = numbers_of(e);
+    if (!is_finite(e->after, y + 1)) return fail(e, DM_NOT_FINITE, "'next' gives NaN or infinity");
+    const double off = sqrt(e->after[y]);
+    if (off > OFF) {
+        snprintf(e->trouble, sizeof e->trouble,
+                 "'next' gives a q that is no element of the group, off by %.2g", off);
+        return DM_NO_CONVERGENCE;
+    }
+    if (timed && !((e->after[states_of(e) - 1] - t) * h > 0.0))
+        return fail(e, DM_NO_CONVERGENCE, "'next' gives a t that is not later");
+    return DM_OK;
 }
 
 /* what `next` gave into e->reached and e->low; `sums`: q and p are what they gain */
@@ -314,13 +345,13 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     const size_t n = e->k->n, d = e->k->d;
     double *own = state + 4 * n;
     if (is_timed(s)) t = own[0];
-    e->broken = 0;
+    e->trouble[0] = '\0';
     place(s, state, t, h);
-    const dm_status status = solve(e, s);
+    dm_status status = solve(e, s);
     if (status != DM_OK) return status;
     dm_kernel_eval(&e->k->next, e->in, e->after);
-    if (!is_finite(e->after, numbers_of(e))) return DM_NOT_FINITE;
-    if (is_timed(s) && !((e->after[n + d] - t) * h > 0.0)) return DM_NO_CONVERGENCE;
+    status = check_next(e, is_timed(s), t, h);
+    if (status != DM_OK) return status;
     reach(e, state, row_of(s->rule)->sums);
     if (e->k->w) keep(s, e->in, e->reached);
     e->pace = (e->after[n + d] - t) / h;
@@ -333,8 +364,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 /* Of the last step. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     (void)state, (void)status;
-    return step_of(s)->broken ? "the root breaks a condition of 'inside': take a smaller step"
-                              : NULL;
+    const char *trouble = step_of(s)->trouble;
+    return *trouble ? trouble : NULL;
 }
 
 static const dm_engine engine = {

@@ -24,7 +24,7 @@ typedef struct {
     uint32_t n, d, w, m;
     dm_kernel equation; /* F[m] */
     dm_kernel tangent;  /* F[m], dF/dx [m*m] */
-    dm_kernel next;     /* q'[n], p'[d], t', parts'[w] */
+    dm_kernel next;     /* q'[n], p'[d], t', parts'[w], how far off the group, squared */
     dm_kernel start;    /* x[m] */
     dm_kernel begin;    /* parts[w]; outputs 0: they begin at 0 */
     dm_kernel inside;   /* numbers that are > 0 at the root meant; outputs 0: none */

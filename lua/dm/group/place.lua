@@ -255,8 +255,8 @@ end
 
 local LOOSE = 1e-9  -- how far a start may be off its group
 
--- the element, on the group or brought there
-local function on_group(place, q, project)
+--- Flat coordinates of the element q, which is on the group or (project) brought there.
+function M.on_group(place, q, project)
   local kit = place.kit
   local fine, g = blame.try(kit.element, q)
   if not fine then
@@ -296,7 +296,7 @@ local function flat_options(place, options)
     error(("field '%s': a system on %s starts from q and v or from q and p")
       :format(options.q0 ~= nil and "q0" or "q1", tostring(place.space)), 0)
   end
-  if options.q ~= nil then out.q = core.vector(on_group(place, options.q, options.project)) end
+  if options.q ~= nil then out.q = core.vector(M.on_group(place, options.q, options.project)) end
   if options.v ~= nil then out.v = M.padded(place, options.v, "field 'v'") end
   if options.p ~= nil then out.p = M.padded(place, options.p, "field 'p'") end
   return out
@@ -336,7 +336,7 @@ function M.starts(place, options)
   for key, value in pairs(options) do out[key] = value end
   start_reduced(place, options, out)
   if options.q ~= nil then
-    out.q = each(options.q, function(q) return on_group(place, q, options.project) end)
+    out.q = each(options.q, function(q) return M.on_group(place, q, options.project) end)
   elseif out.q ~= nil then
     local flat = place.flat(out.q)
     out.q = function() return flat end

@@ -118,7 +118,8 @@ end
 
 ---- parts ----
 
-local TAKEN = { q = true, p = true, t = true, h = true, time = true, energy = true }
+local TAKEN = { q = true, p = true, t = true, h = true, time = true, energy = true, flat = true,
+  mu = true, a = true }
 
 local function wrong_part(i, why)
   error(("dm.step: field 'parts'[%d] %s"):format(i, why), 0)
@@ -136,7 +137,7 @@ local function parts_of(parts)
     if type(name) ~= "string" or not name:match "^%a[%w_]*$" then
       wrong_part(i, [[must be { name, how many numbers }, such as { "E", 1 }]])
     end
-    if TAKEN[name] or name:match "^[qp]%d+$" then
+    if TAKEN[name] or name:match "^[qp]%d+$" or name:match "^R%d%d" then
       wrong_part(i, ("is called '%s', which every state has: choose another name"):format(name))
     end
     if seen[name] then wrong_part(i, ("is called '%s', as another one"):format(name)) end
@@ -218,26 +219,50 @@ end
 
 local STATE, NOTHING = { q = true, flat = true, p = true, t = true }, {}
 
+-- sum of squares of the differences of a and b, each of the size of its entry
+local function difference(a, b)
+  local sum = 0
+  for i = 1, #a do sum = sum + (a[i] - b[i]) ^ 2 / (1 + a[i] ^ 2) end
+  return sum
+end
+
+-- how far off its group `next` leads, squared: by g, the element that it gave, or nothing, and its
+-- coordinates q; relations of matrices are no larger than powers of their entries
+local function off_group(own, g, q)
+  local kit = own.kit
+  if g == nil then g = own.element(q) else g = kit.element(g) end
+  local flat, off, size = kits.list_of(kit.flat(g)), 0, 1
+  for _, x in ipairs(flat) do size = size + x ^ 2 end
+  for _, x in ipairs(kit.bonds(flat)) do off = off + x ^ 2 / size ^ 4 end
+  return off + difference(q, own.tidy(q))
+    + difference(kit.entries(g), kit.entries(kit.unflat(flat)))
+end
+
 -- Coordinates of an element that `next` gave, near those before. Where y.q is off the group by
 -- rounding, that is too, and its coordinates are by more: tidied, they do not go away.
 local function coordinates_of(own, q, before)
   return own.follow(own.tidy(own.flat(own.kit.element(q))), before)
 end
 
--- the numbers of what `next` returned: q, or its coordinates `flat`; p, t, parts; sums: q and p are
--- what is added to the coordinates and to the momentum
+-- the numbers of what `next` returned: q, or its coordinates `flat`; p, t, parts, off_group; sums:
+-- q and p are what is added to the coordinates and to the momentum
 local function flattened(system, parts, before, value, h, sums)
   if type(value) ~= "table" or (value.q or value.flat) == nil or value.p == nil then
     error("'next' must return a table { q =, p = }", 0)
   end
   check_fields(value, STATE, parts, "'next'")
-  local own, out = not sums and system.place, {}
-  local q = value.flat or own and coordinates_of(own, value.q, before.q) or core.vector(value.q)
+  local own, out, q = system.place, {}, value.flat or value.q
+  if own and not sums and not value.flat then
+    q = coordinates_of(own, value.q, before.q)
+  end
+  q = kits.vector(q, own and own.size or system.Q.dimension, "'next': q")
   for i = 1, #q do out[i] = q[i] end
-  local p = core.vector(value.p)
+  local p = kits.vector(value.p, own and own.dimension or system.Q.dimension, "'next': p")
   for i = 1, #p do out[#out + 1] = p[i] end
   out[#out + 1] = value.t or before.t + h
   for _, x in ipairs(gathered(parts, value, before.parts, "'next'")) do out[#out + 1] = x end
+  local g = not sums and not value.flat and value.q or nil
+  out[#out + 1] = own and off_group(own, g, sums and before.q + q or q) or 0
   return out
 end
 

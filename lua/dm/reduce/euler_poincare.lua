@@ -7,6 +7,7 @@ local bound = require "dm.base.bound"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
+local linear = require "dm.base.linear"
 local option = require "dm.base.options"
 
 local M = {}
@@ -17,23 +18,47 @@ local abs, max = math.abs, math.max
 ---- invariance of a system that is given ----
 
 local POINTS, SLACK = 5, 1e-10
+local SPREADS, EACH = { 0.5, 3, 20 }, 40  -- of elements, as logarithms; how many of each
+local LARGEST = 100  -- entries of g and its inverse
 
 local function list(x) return "(" .. table.concat(core.vector(x):totable(), ", ") .. ")" end
 
--- f(g, x), L or H, at random elements must be that at the identity
+-- element number i of a spread and what it is: exp(x), or far away one axis after the other, as
+-- exp(x) of a large turn leads nowhere
+local function far_element(kit, stream, i, spread)
+  local x = kits.normals(stream, i, kit.dimension, spread)
+  if spread < 1 then return kit.exp(x), "exp" .. list(x) end
+  local g = kit.identity()
+  for a = 1, kit.dimension do
+    g = kit.compose(g, kit.exp(linear.unit(kit.dimension, a) * x[a]))
+  end
+  return g, "exp(x1 e1) exp(x2 e2) ..., x = " .. list(x)
+end
+
+-- can L be compared there? Not where its digits are those of large entries
+local function is_tame(kit, g)
+  local fine, inverse = blame.try(kit.inverse, g)
+  return fine and max(kits.norm(kit.entries(g)), kits.norm(kit.entries(inverse))) <= LARGEST
+end
+
+-- f(g, x), L or H, at random elements, near and far, must be that at the identity
 local function check_invariance(system, f, name)
   local kit, stream = system.place.kit, core.random(17)
-  local d, e = kit.dimension, kit.identity()
-  for i = 1, POINTS do
-    local x = kits.normals(stream, i, d, 0.5)
-    local y = kits.normals(stream, i + 100, d, 1)
-    local there, here = f(kit.exp(x), y, 0), f(e, y, 0)
-    if not (abs(there - here) <= SLACK * max(1, abs(here))) then
-      error(("%s: %s is not invariant: at g = exp%s, %s = %s it is %.10g, at the identity %.10g")
-        :format(WHERE, name, list(x), name == "L" and "xi" or "p", list(y), there, here), 0)
-    end
-    if f(e, y, 0.7 * i) ~= here then
-      error(("%s: %s depends on t, and a reduced system does not"):format(WHERE, name), 0)
+  local e, argument = kit.identity(), name == "L" and "xi" or "p"
+  for k, spread in ipairs(SPREADS) do
+    for i = 1, EACH do
+      local g, text = far_element(kit, stream, 1000 * k + i, spread)
+      local y = kits.normals(stream, 1000 * k + i + 100, kit.dimension, 1)
+      local here = f(e, y, 0)
+      local there = is_tame(kit, g) and f(g, y, 0) or here
+      if not (abs(there - here) <= SLACK * max(1, abs(here))) then
+        error(("%s: %s is not invariant: at g = %s, %s = %s it is %.10g, at the identity %.10g (a "
+          .. "difference of %.2g)"):format(WHERE, name, text, argument, list(y), there, here,
+          there - here), 0)
+      end
+      if f(e, y, 0.7 * i) ~= here then
+        error(("%s: %s depends on t, and a reduced system does not"):format(WHERE, name), 0)
+      end
     end
   end
 end
@@ -44,9 +69,13 @@ local function of_system(system)
     error(WHERE .. ": a system on a group is needed, such as dm.system { Q = dm.SO(3), L = ... }",
       0)
   end
-  if own.right then error(WHERE .. ": for the left trivialization", 0) end
+  if own.right then
+    error(WHERE .. ": xi of this system is the spatial velocity (trivialization = \"right\"), and "
+      .. "reduced equations are those of the body: give L as a function of g^-1 g'", 0)
+  end
   if given.constraint or given.rolling or given.force then
-    error(WHERE .. ": for a system without constraints and forces", 0)
+    error(WHERE .. ": this system has constraints or forces, and reduced equations have none: run "
+      .. "the system itself", 0)
   end
   local name = given.H and "H" or "L"
   local f, e = bound(given[name], given.params), own.kit.identity()
@@ -56,6 +85,11 @@ local function of_system(system)
 end
 
 ---- the system ----
+
+-- a quantity of n entries that is carried along
+local function quantity(a, n)
+  return lists.numbers("field 'a'", a, n, "%s must be %d number%s (got %s)")
+end
 
 -- how g moves a quantity, a dm.action or a function of (g, a); and a quantity of its dimension
 local function carrier(options)
@@ -78,7 +112,7 @@ local function check_action(kit, carry, n)
       kit.exp(kits.normals(stream, i + 100, kit.dimension, 0.4))
     local x, y = kits.normals(stream, i + 200, n, 1), kits.normals(stream, i + 300, n, 1)
     local function image(k, z)
-      return lists.vector(carry(k, z), "what option 'advected' returns")
+      return kits.vector(carry(k, z), n, WHERE .. ": what option 'advected' returns")
     end
     local sum, whole = image(g, x) + 2 * image(g, y), image(g, x + 2 * y)
     local twice, once = image(g, image(h, x)), image(kit.compose(g, h), x)
@@ -145,7 +179,7 @@ function system_of(options)
   function reduced.start(given, out)
     if carry then
       local a = given.a or reduced.usual
-      reduced.a, out.a = a ~= nil and lists.vector(a, "field 'a'") or nil, nil
+      reduced.a, out.a = a ~= nil and quantity(a, #some) or nil, nil
     end
     if given.q == nil and (given.v ~= nil or given.p ~= nil) then out.q = kit.identity() end
   end
@@ -166,7 +200,7 @@ function system_of(options)
     if not carry then
       error("field 'a': this system carries no quantity along (dm.euler_poincare, advected =)", 0)
     end
-    local given, value = {}, lists.vector(a, "field 'a'")
+    local given, value = {}, quantity(a, #some)
     for key, option_ in pairs(options) do given[key] = option_ end
     given.a = value
     return system_of(given)

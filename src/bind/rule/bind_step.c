@@ -6,6 +6,7 @@
 #include "bind/rule/bind_rule.h"
 #include "bind/trace/backend.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { MOST = 1000, CONDITIONS = 64 };
@@ -157,7 +158,7 @@ static const void *bring(lua_State *L, int object, int arg, const char *backend,
     const dml_rule *rule = dml_torule(L, object);
     if (!rule) luaL_error(L, "a step is made by dm.step");
     if (s->pair) luaL_error(L, "dm.step steps a dm.system");
-    maker *made = lua_newuserdatauv(L, sizeof *made, 1);
+    maker *made = lua_newuserdatauv(L, sizeof *made, 2);
     *made =
         (maker){.k = {.n = s->n, .d = s->momenta}, .compile = dml_findbackend(L, backend)->compile};
     made->k.m = ((const dm_step_row *)rule->rule.data)->unknowns;
@@ -166,15 +167,66 @@ static const void *bring(lua_State *L, int object, int arg, const char *backend,
     lua_setiuservalue(L, -2, 1);
     push_functions(L, object, arg);
     build_equation(L, made);
-    build(L, made, "next", OF_ROOT, s->n + s->momenta + 1 + made->k.w, &made->k.next);
+    build(L, made, "next", OF_ROOT, s->n + s->momenta + 2 + made->k.w, &made->k.next);
     build(L, made, "start", OF_STATE, made->k.m, &made->k.start);
     if (made->k.w) build(L, made, "begin", OF_START, made->k.w, &made->k.begin);
     build(L, made, "inside", OF_ROOT, 0, &made->k.inside);
     build(L, made, "scale", OF_STATE, made->k.m, &made->k.scale);
     if (made->k.inside.outputs > CONDITIONS)
         luaL_error(L, "dm.step, 'inside': at most %d numbers", CONDITIONS);
-    lua_pop(L, 1);
+    lua_setiuservalue(L, -2, 2);
     return &made->k;
+}
+
+/* function `name` of the table on top against its kernel at `in`; is_guess: what is there is not
+ * the root, which alone has to be in the domain */
+static void compare(lua_State *L, const maker *made, const char *name, arguments_of of,
+                    const dm_kernel *kernel, const double *in, int is_guess) {
+    const int any = kernel == &made->k.inside;
+    if (!kernel->outputs) return;
+    dml_signature s = signature(made, name, of, any ? 0 : kernel->outputs);
+    s.may_be_outside = is_guess;
+    lua_getfield(L, -1, name);
+    dml_trace_check_start(L, -1, &s, kernel, in);
+    lua_pop(L, 1);
+}
+
+/* out, behind the inputs of a kernel that it follows from */
+static void eval(const dm_kernel *kernel, const double *in, double *out) {
+    if (!kernel->outputs) return;
+    dm_kernel_prepare(kernel, out);
+    dm_kernel_eval(kernel, in, out);
+}
+
+/* Of x the place where Newton's method begins is looked at, and one beside it: there nothing is 0
+ * since something happens to be 0 at the start. */
+void dml_step_compare(lua_State *L, int at, const dm_method *method, const double *state, double t,
+                      double h) {
+    const double aside = 0.01;
+    if (method != &dm_method_step && method != &dm_method_step_timed) return;
+    const maker *made = lua_touserdata(L, at);
+    const dm_step_kernels *k = &made->k;
+    const size_t n = k->n, d = k->d, m = k->m, y = n + d + 1 + k->w;
+    double *in = lua_newuserdatauv(L, (y + m + 1 + m) * sizeof *in, 0), *x = in + y + m + 1;
+    lua_getiuservalue(L, at, 2);
+    memset(in, 0, (y + m + 1) * sizeof *in);
+    memcpy(in, state, (n + d) * sizeof *in);
+    in[n + d] = h;
+    compare(L, made, "begin", OF_START, &k->begin, in, 0);
+    eval(&k->begin, in, in + n + d + 1);
+    in[n + d] = t;
+    in[y] = h;
+    compare(L, made, "start", OF_STATE, &k->start, in, 0);
+    compare(L, made, "scale", OF_STATE, &k->scale, in, 0);
+    eval(&k->start, in, x);
+    memcpy(in + y, x, m * sizeof *x);
+    in[y + m] = h;
+    compare(L, made, "equation", OF_ROOT, &k->equation, in, 0);
+    for (size_t i = 0; i < m; i++) in[y + i] += aside * (1 + fabs(x[i]));
+    compare(L, made, "equation", OF_ROOT, &k->equation, in, 1);
+    compare(L, made, "next", OF_ROOT, &k->next, in, 1);
+    compare(L, made, "inside", OF_ROOT, &k->inside, in, 1);
+    lua_pop(L, 2);
 }
 
 /* field `key` of the options at 1 as a function; it may be left out where `optional` */
@@ -218,31 +270,32 @@ static int step_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] =
-    {{"step", step_new,
-      "dm.step{equation=, next=, start=, unknowns=, order=, name=, parts=, begin=, inside=, "
-      "scale=, sums=} -> dm.rule\n"
-      "A rule from three functions, traced once for the system that it steps and solved in C: x, "
-      "of `unknowns` numbers, is the root of equation(y, x, h, m) = 0 that Newton's method finds "
-      "from start(y, h, m), to round-off and with the exact Jacobian; next(y, x, h, m) is the "
-      "state behind the step, { q =, p = }. y has q (an element on a group), p, t, and parts of "
-      "its own: parts = { { \"E\", 1 }, { \"F\", 3 } } are a number y.E and a vector y.F, which "
-      "begin(q, p, h, m) sets at the start, { E =, F = } (left out: 0), and next gives anew; what "
-      "it does not give stays. They are columns of paths and go into checkpoints. t grows by h "
-      "unless next gives it: the steps have a time of their own then. m has functions of the "
-      "system and their exact derivatives: L(q, v, t), L_q, L_v and H(q, p, t), H_q, H_p (of an L, "
-      "where it is quadratic in v); on groups v is xi and L_q the derivative along the body "
-      "velocity. inside(y, x, h, m) gives numbers that must be > 0 at the root, scale(y, h, m) the "
-      "sizes of what the unknowns are added to, where x is a small difference. With sums = true "
-      "next gives what the step adds to q (on a group: to `flat`, the coordinates of y.q that y "
-      "has too) and to p, and runs sum it to twice the digits. The declared order "
-      "is measured in the first run on a system, which raises where it is less; print(solver) says "
-      "what was found, or why nothing can be told (ends that differ by round-off, steps that do "
-      "not resolve the motion). It is that of steps of h, h/2 ... beside each other: that they "
-      "tend to the motion of the system, and no other, is what a chart shows. Such a rule runs, "
-      "looks for events, fills ensembles, goes on from checkpoints and "
-      "has a tangent map as any other."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"step", step_new,
+     "dm.step{equation=, next=, start=, unknowns=, order=, name=, parts=, begin=, inside=, "
+     "scale=, sums=} -> dm.rule\n"
+     "A rule from three functions, traced once for the system that it steps and solved in C: x, "
+     "of `unknowns` numbers, is the root of equation(y, x, h, m) = 0 that Newton's method finds "
+     "from start(y, h, m), to round-off and with the exact Jacobian; next(y, x, h, m) is the "
+     "state behind the step, { q =, p = }. y has q (an element on a group), p, t, and parts of "
+     "its own: parts = { { \"E\", 1 }, { \"F\", 3 } } are a number y.E and a vector y.F, which "
+     "begin(q, p, h, m) sets at the start, { E =, F = } (left out: 0), and next gives anew; what "
+     "it does not give stays. They are columns of paths and go into checkpoints. t grows by h "
+     "unless next gives it: the steps have a time of their own then. m has functions of the "
+     "system and their exact derivatives: L(q, v, t), L_q, L_v and H(q, p, t), H_q, H_p (of an L, "
+     "where it is quadratic in v); on groups v is xi and L_q the derivative along the body "
+     "velocity. inside(y, x, h, m) gives numbers that must be > 0 at the root, scale(y, h, m) the "
+     "sizes of what the unknowns are added to, where x is a small difference. With sums = true "
+     "next gives what the step adds to q (on a group: to `flat`, the coordinates of y.q that y "
+     "has too) and to p, and runs sum it to twice the digits. The declared order "
+     "is measured in the first run on a system, which raises where it is less; print(solver) says "
+     "what was found, or why nothing can be told (ends that differ by round-off, steps that do "
+     "not resolve the motion). It is that of steps of h, h/2 ... beside each other: that they "
+     "tend to the motion of the system, and no other, is what a chart shows. At the start of a run "
+     "traces are compared with plain calls; a q that is off its group by more than 1e-8 ends the "
+     "run. Such a rule looks for events, fills ensembles, goes on from checkpoints and "
+     "has a tangent map as any other."},
+    {NULL, NULL, NULL}};
 
 const dml_class dml_class_step = {
     .functions = functions,

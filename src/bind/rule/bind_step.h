@@ -17,6 +17,12 @@ void dml_step_order(lua_State *L, const dm_method *method, int members);
  * brackets; nothing of other methods than dm.step. */
 void dml_step_said(lua_State *L, const dm_method *method);
 
+/* Compare the traces of a dm.step with plain calls of its functions at the start of a run; at: what
+ * its `bring` left on the stack. Raises where they differ, as a trace does not see ==. Nothing of
+ * other methods. */
+void dml_step_compare(lua_State *L, int at, const dm_method *method, const double *state, double t,
+                      double h);
+
 /* Push the list of parts of the dm.rule at `object`, { name, count } each, or nil. */
 void dml_step_parts(lua_State *L, int object);
 

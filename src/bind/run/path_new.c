@@ -1,5 +1,5 @@
-/* path_new.c - dm.path{...}: a path from columns that were computed elsewhere. */
-#include "bind/run/bind_path.h"
+/* path_new.c - what paths say of themselves; dm.path{...}: one from columns computed elsewhere. */
+#include "bind/run/stepping.h"
 
 #include <string.h>
 
@@ -65,4 +65,15 @@ int dml_path_new(lua_State *L) {
     dml_pushmodel(L, 2);
     lua_setiuservalue(L, -2, DML_PATH_MODEL);
     return 1;
+}
+
+/* Before the first step; what a run finds out is filled in when it ends. */
+void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path) {
+    path->h = r->solver->h;
+    path->t0 = r->t0;
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    path->rule = lua_tostring(L, -1);
+    lua_setiuservalue(L, -2, DML_PATH_RULE);
+    lua_pushvalue(L, r->model_at);
+    lua_setiuservalue(L, -2, DML_PATH_MODEL);
 }

@@ -7,6 +7,7 @@
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
 #include "bind/rule/bind_rule.h"
+#include "bind/rule/bind_step.h"
 #include "bind/run/start_constraints.h"
 #include "bind/run/stepping_params.h"
 #include "bind/trace/bind_root.h"
@@ -66,9 +67,11 @@ static void take_memory(lua_State *L, dml_stepping *r) {
 }
 
 /* functions of the rule for this system; their kernels stay on the stack */
-static const void *bring(lua_State *L, const dml_stepping *r) {
+static const void *bring(lua_State *L, dml_stepping *r) {
     lua_getiuservalue(L, 1, DML_SOLVER_OBJECT);
-    return dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
+    const void *brought = dml_torule(L, -1)->bring(L, -1, r->system, backend_name(L), r->solver->h);
+    r->brought_at = lua_gettop(L);
+    return brought;
 }
 
 /* the library of sparse solvers, where it is asked for; values without mass do without */
@@ -118,17 +121,6 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .max_iterations = s->max_iterations};
     if (s->method->traits & DM_OF_FUNCTIONS) r->stepper.brought = bring(L, r);
     take_memory(L, r);
-}
-
-/* Before the first step; what a run finds out is filled in when it ends. */
-void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path) {
-    path->h = r->solver->h;
-    path->t0 = r->t0;
-    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
-    path->rule = lua_tostring(L, -1);
-    lua_setiuservalue(L, -2, DML_PATH_RULE);
-    lua_pushvalue(L, r->model_at);
-    lua_setiuservalue(L, -2, DML_PATH_MODEL);
 }
 
 /* Is option `key` of the table at 2 given? */
@@ -379,6 +371,7 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
     else
         start_momentum(L, r);
     if (r->wants & DM_WANT_MAP) dml_checkmap(L, r->system, r->model, r->state, 1, 0);
+    dml_step_compare(L, r->brought_at, r->solver->method, r->state, r->t0, r->solver->h);
     dml_stepping_open(L, r);
 }
 

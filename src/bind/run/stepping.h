@@ -48,6 +48,7 @@ typedef struct {
     dml_solver *solver; /* at stack index 1; the options are at 2 */
     dml_model *model;
     int system, model_at, block_at; /* stack indices; the last: the memory of the run */
+    int brought_at;                 /* and what a rule of functions brings */
     int numbers;                    /* parameters are not inputs (model_params.h) */
     dml_model *inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
     double *given;     /* (q, v, t, values) of it */

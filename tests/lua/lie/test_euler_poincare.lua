@@ -98,6 +98,20 @@ near(spun.p[1001]:norm(), spun.p[1]:norm(), 1e-13, "a free body stays on its sph
 raises("L is not invariant: at g = exp(", dm.euler_poincare, heavy)
 raises("H is not invariant: at g = exp(", dm.euler_poincare,
   dm.system { Q = G, H = function(R, P) return P[1] + R[1][1] end })
+-- far from the identity, too, along every axis
+for _, Q in ipairs { dm.SE(2), dm.SE(3), dm.Heisenberg(1) } do
+  raises("L is not invariant: at g = exp(x1 e1) exp(x2 e2) ...", dm.euler_poincare,
+    dm.system { Q = Q, L = function(g, x)
+      return x:dot(x) / 2 - dm.exp(-(Q:matrix(g)[1][Q:matrix(g).columns] - 15) ^ 2 / 8)
+    end })
+end
+for _, Q in ipairs { dm.SE(3), dm.SL(2), dm.GL(2) } do
+  local kept = dm.euler_poincare(dm.system { Q = Q, L = function(g, x)
+    local y = Q:Ad(Q:inverse(g), Q:Ad(g, x))
+    return y:dot(y) / 2
+  end })
+  ok(tostring(kept):find "system on", "invariant although it sees g: " .. tostring(Q))
+end
 raises("L depends on t", dm.euler_poincare,
   dm.system { Q = G, L = function(_, W, t) return W:dot(W) * (2 + t) end })
 raises("'l' must be a function of (xi [, a]), or 'h'", dm.euler_poincare, { group = G })
@@ -227,5 +241,16 @@ for why, wrong in pairs { ["linear in a"] = function(g, a) return g * (a + dm.ve
   ["a left action"] = function(g, a) return g:transpose() * a end } do
   raises(why, dm.euler_poincare, { group = G, l = slant, a = axis, advected = wrong })
 end
+raises("must have 3 entries (got 1)", dm.euler_poincare, { group = G, l = slant, a = axis,
+  advected = function(_, a) return { a[1] } end })
+local slow = carried:solver { rule = "lie(1)", h = 0.1 }
+raises("field 'a' must be 3 numbers (got 2)", slow.run, slow, { p = p0, a = { 1, 2 }, steps = 1 })
+raises("field 'a': entry 2 is", slow.run, slow, { p = p0, a = { 1, 0 / 0, 0 }, steps = 1 })
+local stretched = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1.1 } }
+local short = slow:run { p = p0, a = axis, steps = 1 }
+raises("no element of SO(3)", short.reconstruct, short, { q = stretched })
+ok(short:reconstruct { q = stretched, project = true }.q[1][3][3] == 1, "or the nearest one")
+raises("spatial velocity", dm.euler_poincare, dm.system { Q = G, trivialization = "right",
+  L = function(_, w) return w:dot(w) / 2 end })
 
 tap.done()

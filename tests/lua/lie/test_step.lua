@@ -150,7 +150,7 @@ raises("table { q =, p = }", finish, free, with("next", function(y) return y.q e
 raises("returned 'E', which is neither of q, p, t nor one of 'parts'", finish, free,
   with("next", function(y) return { q = y.q, p = y.p, E = 1 } end), 0.1, 1, spin)
 raises("must return", finish, free, with("equation", function() return { 1 } end), 0.1, 1, spin)
-raises("breaks a condition", finish, free, with("inside", function(_, x)
+raises("breaks condition 1 of 'inside'", finish, free, with("inside", function(_, x)
   return { 0.01 - x[3] }
 end), 0.1, 5, spin)
 

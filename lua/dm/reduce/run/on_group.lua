@@ -1,14 +1,16 @@
 --- Back to the group from a path of dm.euler_poincare.
 local core = require "dm.core"
 local option = require "dm.base.options"
+local place = require "dm.group.place"
 
 local M = {}
 
 --- The path over a reduced one that starts at the element q: g0 g_k, with the same momenta.
 function M.reconstruct(path, options)
   local own, what = path.system.place, "path:reconstruct"
-  option.check(options, { "q" }, what, "{ q = g0 }")
-  local g0 = own.flat(own.kit.element(option.need(options, "q", what, "the element at the start")))
+  option.check(options, { "q", "project" }, what, "{ q = g0 }")
+  local g0 = place.on_group(own, option.need(options, "q", what, "the element at the start"),
+    options.project)
   local columns, n, d = { path:column "t" }, own.size, own.dimension
   local q = {}
   for i = 1, n do q[i] = path:column("q" .. i) end
