@@ -218,6 +218,7 @@ static dm_status make_lines(const dm_model *m, dm_group *out, dm_tau tau, dm_com
     status = dm_graph_status(j.g);
     if (status == DM_OK)
         status = dm_group_map_make(&out->line, g, roots, 2 * d, n + d, d, compile, j.arena);
+    if (status == DM_OK) status = dm_joining_free(&j, out, compile);
     out->straight = status == DM_OK;
     return status;
 }

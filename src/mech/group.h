@@ -98,6 +98,9 @@ typedef struct dm_group {
     /* of curves tau(a V), velocity V where tau is exp; takes (q0[n], unused[d], V[d], t, a):
      * L_e, dL/dV [2d]; columns V */
     dm_group_map line;
+    /* the equation of such a curve where L does not see g; takes (V[d], mu[d], t, a, h): R =
+     * dL/dV - b, b = dtau_R(h V)^T mu [2d]; behind them dR/dV [d*d]; no outputs: not here */
+    dm_kernel free, free_matrix;
     dm_group_map pull; /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d]; columns (xi, mu) */
     dm_kernel finish;  /* as dm_chart_trace.end */
     dm_kernel change;  /* as dm_chart_trace.change; no outputs: none */

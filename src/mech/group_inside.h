@@ -54,6 +54,10 @@ dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, const uint32_t 
                             uint32_t bodies, dm_compile *compile);
 dm_status dm_joining_change(const dm_joining *j, dm_kernel *out, dm_compile *compile);
 
+/* The kernels dm_group.free of a straight curve whose slopes are found, where L does not see the
+ * element. */
+dm_status dm_joining_free(const dm_joining *line, dm_group *out, dm_compile *compile);
+
 /* ---- group_bodies.c ---- */
 
 /* Which body each coordinate belongs to, so that kernels of equal bodies are made once. */

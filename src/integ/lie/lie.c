@@ -67,7 +67,7 @@ size_t dm_lie_lay_out(dm_lie *e, uint32_t lanes, double *memory) {
     e->mu_V = dm_layout_take(&to, d * m * w);
     e->row = dm_layout_take(&to, m * w);
     e->sees = dm_layout_take(&to, d * w);
-    e->in = dm_layout_take(&to, (n + 2 * d) * w);
+    e->in = dm_layout_take(&to, (n + 2 * d + 3) * w);
     e->pull = dm_layout_take(&to, d * (2 * d + 1) * w);
     e->pulled = dm_layout_take(&to, d * w);
     e->end = dm_layout_take(&to, (n + d + arcs) * w);
@@ -134,6 +134,8 @@ void dm_lie_choose(dm_lie *e, const dm_group *group, uint32_t lanes) {
     dm_group_map_prepare(e->at, lanes, e->curve);
     prepare(&group->pull.plain, lanes, e->pulled);
     dm_group_map_prepare(&group->pull, lanes, e->pull);
+    e->is_free = e->s == 1 && e->r == 1 && group->free.outputs;
+    if (e->is_free) prepare(&group->free_matrix, lanes, e->pull);
     prepare(e->last, lanes, e->end);
 }
 

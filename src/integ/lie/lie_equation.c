@@ -7,6 +7,7 @@
 /* One velocity and one point of three coordinates: sizes that are constants leave straight code
  * (lie(1) of a free body in docs/benchmarks/groups.md). */
 static double find_short(const dm_lie *e, double *R, double *J, const double *velocities) {
+    if (e->is_free) return find_free_equation(e, 3, R, J, velocities);
     dm_lie one = *e;
     one.d = one.m = 3;
     one.s = one.r = 1;

@@ -14,6 +14,7 @@ typedef struct {
     const dm_model *model;
     const dm_group *group;
     uint32_t n, d, s, r, m;
+    int is_free;                  /* by dm_group.free */
     double t, *h;                 /* of this step; h [1] */
     double *a, *D, *b, *c, *beta; /* [r*s], [r*s], [r], [r], [s]: coefficients */
     double *state;                /* of the run: q[n], p[n] ... */
@@ -30,7 +31,7 @@ typedef struct {
     double *row;                  /* [m] a row of the matrix of b */
     uint32_t *seeing;             /* [d] entries of mu that see V in some lane, */
     double *sees;                 /* [d] and in which: not 0 */
-    double *in;                   /* [n + 2d] inputs of pull and finish */
+    double *in;                   /* [n + 2d + 3] inputs of pull, finish and free */
     double *pull;                 /* [d (2d + 1)] */
     double *pulled;               /* [d] */
     double *end;                  /* [n + d + arcs] */

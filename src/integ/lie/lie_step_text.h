@@ -21,21 +21,35 @@ INLINE V ahead_of(V count, int k) {
     return w;
 }
 
+/* V[i] of step k before the last one */
+INLINE const double *kept_of(const dm_lie *e, int k, uint32_t i) {
+    return e->memory + (2 + (size_t)k * e->m + i) * W;
+}
+
+/* V by the polynomial through all the steps that are kept, of every lane */
+INLINE void extend_all(const dm_lie *e) {
+    for (uint32_t i = 0; i < e->m; i++) {
+        V x = {0};
+        for (int k = 0; k < DM_LIE_KEPT; k++)
+            x += DM_LIE_AHEAD[DM_LIE_KEPT - 1][k] * load(kept_of(e, k, i));
+        store(e->V + i * W, x);
+    }
+}
+
 /* V by the polynomial through the last steps, node by node; the lanes that have some */
 INLINE I guess_ahead(const dm_lie *e) {
     const V count = load(e->memory);
     const I has = WHERE(count > (V){0}) & WHERE(load(e->memory + W) == load(e->h));
     if (!some(has)) return has;
-    const int full = !some(not_of(has & WHERE(count == (double)DM_LIE_KEPT)));
-    V w[DM_LIE_KEPT];
-    for (int k = 0; k < DM_LIE_KEPT; k++)
-        w[k] = full ? same(DM_LIE_AHEAD[DM_LIE_KEPT - 1][k]) : ahead_of(count, k);
+    if (!some(not_of(has & WHERE(count == (double)DM_LIE_KEPT)))) {
+        extend_all(e);
+        return has;
+    }
     for (uint32_t i = 0; i < e->m; i++) {
         V x = {0};
         for (int k = 0; k < DM_LIE_KEPT; k++) {
-            const V before = load(e->memory + (2 + (size_t)k * e->m + i) * W),
-                    y = x + w[k] * before;
-            x = full ? y : pick(has & WHERE(count > (double)k), y, x);
+            const V y = x + ahead_of(count, k) * load(kept_of(e, k, i));
+            x = pick(has & WHERE(count > (double)k), y, x);
         }
         store(e->V + i * W, x);
     }

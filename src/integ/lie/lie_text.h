@@ -80,11 +80,38 @@ INLINE V find_momentum(const dm_lie *e, uint32_t k) {
     return p + (load(e->state + (3 * e->n + k) * W) + gain);
 }
 
+INLINE void find_momenta(const dm_lie *e, uint32_t d) {
+    for (uint32_t k = 0; k < d; k++) store(e->mu + k * W, find_momentum(e, k));
+}
+
+/* That of one velocity and one point where L does not see g; d of *e, a constant where it is
+ * known. */
+INLINE V find_free_equation(const dm_lie *e, uint32_t d, double *R, double *J,
+                            const double *velocities) {
+    const V h = load(e->h);
+    const double *b = e->pull + d * W;
+    double *last = e->in + 2 * d * W;
+    V largest = {0};
+    clear(e->gain, d);
+    find_momenta(e, d);
+    copy_lanes(e->in, velocities, d);
+    copy_lanes(e->in + d * W, e->mu, d);
+    store(last, e->t + e->c[0] * h);
+    store(last + W, place_of(h * e->a[0]));
+    store(last + 2 * W, h);
+    dm_kernel_eval(J ? &e->group->free_matrix : &e->group->free, e->in, e->pull);
+    copy_lanes(R, e->pull, d);
+    if (J) copy_lanes(J, e->pull + 2 * d * W, d * d);
+    for (uint32_t k = 0; k < d; k++) largest = larger_of(magnitude(load(b + k * W)), largest);
+    return 2.0 * largest;
+}
+
 /* R[m] at V[m], unless J is NULL the matrix J[m*m], and P and p0 + P; the size of the largest
  * term. */
 INLINE V find_equation(const dm_lie *e, double *R, double *J, const double *velocities) {
     const uint32_t d = e->d, m = e->m;
     V largest = {0};
+    if (e->is_free) return find_free_equation(e, d, R, J, velocities);
     clear(R, m);
     clear(e->sizes, m);
     clear(e->gain, d);
@@ -94,7 +121,7 @@ INLINE V find_equation(const dm_lie *e, double *R, double *J, const double *velo
         place_point(e, i, velocities);
         add_point(e, R, J, i, eval_map(e, e->at, e->x, e->slope, J ? e->curve : NULL));
     }
-    for (uint32_t k = 0; k < d; k++) store(e->mu + k * W, find_momentum(e, k));
+    find_momenta(e, d);
     subtract_end(e, R, pull_end(e, velocities, J != NULL));
     if (J) subtract_end_curves(e, J);
     for (uint32_t k = 0; k < m; k++) largest = larger_of(load(e->sizes + k * W), largest);
