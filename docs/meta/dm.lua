@@ -171,14 +171,17 @@ local dm_box_run_class = {}
 ---@return string
 function dm_box_run_class:animate(file, options) end
 
----run:balance("energy" | "momentum" | "multisymplectic") -> number
+---run:balance("energy" | "momentum" | "multisymplectic") -> number[, number]
 ---
 ---The largest residual, over all boxes, of a local law D_t(density) + D_x(flux) = 0. With m the mean
 ---over a box and D the differences: energy has the density S(m z) - <m z, K D_x z>/2 and the flux
 ---<m z, K D_t z>/2; momentum exchanges M and K, density and flux; multisymplectic: <v, M w> and
 ---<v, K w> of two first variations, random at the start (Bridges, Reich 2001). Round-off for quadratic
----S, multisymplectic for every S; the others have order 2.
+---S, multisymplectic for every S; the others have order 2. The second number of "multisymplectic" is
+---the largest sum of its terms without signs: round-off is some 1e-16 of it, which is large where
+---variations grow.
 ---@param energy? any
+---@return number
 ---@return number
 function dm_box_run_class:balance(energy) end
 
@@ -4520,14 +4523,14 @@ function dm_strip_class:energies(options) end
 ---@return boolean
 function dm_strip_class:follows(f) end
 
----strip:limit(u, least, most) -> number
+---strip:limit(u, unit) -> number
 ---
----The height at which the fastest oscillation about u begins to grow.
+---The height at which the fastest oscillation about u begins to grow, looked for around unit.
+----1: none is seen, and the kinetic energy is of both signs.
 ---@param u? any
----@param least? any
----@param most? any
+---@param unit? any
 ---@return number
-function dm_strip_class:limit(u, least, most) end
+function dm_strip_class:limit(u, unit) end
 
 ---strip:momenta(lower, upper, t, h) -> dm.vector
 ---

@@ -43,16 +43,19 @@ end
 
 local differences = M.differences
 
+local CLOSED = 1e-9 -- of its terms: a sum round the ring that is 0
+
 -- K[r][c] D_x z_c = S_r - ...: a sum along the ring; what it gains is its slope
 local function integrate(boxes, r, c, known)
-  local out, slopes, total = core.zeros(boxes.cells), {}, 0
+  local out, slopes, total, terms = core.zeros(boxes.cells), {}, 0, 0
   for i = 1, boxes.cells do
-    slopes[i] = (boxes.gradient(mean(boxes, known, i))[r] - differences(boxes, r, known, i))
-      / boxes.K[r][c]
+    local S_r, D = boxes.gradient(mean(boxes, known, i))[r], differences(boxes, r, known, i)
+    slopes[i] = (S_r - D) / boxes.K[r][c]
     total = total + slopes[i]
+    terms = terms + (math.abs(S_r) + math.abs(D)) / math.abs(boxes.K[r][c])
   end
   local slope = total / boxes.cells
-  if not boxes.gain[c] and math.abs(slope) * (boxes.to - boxes.from) > 1e-9 then
+  if not boxes.gain[c] and math.abs(total) > CLOSED * terms then
     option.fail(WHERE, "'%s' gains %.6g round the ring: name it in gain = { \"%s\" }",
       boxes.names[c], total * boxes.dx, boxes.names[c])
   end
@@ -61,13 +64,20 @@ local function integrate(boxes, r, c, known)
   return out
 end
 
--- S_r(z) = differences, for the mean of z_c in box i: Newton's method from 0
+-- S_r(z) = differences, for the mean of z_c in box i: Newton's method from 0, until a step is
+-- round-off of the row's terms
 local function solve_mean(boxes, r, c, known, i)
   local z, wanted = mean(boxes, known, i), differences(boxes, r, known, i)
+  local last = math.huge
   for _ = 1, 50 do
-    local step = (boxes.gradient(z)[r] - wanted) / boxes.hessian(z)[r][c]
+    local slopes, terms = boxes.hessian(z)[r], math.abs(wanted)
+    local step = (boxes.gradient(z)[r] - wanted) / slopes[c]
+    if not (math.abs(step) < math.huge) then break end
     z[c] = z[c] - step
-    if math.abs(step) <= 1e-15 * (1 + math.abs(z[c])) then return z[c] end
+    for k = 1, boxes.d do terms = terms + math.abs(slopes[k] * z[k]) end
+    local size, moved = terms / math.abs(slopes[c]), math.abs(step)
+    if moved <= 1e-15 * size or moved > 0.5 * last and moved <= 1e-12 * size then return z[c] end
+    last = moved
   end
   option.fail(WHERE, "'%s' does not follow from row %d without z_t at node %d: give it in z",
     boxes.names[c], r, i)

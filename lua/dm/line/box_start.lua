@@ -16,6 +16,7 @@ local M = {}
 local WHERE = "solver:run"
 local FAR = 0.25  -- of its size: what a component may be moved by
 local SAME = 1e-9 -- of its size: what is not worth telling
+local CLOSED = 1e-9 -- of its terms: a sum round the ring that is 0
 local BOUND = 1e-8 -- of its terms: by how much a row without z_t may be off
 
 -- adds slope (x - from) at all nodes
@@ -58,16 +59,21 @@ end
 -- y grad S(0), without which no level above exists
 local function fit_slope(boxes, gauge, known, h)
   local sum, at = boxes.gradient(core.zeros(boxes.d)):dot(gauge.y), nil
+  local terms = math.abs(sum)
+  local function add(x, size) sum, terms = sum + x, terms + size end
   for c = 1, boxes.d do
     local pulled = 0
     for r = 1, boxes.d do pulled = pulled + gauge.y[r] * boxes.K[r][c] end
-    if known[c] then sum = sum + 2 / h * gauge.pull[c] * known[c]:sum() / boxes.cells end
+    local pull = 2 / h * gauge.pull[c]
+    local values, n = known[c], boxes.cells
+    if values then add(pull * values:sum() / n, math.abs(pull) * values:norm() / math.sqrt(n)) end
     if boxes.gain[c] and pulled ~= 0 then at = { c = c, pulled = pulled } end
-    if boxes.slope[c] and not (at and at.c == c) then sum = sum - pulled * boxes.slope[c] end
+    local gained = boxes.slope[c] and not (at and at.c == c) and pulled * boxes.slope[c] or 0
+    add(-gained, math.abs(gained))
   end
   if at then
     boxes.slope[at.c] = sum / at.pulled
-  elseif math.abs(sum) > 1e-9 then
+  elseif math.abs(sum) > CLOSED * terms then
     option.fail(WHERE, "the start has no level above it: its means are off by %.3g; a component "
       .. "that gains a constant round the ring is to be named in 'gain', or h is at a resonance of "
       .. "the boxes: take another h", sum)

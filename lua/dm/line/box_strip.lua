@@ -41,9 +41,9 @@ function M.follow(solver)
   for k, gauge in ipairs(solver.gauges) do solver.held[k] = boxes.names[gauge.held] end
 end
 
--- M D_t m_x z + K D_x m_t z - grad S(m z), as a function for core.strip
-local function equations(boxes, slope)
-  local d, dx = boxes.d, boxes.dx
+-- M D_t m_x z + K D_x m_t z - grad S(m z), each row times its weight, as a function for core.strip
+local function equations(boxes, slope, h)
+  local d, dx, weights = boxes.d, boxes.dx, algebra.weights(boxes, h)
   return function(lower, upper, _, clock)
     local a, b = lists.part(lower, 0, d), lists.part(lower, d, d)
     local c, e = lists.part(upper, 0, d), lists.part(upper, d, d)
@@ -53,7 +53,7 @@ local function equations(boxes, slope)
     for i = 1, d do
       local lifted = row_times(boxes.M, i, zt) + row_times(boxes.K, i, zx) - gradient[i]
       for k, s in pairs(slope) do lifted = lifted + boxes.K[i][k] * s end
-      out[i] = lifted
+      out[i] = weights[i] * lifted
     end
     return out
   end
@@ -64,8 +64,8 @@ function M.new(solver, slope)
   local boxes = solver.boxes
   local held = core.zeros(boxes.cells * boxes.d)
   for _, gauge in ipairs(solver.gauges) do held[gauge.held] = 1 end
-  return core.strip(equations(boxes, slope), { values = boxes.d, cells = boxes.cells, ring = true,
-    boxes = true, held = held, absorbs = { 0, 0 },
+  return core.strip(equations(boxes, slope, solver.h), { values = boxes.d, cells = boxes.cells,
+    ring = true, boxes = true, held = held, absorbs = { 0, 0 },
     place = core.zeros(boxes.cells) })
 end
 

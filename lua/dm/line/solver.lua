@@ -302,10 +302,14 @@ function M.limit(field, rule, options)
     option.fail(where, "L is not the same for -ut (gyroscopic terms): oscillations (-1)^k v do "
       .. "not tell its limit")
   end
-  local least = 1e-6 * field.dx
-  local limit = strip:limit(u, least, 1e12 * field.dx)
+  local limit = strip:limit(u, field.dx)
+  if limit < 0 then
+    option.fail(where, "the kinetic energy at this u is of both signs, and its waves may grow in "
+      .. "pairs at a height that this does not see: try runs")
+  end
   if limit ~= limit then
-    option.fail(where, "d2L/dut2 is degenerate at this u: there is no kinetic energy to tell by%s",
+    option.fail(where, "d2L/dut2 is degenerate at this u, or has zeros on its diagonal: there is "
+      .. "no kinetic energy to tell by%s",
       #points.points == 1 and "; one point a cell does not see that of u = (-1)^i on open lines "
         .. "and on rings of an even number of cells: take cell(gauss(2)), or an odd ring" or "")
   end

@@ -288,14 +288,14 @@ static int strip_energies(lua_State *L) {
     return 2;
 }
 
-/* stack: strip, level, least, most */
+/* stack: strip, level, unit */
 static int strip_limit(lua_State *L) {
     dml_strip *d = dml_checkstrip(L);
-    lua_settop(L, 4);
+    lua_settop(L, 3);
     const double *u = dml_numbersat(L, 2, "the level", (int32_t)dm_strip_unknowns(&d->strip));
-    const double least = luaL_checknumber(L, 3), most = luaL_checknumber(L, 4);
+    const double unit = luaL_checknumber(L, 3);
     dml_strip_wanthessian(L, d);
-    lua_pushnumber(L, dm_strip_limit(&d->room, u, least, most));
+    lua_pushnumber(L, dm_strip_limit(&d->room, u, unit));
     return 1;
 }
 
@@ -362,8 +362,9 @@ static const dml_row methods[] =
      {"energies", strip_energies,
       "strip:energies{u=, t=} -> dm.vector, dm.vector\n-dS/dh and dS/dt of every slab."},
      {"limit", strip_limit,
-      "strip:limit(u, least, most) -> number\n"
-      "The height at which the fastest oscillation about u begins to grow."},
+      "strip:limit(u, unit) -> number\n"
+      "The height at which the fastest oscillation about u begins to grow, looked for around "
+      "unit.\n-1: none is seen, and the kinetic energy is of both signs."},
      {"follows", strip_follows,
       "strip:follows(f) -> boolean\n"
       "Does f, traced again, do what the function did that the strip was made of?"},

@@ -9,6 +9,8 @@
 #include <string.h>
 
 enum { HALVINGS = 60 };
+static const double SMALLER = 1e-6; /* heights that are tried, from one to the next */
+static const double RANGE = 1e24;   /* of heights, beside the width of a cell */
 
 /* the form in the band of A, upper and lower part; held unknowns and their rows are those of 1. In
  * r the sum of the sizes of what was added up in each row, from which its round-off comes. */
@@ -86,20 +88,39 @@ static int is_kinetic(dm_strip_room *room, double h) {
     return 1;
 }
 
+/* A height of `unit` or below at which the form is that of the kinetic energy: it grows as 1/h, and
+ * its signature stays. 0: there is none. */
+static double find_small(dm_strip_room *room, double unit, long *kinetic) {
+    for (double h = SMALLER * unit; h > unit / RANGE; h *= SMALLER) {
+        if (!is_kinetic(room, h)) continue;
+        *kinetic = signature(room, h);
+        if (*kinetic >= 0 && signature(room, 0.5 * h) == *kinetic) return h;
+    }
+    return 0.0;
+}
+
+/* Is the kinetic energy of both signs? Oscillations of either may then become motions in pairs that
+ * leave the signature as it is. */
+static int is_mixed(const dm_strip *s, long kinetic) {
+    long all = 0;
+    for (uint32_t u = 0; u < dm_strip_unknowns(s); u++) all += !s->held[u];
+    return kinetic > 0 && kinetic < all;
+}
+
 /* Up by half as much again until the signature changes, then bisection to round-off. Where the form
  * is left with round-off alone, as of rules that do not see potentials in (-1)^k, it never does: no
  * height is too large. */
-double dm_strip_limit(dm_strip_room *room, const double *u, double least, double most) {
+double dm_strip_limit(dm_strip_room *room, const double *u, double unit) {
     dm_strip_put(room, 0, u);
     dm_strip_put(room, dm_cell_upper(&room->strip->layout, 0), u);
     dm_strip_set(room, DM_STRIP_TIME, 0.0);
-    if (!is_kinetic(room, least)) return NAN;
-    const long kinetic = signature(room, least);
-    double low = least, high = least;
+    long kinetic = 0;
+    double low = find_small(room, unit, &kinetic), high = low;
+    if (low == 0.0) return NAN;
     long now = kinetic;
-    if (kinetic < 0 || signature(room, 0.5 * least) != kinetic) return NAN;
-    while (high < most && now == kinetic) low = high, high *= 1.5, now = signature(room, high);
-    if (high >= most || now < 0) return INFINITY;
+    while (high < RANGE * unit && now == kinetic)
+        low = high, high *= 1.5, now = signature(room, high);
+    if (now == kinetic || now < 0) return is_mixed(room->strip, kinetic) ? -1.0 : INFINITY;
     for (int k = 0; k < HALVINGS && high - low > 1e-15 * high; k++) {
         const double middle = 0.5 * (low + high);
         if (signature(room, middle) == kinetic)

@@ -74,8 +74,9 @@ double dm_strip_residual(dm_strip_room *room, const dm_strip_levels *along, cons
                          double area, double *size);
 
 /* The height at which the fastest oscillation about the level u begins to grow: where
- * S_ll + S_uu - S_lu - S_ul, lower and upper level being u, changes its signature. INFINITY: none
- * below `most`; NaN: the form is degenerate for small heights. */
-double dm_strip_limit(dm_strip_room *room, const double *u, double least, double most);
+ * S_ll + S_uu - S_lu - S_ul, lower and upper level being u, changes its signature; heights are
+ * looked at around `unit`. INFINITY: none; -1: none is seen, and the kinetic energy is of both
+ * signs; NaN: the form is degenerate for small heights. */
+double dm_strip_limit(dm_strip_room *room, const double *u, double unit);
 
 #endif

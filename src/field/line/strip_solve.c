@@ -10,7 +10,7 @@ static const double SLOW = 0.1;         /* rate that calls for a new matrix */
 static const double ROUND_OFF = 4e-15;  /* an increment that small is the last */
 static const double NEGLIGIBLE = 1e-17; /* error left that is not worth an iteration */
 static const double STALLED = 1e-11;    /* an increment that small may be all noise */
-static const double LEFT = 2e-14;       /* of the terms of the residual: so may a residual */
+static const double LEFT = 2e-14;       /* of the terms of the residual: so may what is left */
 static const double LARGEST = 1e13;     /* a column over its pivot: it has none but round-off */
 static const double SMALL = 1e-3;       /* of the largest value: the least scale of another */
 static const double STRETCH = 1.5;      /* of the height, in one iteration at most */
@@ -70,7 +70,8 @@ static void add_block(dm_strip_room *room, uint32_t c, uint32_t count, int matri
         for (uint32_t i = 0; i < count; i++) add_rows(room, c + i, i, n, rows, matrix);
 }
 
-/* Rows and values that are held: the row of 1, nothing to do. */
+/* Rows and values that are held: row and column of 1, nothing to do. Without its column the pivots
+ * would mix that 1 with entries of L's own size. */
 static void hold(dm_strip_room *room, int matrix) {
     const dm_strip *s = room->strip;
     const uint32_t n = s->layout.values, w = room->band.width;
@@ -81,8 +82,10 @@ static void hold(dm_strip_room *room, int matrix) {
         if (!matrix) continue;
         const uint32_t first = row > w ? row - w : 0;
         const uint32_t last = row + w < room->band.n ? row + w : room->band.n - 1;
-        for (uint32_t j = first; j <= last; j++)
+        for (uint32_t j = first; j <= last; j++) {
             room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, j)] = j == row;
+            room->A[dm_band_row(&room->band, j) + dm_band_column(&room->band, row)] = j == row;
+        }
     }
 }
 
@@ -174,13 +177,44 @@ static void find_increment(dm_strip_room *room) {
     dm_band_solve(room->dx, room->A, room->pivot, &room->band, room->scratch);
 }
 
-/* Is x + dx the root to round-off, or all that can be had? `left`: the residual in units of its
- * terms. */
-static int is_last(double step, double last, int fresh, double left) {
+/* Is the residual of cell i of the block at c no more than round-off of the terms of its rows,
+ * |A| (|upper| + |lower|)? The buffer holds residual and matrix. */
+static int is_left_in(const dm_strip_room *room, uint32_t c, uint32_t i) {
+    const dm_strip *s = room->strip;
+    const uint32_t n = s->layout.values, rows = dm_strip_rows(s);
+    const double *A = room->buffer + i + (size_t)rows * DM_CELL_BLOCK;
+    for (uint32_t a = 0; a < rows; a++) {
+        double terms = 0.0;
+        for (uint32_t b = 0; b < 2 * n; b++, A += DM_CELL_BLOCK) {
+            const double *lower = room->memory + dm_cell_lower(&s->layout, b % n) + c + i + b / n,
+                         *upper = room->memory + dm_cell_upper(&s->layout, b % n) + c + i + b / n;
+            terms += fabs(*A) * (fabs(*upper) + fabs(*lower));
+        }
+        const int held = s->held[(size_t)(c + i) * n + a];
+        if (!held && !(fabs(room->buffer[(size_t)a * DM_CELL_BLOCK + i]) <= LEFT * terms)) return 0;
+    }
+    return 1;
+}
+
+/* Is what is left round-off? A row of boxes is a whole equation, in units of its own. */
+static int is_left(dm_strip_room *room, double residual) {
+    const dm_strip *s = room->strip;
+    if (!s->boxes) return residual <= LEFT * room->terms;
+    for (uint32_t c = 0; c < s->cells; c += DM_CELL_BLOCK) {
+        const uint32_t count = s->cells - c < DM_CELL_BLOCK ? s->cells - c : DM_CELL_BLOCK;
+        dm_cell_map_run(&s->tangent, room->memory, room->scalars, room->buffer, c, count);
+        for (uint32_t i = 0; i < count; i++)
+            if (!is_left_in(room, c, i)) return 0;
+    }
+    return 1;
+}
+
+/* Is x + dx, which stands there, the root to round-off, or all that can be had? */
+static int is_last(dm_strip_room *room, double step, double last, int fresh, double residual) {
     const double rate = last < INFINITY ? step / last : fresh ? SLOW : 1.0;
     if (step <= ROUND_OFF && (fresh || rate < SLOW)) return 1;
     if (rate < SLOW && step * rate <= NEGLIGIBLE) return 1;
-    return rate > 0.5 && (step <= STALLED || left <= LEFT);
+    return rate > 0.5 && (step <= STALLED || is_left(room, residual));
 }
 
 /* An increment that makes the residual larger is halved, a few times. */
@@ -211,7 +245,7 @@ static dm_status solve_level(dm_strip_room *room, dm_strip_report *report) {
         find_increment(room);
         const double step = advance(room, 1.0);
         if (!isfinite(step)) return DM_NOT_FINITE;
-        if (is_last(step, last, fresh, report->residual / room->terms)) return DM_OK;
+        if (is_last(room, step, last, fresh, report->residual)) return DM_OK;
         if (step > last && fresh && step > STALLED) status = damp(room, &report->residual);
         if (status != DM_OK) return status;
         fresh = step > SLOW * last;

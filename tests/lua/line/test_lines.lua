@@ -56,6 +56,17 @@ end
 raises("one point a cell does not see", function() dm.field { x = { 0, 1, 24, periodic = true }, L = function(_, ut, ux) return (ut ^ 2 - ux ^ 2) / 2 end }:stability_limit "cell(gauss(1))" end)
 near(open:stability_limit(), math.sqrt(2 * (4 + 2 * c29) / (2 - 2 * c29)) / 30, 1e-12, "fixed ends lack the shortest wave")
 
+-- in any units: c = 3e8 (L is all potential to round-off), 1e-12; of two fields the fast one
+for _, c in ipairs { 3e8, 1e-12 } do
+  local light = dm.field { x = { 0, 1, 24, periodic = true }, L = function(_, ut, ux) return (ut ^ 2 - c ^ 2 * ux ^ 2) / 2 end }
+  near(light:stability_limit() * c * 24, 1, 1e-12, ("waves of speed %g"):format(c))
+  local run = light:solver { h = 1 / (48 * c) }:run { u = function(x) return cos(2 * pi * x) end, steps = 48 }
+  near(run.u[49][1], standing("cell(gauss(2))", 24, 1, 0.5, 48).u[49][1], 1e-12, ("and a run of %g"):format(c))
+end
+local both = dm.field { x = { 0, 1, 24, periodic = true }, values = 2, L = function(_, ut, ux) return (ut:dot(ut) - 1e16 * ux[1] ^ 2 - ux[2] ^ 2) / 2 end }
+near(both:stability_limit() * 24e8, 1, 1e-12, "two speeds")
+raises("of both signs", function() dm.field { x = { 0, 1, 24, periodic = true }, values = 2, L = function(_, ut, ux) return ut[1] ^ 2 - ux[1] ^ 2 - ut[2] ^ 2 + ux[2] ^ 2 end }:stability_limit() end)
+
 ---- kinks ----
 
 local g = 1 / math.sqrt(0.75)
@@ -111,6 +122,16 @@ local zero_steps = wave:run { u = bump, ut = zero, steps = 0 }
 ok(#zero_steps == 1 and zero_steps.energy[1] == every.energy[1], "no step: the start, with its energy")
 local reversed = wave:run { u = every.u[51], p = -every.p[51], steps = 50 }
 near(largest(reversed.u[51] - every.u[1]), 0, 1e-12, "and back again")
+
+-- L in other units: the same field, to the bit where the unit is a power of two
+for _, free in ipairs { "none", "x", "t" } do
+  local function scaled(c)
+    return dm.field { x = { 0, 1, 6 }, fixed = "ends", L = function(u, ut, ux) return c * (ut ^ 2 - ux ^ 2 - u ^ 4) end }
+      :solver { h = 0.05, free = free ~= "none" and free or nil }:run { u = function(x) return sin(3 * x) end, ut = 1, steps = 4 }
+  end
+  local one = scaled(1).u
+  ok(scaled(2.0 ^ 100).u == one and scaled(2.0 ^ -100).u == one, "L in units of 2^100 and 2^-100, free = " .. free)
+end
 
 ---- several values, explicit x and t, first order in time ----
 
