@@ -17,7 +17,7 @@ typedef struct {
     const dm_curve *c;
     const dm_curve_recipe *r;
     size_t n;
-    uint32_t h, p1, p0, share, direction, held; /* inputs */
+    uint32_t h, p1, p0, share, direction, held, along_by; /* inputs */
     uint32_t inputs;
     dm_quadrature gauss;
     dm_node
@@ -41,10 +41,10 @@ static size_t most_directions(const dm_curve_recipe *r) {
     return (size_t)most;
 }
 
-/* Those of the field, h, both momenta, shares; formal directions and formal work, which no caller
- * sets. */
+/* Those of the field, h, both momenta, shares; formal directions, formal work and a way along a
+ * direction, which no caller sets. */
 size_t dm_written_inputs(const dm_curve *c, const dm_model *m) {
-    const size_t n = m->n, formal = 2 * n * most_directions(c->recipe) + n * gauss_nodes(c);
+    const size_t n = m->n, formal = 2 * n * most_directions(c->recipe) + n * gauss_nodes(c) + 1;
     return dm_field_inputs(m) + 1 + 2 * n + (size_t)c->substeps + formal;
 }
 
@@ -78,20 +78,22 @@ static void put(const writer *b, dm_node *out, const dm_node *roots, size_t coun
     dm_substitute(b->d.g, roots, (uint32_t)count, b->with, out);
 }
 
-/* out[n] = the derivative of f[n] along the formal direction of that number */
-static dm_status differentiate(const writer *b, dm_node *out, const dm_node *f, size_t which) {
-    const size_t n = b->n, N = 2 * n;
-    dm_node *J = take(b, n * N);
-    if (!J) return DM_NO_MEMORY;
-    dm_jacobian(b->d.g, f, (uint32_t)n, 0, (uint32_t)N, J);
-    for (size_t i = 0; i < n; i++) {
-        out[i] = 0;
-        for (size_t j = 0; j < N; j++) {
-            const dm_node u = dm_input(b->d.g, b->direction + (uint32_t)(which * N + j));
-            out[i] = dm_defect_add(b->d.g, out[i], J[i * N + j], u);
-        }
+/* out[n] = d/ds f[n](y + s u) at s = 0, u the formal direction of that number: one sweep, where
+ * the Jacobian would need one for each entry of y and its derivatives N times as many nodes */
+static void differentiate(const writer *b, dm_node *out, const dm_node *f, size_t which) {
+    const uint32_t n = (uint32_t)b->n, N = 2 * n, s = b->along_by;
+    dm_graph *g = b->d.g;
+    stand(b);
+    for (uint32_t j = 0; j < N; j++) {
+        const dm_node u = dm_input(g, b->direction + (uint32_t)which * N + j);
+        b->with[j] = dm_add(g, dm_input(g, j), dm_mul(g, dm_input(g, s), u));
     }
-    return DM_OK;
+    dm_substitute(g, f, n, b->with, b->asked);
+    dm_jacobian(g, b->asked, n, s, 1, out);
+    memcpy(b->asked, out, n * sizeof *out);
+    stand(b);
+    b->with[s] = dm_constant(g, 0.0);
+    dm_substitute(g, b->asked, n, b->with, out);
 }
 
 /* w of the equations, put into the work; the acceleration and its derivatives */
@@ -104,7 +106,8 @@ static dm_status solve_field(writer *b) {
     for (size_t i = 1; status == DM_OK && i <= most; i++) {
         b->along[i] = take(b, n);
         if (!b->along[i]) return DM_NO_MEMORY;
-        status = differentiate(b, b->along[i], b->along[i - 1], i - 1);
+        differentiate(b, b->along[i], b->along[i - 1], i - 1);
+        status = dm_graph_status(b->d.g);
     }
     if (status != DM_OK || !b->d.push) return status;
     b->push = take(b, n);
@@ -319,6 +322,7 @@ static void place_inputs(writer *b, dm_written *out) {
     b->share = (uint32_t)out->share;
     b->direction = b->share + (uint32_t)b->c->substeps;
     b->held = b->direction + (uint32_t)(2 * b->n * most_directions(b->r));
+    b->along_by = b->held + (uint32_t)(b->n * gauss_nodes(b->c));
 }
 
 /* All three or none. */

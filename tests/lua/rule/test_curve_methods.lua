@@ -175,4 +175,39 @@ end)
 local steep = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.exp(q[1]) end }
 local _, failure = pcall(function() return steep:solver { rule = dm.curve { method = taylor(3) }, h = 2 }:run { q = { -9 }, v = { 0 }, steps = 1000 } end)
 ok(failure.code ~= nil and #failure.path == failure.step, "steps too large: a failure with the path", failure)
+
+-- rotations in quaternions and matrices: derivatives along a direction are one sweep, not a Jacobian at each level
+local function spin(q, v)
+  return q[1] * v[2] - q[2] * v[1] - q[3] * v[4] + q[4] * v[3], q[1] * v[3] - q[3] * v[1] - q[4] * v[2] + q[2] * v[4],
+    q[1] * v[4] - q[4] * v[1] - q[2] * v[3] + q[3] * v[2]
+end
+local function columns_apart(q)
+  local out = {}
+  for i = 0, 6, 3 do
+    for j = i, 6, 3 do
+      out[#out + 1] = q[i + 1] * q[j + 1] + q[i + 2] * q[j + 2] + q[i + 3] * q[j + 3] - (i == j and 1 or 0)
+    end
+  end
+  return out
+end
+local bodies = {
+  { "a body in quaternions", dm.system { Q = dm.R(4), constraint = function(q) return { q:dot(q) - 1 } end, L = function(q, v)
+    local a, b, c = spin(q, v)
+    return 2 * a ^ 2 + 4 * b ^ 2 + 6 * c ^ 2
+  end }, { 1, 0, 0, 0 }, { 0, 0.5, 0.1, 0.2 } },
+  { "a top in a matrix", dm.system { Q = dm.R(9), constraint = columns_apart, L = function(q, v)
+    local T = 0
+    for i = 1, 9 do T = T + v[i] ^ 2 / 2 * (1 + (i - 1) // 3) end
+    return T - q[9]
+  end }, { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { 0, 0.3, 0, -0.3, 0, 0.1, 0, -0.1, 0 } },
+}
+for _, b in ipairs(bodies) do
+  local goal, off = b[2]:solver { rule = "gauss(4)", h = 0.02 }:run { q = b[3], v = b[4], steps = 40, every = 40 }.q[2], {}
+  for k = 1, 2 do
+    local path = b[2]:solver { rule = dm.curve { method = taylor(3) }, h = 0.08 / k }:run { q = b[3], v = b[4], steps = 10 * k, every = 10 * k }
+    off[k] = (path.q[2] - goal):norm()
+  end
+  ok(math.abs(math.log(off[1] / off[2], 2) - 3) < 0.2, "taylor(3), " .. b[1], off[1] .. " " .. off[2])
+end
+
 tap.done()
