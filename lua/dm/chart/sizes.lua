@@ -68,7 +68,8 @@ end
 -- step of size number i
 local function step_of(options, sizes, i)
   local h = options.h
-  if type(h) == "table" then h = h[i] elseif type(h) == "function" then h = h(sizes[i]) end
+  if type(h) == "table" then h = h[i] end
+  if type(h) == "function" then h = core.one(h, "h")(sizes[i]) end
   if type(h) ~= "number" or not (h > 0 and h < math.huge) then
     fail("option 'h' must be a step > 0, a list with one for each size, or a function of the size "
       .. "(got %s at size %d)", option.got(h), sizes[i])
@@ -80,7 +81,7 @@ end
 
 -- the field of a size, and its kind
 local function field_of(options, size)
-  local field = (options.system or options[1])(size)
+  local field = core.one(options.system or options[1], "system")(size)
   local kind = ends.kind(field)
   if not kind then
     fail("'system' must return a field (K:field, dm.field, K:euler, dm.multisymplectic; got %s)",

@@ -86,6 +86,7 @@ end
 
 local function sample(f, points)
   local out = {}
+  f = core.one(f, "f(x, y, ...)")
   for i = 1, #points do
     local v = f(table.unpack(points[i]:totable()))
     if type(v) == "number" then v = { v } end

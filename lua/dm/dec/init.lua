@@ -46,6 +46,7 @@ end
 local function moved(points, map)
   if not points then fail("'map' moves points, and this mesh is made of lengths") end
   local out = {}
+  map = core.one(map, "map")
   for i = 1, #points do
     local p = map(table.unpack(points[i]:totable()))
     if type(p) ~= "table" and getmetatable(p) ~= getmetatable(core.vector { 0 }) then

@@ -224,7 +224,8 @@ M.msfem = blame.caller(function(options)
   local given = { x = read_nodes(options), inverse = inverse(a), f = load_at(f),
     traced = { f, function(x) return 1 / a(x) end },
     period = option.positive(options, "period", WHERE, "a length"),
-    antiderivative = options.antiderivative, linear = shape == "linear" }
+    antiderivative = core.one(options.antiderivative, "antiderivative"),
+    linear = shape == "linear" }
   local made = settle(given)
   return setmetatable({ u = solve(given, made), x = core.vector(given.x), elements = shape,
     given = given, made = made }, Solution)

@@ -21,12 +21,15 @@ local huge, max, min = math.huge, math.max, math.min
 -- how many samples by dim G, so that a frame is made in a few milliseconds
 local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
 local LOST = 6           -- samples' worth of time to find that there is no root,
+local RARE = 12          -- samples at least while less than a third of those wanted have one
 local OUTSIDE = 1 / 16   -- that the points are outside of the domain
 local ON_SECTION = 6     -- samples of which one must lead to the section
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
 local PUSHES = { 1, 2.5, 0.5, 3.1 }     -- of vectors of the algebra whose exp moves them
-local AGAIN = { 3, 2 }   -- of them, by dim G, for every sample that has a root
+-- of them, by dim G, for every sample that has a root: an orbit that cuts the section twice is seen
+-- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
+local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
 local FAR = 1e3          -- entries beyond which digits are missing
 local VALID = 1e-9       -- how far an element may be from the group
 local NUDGE = 1e-7       -- of points, relative
@@ -225,14 +228,15 @@ local function check_equivariance(frame, h, list, pushed, a, b, seed)
   not_free(frame, list, h, distance)
 end
 
--- an element far from the identity, by turns in every component of the group
-local function large(G, seed)
+-- an element far from the identity, by turns in every component of the group; backward: its inverse
+local function large(G, seed, backward)
   local kit = groups.kit(G)
   local others = kit.others()
   local size = PUSHES[seed % #PUSHES + 1]
   local h = kit.exp(kits.normals(core.random(11), seed, kit.dimension, size))
   local other = others[seed % (#others + 1)]
-  return other and kit.compose(other, h) or h
+  h = other and kit.compose(other, h) or h
+  return backward and kit.inverse(h) or h
 end
 
 -- The frame at sample `seed` and where large elements move it; nothing where nothing is told, and
@@ -243,8 +247,8 @@ local function try(trial, seed)
   if not list then return nil, nil, true end
   local a, why = frame_of(trial, list)
   if not a then return nil, why end
-  for again = 1, not frame.solution and AGAIN[frame.r] or 1 do
-    local h = large(frame.group, seed + again - 1)
+  for again = 1, not frame.solution and AGAIN[min(frame.r, #AGAIN)] or 1 do
+    local h = large(frame.group, seed + again // 2, again % 2 == 0)
     local pushed = moved(frame, h, list)
     local b = pushed and frame_of(trial, pushed)
     if b then check_equivariance(frame, h, list, pushed, a, b, seed) end
@@ -259,16 +263,18 @@ local function is_singular(why) return why and tostring(why):find("is singular",
 function M.check(frame, section)
   local trial = { frame = frame, section = section, measured = 0, scale = huge }
   local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
-  local told, first, tangential, seed = false, nil, 0, 0
-  while left > 0 or not told and tangential == seed and seed < TANGENTIAL do
+  local few, told, first, tangential, seed = left / 3, 0, nil, 0, 0
+  local function is_rare() return not frame.solution and first and tangential < seed end
+  while left > 0 or told == 0 and tangential == seed and seed < TANGENTIAL
+      or told < few and seed < RARE and is_rare() do
     seed = seed + 1
     local a, why, outside = try(trial, seed)
     local cost = (a or frame.solution) and 1 or LOST
     left = left - (outside and OUTSIDE or cost)
-    told, first = told or a ~= nil, first or why
+    told, first = told + (a and 1 or 0), first or why
     tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
-  if told then return end
+  if told > 0 then return end
   if not first then
     refuse("no point tried was finite: %d samples of numbers up to 10 %s, and nothing is known of "
       .. "the frame. Take units and an origin in which such points are inside the domain of %s, or "

@@ -22,6 +22,7 @@ local hamiltonians = require "dm.base.hamiltonian"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
 local spheres = require "dm.group.spheres"
+local wanted = require "dm.base.options"
 
 local M = {}
 
@@ -125,7 +126,8 @@ function M.unfold(given)
   local place = M.of(options.Q, options)
   for key, value in pairs(options) do out[key] = value end
   local function wrap(key, how)
-    if type(options[key]) == "function" then out[key] = how(place, options[key]) end
+    local f = options[key]
+    if type(f) == "function" then out[key] = how(place, wanted.single(f, key)) end
   end
   wrap("L", lagrangian)
   wrap("H", hamiltonian)
@@ -320,8 +322,9 @@ function M.state(place, options)
 end
 
 -- the source of members `key`, a function of their number or a table, with `how` of each
-local function each(source, how)
+local function each(source, how, key)
   if type(source) == "function" then
+    source = wanted.single(source, key)
     return function(i) return how(source(i), i) end
   end
   local out = {}
@@ -336,7 +339,8 @@ function M.starts(place, options)
   for key, value in pairs(options) do out[key] = value end
   start_reduced(place, options, out)
   if options.q ~= nil then
-    out.q = each(options.q, function(q) return M.on_group(place, q, options.project) end)
+    out.q = each(options.q, function(q) return M.on_group(place, q, options.project) end,
+      "q")
   elseif out.q ~= nil then
     local flat = place.flat(out.q)
     out.q = function() return flat end
@@ -345,7 +349,7 @@ function M.starts(place, options)
     if options[key] ~= nil then
       out[key] = each(options[key], function(x, i)
         return M.padded(place, x, ("'%s' of member %d"):format(key, i))
-      end)
+      end, key)
     end
   end
   return out

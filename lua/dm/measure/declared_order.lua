@@ -214,7 +214,7 @@ end
 local function first_member(options)
   local out = {}
   for _, key in ipairs { "q", "v", "p", "a" } do
-    local source = options[key]
+    local source = core.one(options[key], key)
     if type(source) == "function" then out[key] = source(1) else out[key] = source and source[1] end
   end
   out.t0, out.project = options.t0, options.project

@@ -97,10 +97,18 @@ local function cost(run, steps, repeats)
   return each, first
 end
 
+-- q and v
+local function pair(...)
+  if select("#", ...) > 2 then
+    error(("start must return two values, q and v (got %d)"):format(select("#", ...)), 0)
+  end
+  return ...
+end
+
 -- of the system of size n
 local function of_size(options, rule, n)
-  local system = options.system(n)
-  local q, v = options.start(n)
+  local system = core.one(options.system, "system")(n)
+  local q, v = pair(options.start(n))
   local solver = system:solver { rule = rule, h = options.h }
   return function(steps) solver:run { q = q, v = v, steps = steps, every = steps } end
 end
@@ -108,7 +116,7 @@ end
 -- of an ensemble, in one thread
 local function of_members(options, rule, members)
   local qs, vs = {}, {}
-  for i = 1, members do qs[i], vs[i] = options.start(i) end
+  for i = 1, members do qs[i], vs[i] = pair(options.start(i)) end
   local solver = options.system:solver { rule = rule, h = options.h }
   return function(steps)
     solver:ensemble { members = members, q = qs, v = vs, steps = steps, threads = 1 }

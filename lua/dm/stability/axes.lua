@@ -1,7 +1,8 @@
 --- Axes of a stability map: lists of numbers under any name, and functions of these parameters.
 local M = {}
 
-local fail = require "dm.base.options".failing "dm.stability"
+local option = require "dm.base.options"
+local fail = option.failing "dm.stability"
 
 local MOST = 4096  -- numbers of an axis
 
@@ -135,6 +136,7 @@ function M.bind(what, f, names)
     end
     used = { names[1] }
   end
+  f = option.single(f, ("'%s'"):format(what))
   return function(values)
     local list = {}
     for i, name in ipairs(used) do list[i] = values[name] end

@@ -31,7 +31,7 @@ static void call(const integral *q, int place, const char *name, const double *x
     luaL_checkstack(L, (int)q->N + 4, NULL);
     lua_pushvalue(L, place);
     for (uint32_t i = 0; i < q->N; i++) lua_pushnumber(L, x[i]);
-    lua_call(L, (int)q->N, 1);
+    dml_callone(L, (int)q->N, name);
     dml_vectorarg(L, -1, name, out, count);
     lua_pop(L, 1);
 }

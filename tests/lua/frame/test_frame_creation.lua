@@ -26,6 +26,8 @@ local similar = action { group = dm.product(dm.SO(2), R1), on = R2, map = functi
 end }
 local half_line = action { group = R1, on = R1, domain = function(z) return z[1] end,
   map = function(g, z) return { z[1] * exp(g[1]) } end }
+local shifts = action { group = R1, on = R2, map = function(g, z) return { z[1] + g[1], z[2] } end }
+local four = action { group = dm.SO(4), on = dm.R(4) }
 -- turns by one and two angles at once; symmetric matrices, which some half turns leave alone
 local weights = action { group = dm.SO(2), on = dm.R(4), map = function(g, z)
   local c, s, C, S = cos(g), sin(g), cos(2 * g), sin(2 * g)
@@ -127,6 +129,9 @@ local good = {
   { "similarities, solved", similar, 1, function(z) return { z[1] - 1, z[2] } end },
   { "the torus", torus, 1, function(z) return { sin(z[1]), sin(z[2]) } end,
     function(z) return { cos(z[1]), cos(z[2]) } end },
+  { "few orbits that meet the section", shifts, 1, function(z) return z[1] ^ 2 - z[2] end, first },
+  { "SL(2), where few have a diagonal", areas, 2,
+    function(a, b) return { a[2], b[1], a[1] - b[2] } end, first },
   { "a local action", half_line, 1, function(z) return z[1] - 1 end, nil,
     function(z) return { -log(z[1]) } end },
 }
@@ -197,6 +202,16 @@ local bad = {
   { "give branch", torus, 1, function(z) return { sin(z[1]), sin(z[2]) } end },
   { "branch holds at both", torus, 1, function(z) return { sin(z[1]), sin(z[2]) } end,
     function(z) return cos(z[1]) end },
+  { "give branch", shifts, 1, function(z) return z[1] ^ 2 - z[2] end },
+  { "give branch", shifts, 1, function(z) return z[1] * (z[1] - 15) end },
+  { "give branch", areas, 2, function(a, b) return { a[1] ^ 2 - 1, a[2], b[1] } end },
+  { "give branch", areas, 2, function(a, b) return { a[1] ^ 2 - 1, a[2] - a[1] / 3, b[1] } end },
+  { "give branch", affine, 3,
+    function(a, b, c) return { a[1], a[2], b[1] ^ 2 - 1, b[2], c[1], c[2] - 1 } end },
+  { "branch holds at both", space, 3, triangle, function(_, _, c) return c[2] end },
+  { "branch holds at both", four, 3,
+    function(a, b, c) return { a[2], a[3], a[4], b[3], b[4], c[4] } end,
+    function(a, _, c) return { a[1], c[3] } end },
   { "give branch", plane:jet(2, { independent = 1 }), 1,
     function(z) return { z[1], z[2], z[3] } end },
   -- actions that are free locally only

@@ -39,17 +39,20 @@ local fourth = slice { action = dm.action { group = dm.SO(4), on = dm.R(4) }, pa
   cross_section = function(p) return { p[1], p[2], p[3] } end, branch = function(p) return p[4] end }
 near(fourth:invariants({ { 1, 2, 3, 4 } })[1][4], math.sqrt(30), 1e-13, "in four dimensions")
 -- quadratic forms have a square root of the determinant where they are definite
-local function forms(domain)
+local function forms(domain, least)
   return slice { action = dm.action { group = dm.SL(2), on = dm.R(3), domain = domain,
     map = function(g, s)
       local S = g * dm.matrix { { s[1], s[2] }, { s[2], s[3] } } * g:transpose()
       return { S[1][1], S[1][2], S[2][2] }
     end }, partial = true, cross_section = function(s) return { s[2], s[1] - s[3] } end,
-    branch = function(s) return s[1] end }
+    branch = function(s) return s[1] - (least or 0) end }
 end
 near(forms(function(s) return dm.min(s[1] * s[3] - s[2] ^ 2, s[1]) end)
   :invariants({ { 2, 0.5, 3 } })[1][1], math.sqrt(5.75), 1e-13, "definite forms")
-raises("by the action's domain", forms)
+near(forms():invariants({ { 2, 0.5, 3 } })[1][1], math.sqrt(5.75), 1e-13, "a fifth of all forms")
+raises("no point of the section was found", forms, nil, 40)
+raises("by the action's domain", dm.moving_frame, {
+  cross_section = function(z) return z[1] ^ 2 + 1 end, action = dm.action { group = dm.R(1), on = dm.R(1) } })
 raises("does not go with partial", function()
   slice { partial = true, cross_section = pole, start = { 1, 0, 0, 0 } }
 end)

@@ -74,7 +74,7 @@ M.diffeo = blame.caller(function(K, L)
   check_mesh(K, "the first argument")
   if type(L) == "function" then
     local members = setmetatable({}, { __mode = "v" }) -- by time, while somebody has them
-    return setmetatable({ from = K, family = L, members = members }, Diffeo)
+    return setmetatable({ from = K, family = option.single(L, "f(t)"), members = members }, Diffeo)
   end
   check_mesh(L, "the second argument")
   return new(K, L)

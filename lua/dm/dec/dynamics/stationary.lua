@@ -75,7 +75,8 @@ end
 
 -- value, gradient and Hessian by the numbers that are free
 local function problem_of(f, options)
-  local act = action.new(f.mesh, f.degree, f.values, options.term, f.fixed, options.data)
+  local term = option.single(options.term, "term")
+  local act = action.new(f.mesh, f.degree, f.values, term, f.fixed, options.data)
   local problem = { value = function(x) return act:value(x) end,
     gradient = function(x) return act:gradient(x) end,
     hessian = function(x) return act:hessian(x) end, held = f.held, n = f.n }

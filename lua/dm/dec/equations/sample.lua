@@ -11,7 +11,7 @@ local function finite(x) return type(x) == "number" and x - x == 0 end
 
 -- f at row i of a matrix of points, a number; `maybe`: or nil
 function M.at_point(f, points, i, where, what, maybe)
-  local x = f(table.unpack(points[i]:totable()))
+  local x = core.one(f, what)(table.unpack(points[i]:totable()))
   if maybe and x == nil then return nil end
   if not finite(x) then
     option.fail(where, "%s must give finite numbers (got %s at point %d)", what, option.got(x), i)

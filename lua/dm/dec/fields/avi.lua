@@ -53,6 +53,7 @@ end
 
 local function from_function(f, cells, of)
   local list = {}
+  of = core.one(of, "h")
   for _, sum in ipairs(cells:sums()) do
     for i = 1, sum[2] do
       local h = of(numbers(f, f.degrees[sum[1]], i))

@@ -34,6 +34,7 @@ local function from_list(f, list, marked)
 end
 
 local function from_function(f, test, marked)
+  test = core.one(test, "fixed")
   for i, p in ipairs(centres(f.mesh, f.degree)) do
     if test(table.unpack(p)) then marked[i] = true end
   end

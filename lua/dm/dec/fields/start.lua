@@ -15,6 +15,7 @@ end
 -- several values a cell: those of f at the centre; f returns a list
 local function sampled(f, of, key)
   local out, at = core.constant(f.n, 0), 0
+  of = core.one(of, ("the function of field '%s'"):format(key))
   for i, p in ipairs(held.centres(f.mesh, f.degree)) do
     local x = of(table.unpack(p))
     if type(x) ~= "table" and type(x) ~= "userdata" or #x ~= f.values then

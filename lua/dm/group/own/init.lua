@@ -92,7 +92,7 @@ end
 
 -- f of the user, whose result must have so many entries
 local function returning(given, key, length)
-  local f = given[key]
+  local f = core.one(given[key], ("%s: '%s'"):format(WHERE, key))
   return function(...)
     return kits.vector(f(...), length, ("%s: what '%s' returns"):format(WHERE, key))
   end
@@ -101,6 +101,7 @@ end
 -- exp has a derivative at 0, of full rank: its columns are the directions at the identity
 local function directions(kit, N)
   local r = kit.dimension
+  kit.exp(core.zeros(r)) -- what is wrong with it as a function is said as it is
   local fine, E = blame.try(function()
     return core.derivative(function(xi) return kit.exp(xi) end, r)(core.zeros(r))
   end)

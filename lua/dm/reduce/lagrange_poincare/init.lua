@@ -145,7 +145,7 @@ local function start_of(lp, o, i, where)
   local S = lp.space
   local function value(key)
     local x = o[key]
-    if i and type(x) == "function" then return x(i) end
+    if i and type(x) == "function" then return core.one(x, key)(i) end
     return x
   end
   local function vector(key, n, words)

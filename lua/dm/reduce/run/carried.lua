@@ -17,7 +17,7 @@ end
 local function quantity(a, i, n)
   local what = ("'a' of member %d"):format(i)
   local value
-  if type(a) == "function" then value = a(i) else value = a[i] end
+  if type(a) == "function" then value = option.single(a, "a")(i) else value = a[i] end
   local x = lists.vector(value, what)
   if #x ~= n then
     option.fail(WHERE, "%s must have %d entries (got %d)", what, n, #x)

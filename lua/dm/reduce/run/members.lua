@@ -22,9 +22,10 @@ local found = setmetatable({}, { __mode = "k" })
 ---- the starts ----
 
 -- f(i), kept, since it may give something else when it is asked again
-local function remembered(source, members)
+local function remembered(source, members, key)
   if type(source) ~= "function" or members > MOST then return source, source end
   local kept = {}
+  source = core.one(source, key)
   return function(i)
     local value = source(i)
     kept[i] = type(value) == "table" and lists.copy(value) or value
@@ -40,7 +41,7 @@ local function remember(options)
   local members = math.tointeger(options.members) or 0
   for _, key in ipairs(SOURCES) do
     if type(options[key]) == "function" then
-      out[key], kept[key] = remembered(options[key], members)
+      out[key], kept[key] = remembered(options[key], members, key)
     else
       kept[key] = options[key]
     end
@@ -49,7 +50,7 @@ local function remember(options)
   if type(options.vary) == "table" then
     out.vary = {}
     for name, source in pairs(options.vary) do
-      out.vary[name], kept.vary[name] = remembered(source, members)
+      out.vary[name], kept.vary[name] = remembered(source, members, name)
     end
   end
   return out, kept

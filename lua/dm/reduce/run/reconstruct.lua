@@ -137,6 +137,7 @@ M.holonomy = blame.caller(function(shape, loop, options)
   end
   local steps = option.whole(options, "steps", "shape:holonomy", 2, nil, 256)
   local t = option.number(options, "t", "shape:holonomy", nil, 0)
+  loop = core.one(loop, "the loop")
   local function point(s) return lists.numbers("holonomy: the loop", loop(s), info.d, LOOP) end
   local curve = core.trace(point, "number")
   check_closed(shape, curve(1) - curve(0))

@@ -68,7 +68,10 @@ local function in_space(x) return { x[1], x[2], x[3] or 0 } end
 -- at: {x, y, z}, the number of a factor, or a function of (q, t)
 local function placing(place, at)
   if at == nil then return nil end
-  if type(at) == "function" then return function(q, t) return in_space(at(q, t)) end end
+  if type(at) == "function" then
+    at = core.one(at, "field 'at' of a body")
+    return function(q, t) return in_space(at(q, t)) end
+  end
   if type(at) ~= "number" then
     local fixed = in_space(kits.vector(at, 3, "field 'at' of a body"))
     return function() return fixed end

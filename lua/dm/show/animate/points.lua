@@ -1,7 +1,8 @@
 --- What an animation shows of a path: the points of every row, the rods between them, bodies.
 local blame = require "dm.base.blame"
 local bodies_ = require "dm.show.animate.bodies"
-local fail = require "dm.base.options".failing "animate"
+local option = require "dm.base.options"
+local fail = option.failing "animate"
 
 local M = {}
 
@@ -128,6 +129,7 @@ local function from_drawing(path, draw)
     fail("draw(q, t) needs q, but this run recorded only what it watched: leave 'watch' out, or "
       .. "use points = { {\"x\", \"y\"} }")
   end
+  draw = option.single(draw, "draw")
   local drawing = draw(path.q[1], path.t[1])
   local count, dim = read_points(drawing, 1, {})
   local function row(i, out)
