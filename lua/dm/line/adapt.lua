@@ -11,7 +11,7 @@ local M = {}
 local fail = option.failing "dm.adapt"
 local KNOWN = { "W", "f", "x", "ends" }
 local MOST = 400          -- iterations
-local POINTS = { 10, 20, 40 }  -- of Gauss's rule on an element, until f is integrated to round-off
+local POINTS = { 10, 20, 40, 80, 160 } -- of Gauss's rule, until f is integrated to round-off
 local SMALL = 1e-7        -- beside the energy: a gradient that rounding may leave
 local NEAR = 1e-9         -- of the knots and values: a step as short is near the end
 local ROUNDING = 1e-15    -- of an energy
@@ -57,6 +57,12 @@ local function energy_of(p, z)
   local sum = 0
   for e = 1, p.elements do sum = sum + p.of.value(part(z, e)) end
   return sum
+end
+
+-- NaN where W or f is no number
+local function tried(p, z)
+  local fine, energy = blame.try(energy_of, p, z)
+  return fine and energy or 0 / 0
 end
 
 local function slope_of(p, z)
@@ -124,7 +130,7 @@ end
 
 -- z moves until the gradient is round-off; held: marks of what stays
 local function minimize(p, z, held)
-  local shift, energy, last = 0, energy_of(p, z), math.huge
+  local shift, energy, last = 0, tried(p, z), math.huge
   local best, least, idle = z, math.huge, 0 -- where rounding alone moves the energy
   if energy - energy ~= 0 then fail("W or f is not finite on the first knots") end
   for k = 1, MOST do
@@ -142,7 +148,7 @@ local function minimize(p, z, held)
     local trial, now, accepted = nil, nil, false
     for _ = 1, 40 do
       trial = moved(z, dz, t)
-      now = energy_of(p, trial)
+      now = tried(p, trial)
       accepted = now <= energy + ROUNDING * math.abs(energy)
         or step <= NEAR * norm(z) and now == now -- energies differ by rounding alone
       if accepted then break end
@@ -185,6 +191,15 @@ local function check(p, z, held)
   end
 end
 
+-- Raises where u twice as far from the line between its ends has less energy: then there is no end.
+local function check_bounded(p, z)
+  local further, energy = {}, energy_of(p, z)
+  for k = 1, #z do further[k] = k % 2 == 0 and 2 * z[k] or z[k] end
+  if tried(p, further) < energy - 1e-9 * math.abs(energy) then
+    fail "the energy has no least value: it falls the more u grows; does W grow faster than f u?"
+  end
+end
+
 -- knots that nothing moves: both slopes beside them are equal
 local function affine(p, z)
   local out, slopes, largest, elements = {}, {}, 0, p.elements
@@ -206,23 +221,57 @@ local function marks(p, ends, also_x)
   return held
 end
 
--- values first, then knots with them; affine knots are frozen where they are
-local function solve(p, z, ends)
-  local held = marks(p, ends, true)
-  z = minimize(p, z, held)
-  held = marks(p, ends, false)
-  for _, i in ipairs(affine(p, z)) do held[2 * i - 1] = true end
-  local count
-  z, count = minimize(p, z, held)
-  check(p, z, held)
-  return z, count
+-- numbers that both lists have
+local function common(a, b)
+  local has, out = {}, {}
+  for _, i in ipairs(b) do has[i] = true end
+  for _, i in ipairs(a) do if has[i] then out[#out + 1] = i end end
+  return out
 end
 
--- is f integrated to round-off on these elements?
-local function is_exact(p, z, finer)
-  local a, b = energy_of(p, z), 0
-  for e = 1, p.elements do b = b + finer.value(part(z, e)) end
-  return math.abs(a - b) <= 1e-13 * (math.abs(a) + math.abs(b)) + 1e-300
+-- values and knots; affine knots are frozen where they are, until others bend u there
+local function move_knots(p, z, ends)
+  local count, frozen = 0, affine(p, z)
+  repeat
+    local held, before, now = marks(p, ends, false), #frozen, nil
+    for _, i in ipairs(frozen) do held[2 * i - 1] = true end
+    z, now = minimize(p, z, held)
+    count, frozen = count + now, common(frozen, affine(p, z))
+    if #frozen == before then
+      check(p, z, held)
+      check_bounded(p, z)
+      return z, count
+    end
+  until false
+end
+
+-- values first, then knots with them
+local function solve(p, z, ends)
+  return move_knots(p, (minimize(p, z, marks(p, ends, true))), ends)
+end
+
+-- the integral of f over [a, b], its moment, and that of |f|, by r points
+local function moments(f, r, a, b)
+  local points, weights = rules.gauss(r)
+  local sum, moment, size = 0, 0, 0
+  for q, xi in ipairs(points) do
+    local y = weights[q] * (b - a) * f(a + xi * (b - a))
+    sum, moment, size = sum + y, moment + xi * y, size + math.abs(y)
+  end
+  return sum, moment, size
+end
+
+-- Do r points integrate f times a line to round-off on these elements, as `finer` do?
+local function is_exact(p, f, z, r, finer)
+  local off, terms = 0, 0
+  for e = 1, p.elements do
+    local a, b = z[2 * e - 1], z[2 * e + 1]
+    local sum, moment = moments(f, r, a, b)
+    local sum2, moment2, size = moments(f, finer, a, b)
+    off = off + math.abs(sum - sum2) + math.abs(moment - moment2)
+    terms = terms + size
+  end
+  return off <= 1e-13 * terms
 end
 
 local function read_ends(ends)
@@ -296,15 +345,17 @@ M.adapt = blame.caller(function(options)
   local W = option.numeric(options.W, "dm.adapt: W")
   local f = options.f and option.numeric(options.f, "dm.adapt: f")
   local p, iterations = { elements = grid.cells, line = line_of(grid, ends) }, 0
-  local z, exact = first_guess(grid), false
-  for level = 1, options.f and #POINTS - 1 or 1 do
-    p.of = derivatives(W, f, POINTS[level], p.line)
-    local count
-    z, count = solve(p, z, ends)
-    iterations = iterations + count
-    exact = not options.f or is_exact(p, z, { value = core.trace(element(W, f,
-      POINTS[level + 1], p.line), 4) })
-    if exact then break end
+  local z, exact, last = first_guess(grid), false, options.f and #POINTS - 1 or 1
+  for level = 1, last do -- points that miss a part of f would tell knots to go where they miss it
+    local r, finer = POINTS[level], POINTS[level + 1]
+    if level == last or not f or is_exact(p, f, z, r, finer) then
+      p.of = derivatives(W, f, r, p.line)
+      local count
+      z, count = solve(p, z, ends)
+      iterations = iterations + count
+      exact = not f or is_exact(p, f, z, r, finer)
+      if exact then break end
+    end
   end
   return result_of(p, z, ends, iterations, exact)
 end)
@@ -313,9 +364,11 @@ core.docs[M.adapt] = [[
 dm.adapt{W=, f=, x = {from, to, elements}, ends = {a, b}} -> {x, u, energy, force, frozen, ...}
 The least integral of W(u') - f u over broken lines u with that many elements, over values and knots
 alike (Leok 5.6). W(s), f(x): functions; ends: u at both ends, a number or "free". x, u: knots and
-values; force: the derivative of the energy by each knot, 0 inside, so that without f W - s W_s is
-equal on all elements; frozen: numbers of the knots beside which u is affine, which nothing moves;
-exact: f is integrated to round-off (by 10 or 20 points an element); iterations. A minimum near the
-one on equal elements: energies with several are not searched. Raises where none is found.]]
+values; force: the derivative of the energy by each knot, 0 inside to round-off of those at the
+ends, so that without f W - s W_s is equal on all elements; frozen: numbers of the knots beside
+which u is affine, which nothing moves; exact: f is integrated to round-off (by 10 to 80 points an
+element); iterations. Knots stay where all that they could gain is below rounding of the energy, as
+along very steep lines. A minimum near the one on equal elements: energies with several are not
+searched. Raises where none is found.]]
 
 return M
