@@ -180,6 +180,14 @@ INLINE void advance_iterates(const chord *it, uint32_t m) {
     }
 }
 
+/* Back to where it began, of which no increment is known: those of a matrix of 1 that led away,
+ * without bound, would make the next one look like fast convergence. */
+INLINE void begin_again(chord *it, waiting *w, uint32_t m, const double *start) {
+    for (uint32_t i = 0; i < m; i++) store(it->x + i * W, load(start + i * W));
+    it->all = (shrinking){same(INFINITY), same(INFINITY), same(1.0)};
+    w->begun = 0;
+}
+
 /* The lanes that end at a root; the others need damping. One matrix serves while increments
  * shrink by ten or more. start[m]: where x goes back to when a matrix of 1 leads away; NULL:
  * there is none such. */
@@ -210,8 +218,7 @@ INLINE I iterate_chord(chord *it, chord_evaluate *evaluate, chord_solve *solve, 
         it->todo &= not_of(it->fresh & slow & worse);
         it->fresh = slow & it->todo;
         if (!some(it->todo)) break;
-        if (start && !it->factored && some(worse))
-            for (uint32_t i = 0; i < m; i++) store(it->x + i * W, load(start + i * W));
+        if (start && !it->factored && some(worse)) begin_again(it, &w, m, start);
         evaluate(it, ctx, m, 0);
     }
     return ended;
