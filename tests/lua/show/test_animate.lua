@@ -297,5 +297,17 @@ local complaint = without:read "a"
 without:close()
 tap.ok(complaint:find "ffmpeg is not installed" and not holds(html .. ".mp4"), "without ffmpeg: what to install, no file", complaint)
 
+-- points of groups: all coordinates, of each factor, and of these those that are no angles
+local reader = require "dm.show.animate.points".reader
+local SE2 = dm.SE(2)
+for Q, is in pairs { [SE2] = { 1, 2 }, [dm.product(SE2, SE2)] = { 2, 2 }, [dm.SO(2)] = { 1, 2 }, [dm.SL(2)] = { 2, 2 },
+  [dm.product(dm.R(2), SE2)] = { 2, 2 }, [dm.T(2)] = { 1, 2 } } do
+  local q = Q == dm.T(2) and { 0, 0 } or Q:identity()
+  local path = dm.system { Q = Q, L = function(_, v) return v:dot(v) / 2 end }:solver { rule = "gauss(1)", h = 0.1 }
+    :run { q = q, v = dm.zeros(Q.dimension), steps = 1 }
+  local read = reader(path, {})
+  tap.ok(read.count == is[1] and read.dim == is[2], ("%d points of %s"):format(is[1], tostring(Q)), read.count)
+end
+
 os.remove(html)
 tap.done()

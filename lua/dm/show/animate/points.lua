@@ -1,6 +1,7 @@
 --- What an animation shows of a path: the points of every row, the rods between them, bodies.
 local blame = require "dm.base.blame"
 local bodies_ = require "dm.show.animate.bodies"
+local kits = require "dm.group.kit"
 local option = require "dm.base.options"
 local fail = option.failing "animate"
 
@@ -30,13 +31,22 @@ local function grouped(names, d)
   return out
 end
 
+-- how many coordinates q has, and { [i] = true } for angles beside two positions or more
+local function coordinates(path)
+  local own, angles = path.system.place, kits.of(path.system.Q).angles
+  local n, others = own and own.size or path.system.Q.dimension, 0
+  for i = 1, n do others = others + (angles[i] and 0 or 1) end
+  return n, others > 1 and angles or {}
+end
+
 -- the columns that hold positions: those of q; of a run that watched, whatever it watched but the
 -- energy
 local function positions(path)
   local names, columns = {}, path.columns
-  local last = path.watched and #columns or 1 + #path.q[1]
-  for i = 2, last do
-    if columns[i] ~= "energy" then names[#names + 1] = columns[i] end
+  local last, angles = #columns - 1, {}
+  if not path.watched then last, angles = coordinates(path) end
+  for i = 1, last do
+    if columns[1 + i] ~= "energy" and not angles[i] then names[#names + 1] = columns[1 + i] end
   end
   if #names == 0 then
     fail("this run recorded only what it watched, and that is no point; there are %s",
