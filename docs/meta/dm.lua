@@ -3340,8 +3340,9 @@ local dm_path_class = {}
 ---over time, a slider and a speed. In a notebook it stands there without a file.
 ---Points are coordinates by name (x, y, z; x1, y1, x2, ...), else pairs or triples of q (dim = 2 or
 ---3) without its angles, unless nothing else is left; or points = { {"x1", "y1"}, ... }, columns; or
----draw = function(q, t) return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } end, called for every frame. rods: pairs of points, 0 is the origin;
----of a system with constraints those distances that stay.
+---draw = function(q, t) return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } end, called for
+---every frame. rods: pairs of points, 0 is the origin; of a system with constraints those distances
+---that stay.
 ---On a group every factor that turns (SO(3), SE(3)) is a body, with its axes and the trail of a point
 ---on the third one, placed by the next factor R^3 or R^2; its ellipsoid is that of its inertia. bodies
 ---= { { factor = 1, at = 2 or {x, y, z} or function(q, t), shape = "ellipsoid" | "box" | "cylinder",
