@@ -6337,7 +6337,8 @@ function dm.remesh(K, M, options) end
 ---So do runs of fields on lines, of boxes, of waves and of flows: dm.resume(run), or dm.resume(file,
 ---field) with the dm.field, dm.multisymplectic, dm.schroedinger or K:euler that they are of; and runs
 ---of fields on meshes by rule "avi" (run{t=} goes on from there) and over the slices of dm.prismal
----(those that are left, or those of { rule = dm.prismal{...} }).
+---(those that are left, or those of { rule = dm.prismal{...} }). Runs by D = shape:discrete(Ld) go on
+---with D in the place of the system.
 ---@param file? string
 ---@param system? any
 ---@param options? table

@@ -21,6 +21,7 @@ M.resume = blame.caller(function(from, model, options)
     option.fail(WHERE, "a file, a path, or a run of a line, boxes, a wave or a flow is needed "
       .. "(got %s); others go on by a new run from their last row", option.got(from))
   end
+  if option.got(model) == "dm.discrete_shape" then model = model:solver {}.system end
   if not key and not MODELS[option.got(model)] then return core.resume(from, model, options) end
   if options ~= nil then
     option.fail(WHERE, "the rule of a run on a line, of a wave or a flow is that of its "
@@ -39,6 +40,7 @@ core.docs[M.resume] = core.docs[core.resume] .. [[
 So do runs of fields on lines, of boxes, of waves and of flows: dm.resume(run), or dm.resume(file,
 field) with the dm.field, dm.multisymplectic, dm.schroedinger or K:euler that they are of; and runs
 of fields on meshes by rule "avi" (run{t=} goes on from there) and over the slices of dm.prismal
-(those that are left, or those of { rule = dm.prismal{...} }).]]
+(those that are left, or those of { rule = dm.prismal{...} }). Runs by D = shape:discrete(Ld) go on
+with D in the place of the system.]]
 
 return M

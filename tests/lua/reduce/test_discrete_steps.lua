@@ -74,7 +74,7 @@ local gap = (members.q:row(2) - every.q[41]):norm()
 ok(gap == 0, "a member has the bits of a run", gap)
 local file = os.tmpname()
 D:solver():run({ q = x, p = y, steps = 17 }):checkpoint(file)
-local rest = dm.resume(file, every.system):run { steps = 23 }
+local rest = dm.resume(file, D):run { steps = 23 }
 ok(rest.q[#rest] == every.q[41] and rest.p[#rest] == every.p[41], "a checkpoint goes on bit for bit")
 os.remove(file)
 local a, b = every.q[20]:copy(), every.q[21]:copy()
