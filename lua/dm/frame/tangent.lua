@@ -62,31 +62,61 @@ local function size(A)
   return math.sqrt(sum)
 end
 
---- J psi of the cross-section at these very points, and its condition number in the norm of
--- Frobenius; or, if that is larger, how much the frame turns for a relative change of the points,
--- |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes. Third |(J psi)^-1|.
-function M.transversality(frame, list)
+-- 1/|row| of a matrix: rows of a section may be written in any units
+local function row_scales(J)
+  local out = {}
+  for i, row in ipairs(J:totable()) do
+    local sum = 0
+    for k = 1, #row do sum = sum + row[k] ^ 2 end
+    out[i] = sum > 0 and 1 / math.sqrt(sum) or 1
+  end
+  return out
+end
+
+local function scaled(scale, A)
+  local rows = A:totable()
+  for i, row in ipairs(rows) do
+    for k = 1, #row do row[k] = scale[i] * row[k] end
+  end
+  return core.matrix(rows)
+end
+
+-- D J psi with rows of D J as long as 1, its condition number, |(J psi)^-1|; D
+local function measured(frame, list)
   local first = { table.unpack(list, 1, frame.k) }
   local J, r = M.J_at(frame, first), frame.r
+  local scale = row_scales(J)
+  J = scaled(scale, J)
   local A = J * psi_at(frame, first)
   local fine, inverse = blame.try(function() return A:inverse() end)
   local condition, size_of_inverse = math.huge, math.huge
   if fine then
     local turns = size(J) * require("dm.frame").flat(first):norm()
-    size_of_inverse = size(inverse)
-    condition = size_of_inverse * math.max(size(A) / r, turns)
+    condition = size(inverse) * math.max(size(A) / r, turns)
+    size_of_inverse = size(scaled(scale, inverse:transpose()))
   end
   if condition ~= condition then condition = math.huge end
-  return A, condition, size_of_inverse
+  return A, condition, size_of_inverse, scale
+end
+
+--- J psi of the cross-section at these very points, and its condition number in the norm of
+-- Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is larger, how much the frame turns for a relative
+-- change of the points, |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes.
+function M.transversality(frame, list)
+  local A, condition, _, scale = measured(frame, list)
+  for i = 1, #scale do scale[i] = 1 / scale[i] end
+  return scaled(scale, A), condition
 end
 
 --- How far the points are from the section, as the length of the algebra vector (J psi)^-1 Z that
 -- would bring them there: a measure that does not depend on how the section is written. Also the
 -- condition number of J psi, and |(J psi)^-1|. Z: the section there, a list.
 function M.distance(frame, list, Z)
-  local A, condition, size_of_inverse = M.transversality(frame, list)
+  local A, condition, size_of_inverse, scale = measured(frame, list)
   if not (condition < M.CONDITION) then return math.huge, condition, math.huge end
-  return A:solve(core.vector(Z)):norm(), condition, size_of_inverse
+  local off = {}
+  for i = 1, #scale do off[i] = scale[i] * Z[i] end
+  return A:solve(core.vector(off)):norm(), condition, size_of_inverse
 end
 
 --- The distance that a frame may leave: round-off at this condition number, far from what a wrong

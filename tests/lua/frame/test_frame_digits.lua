@@ -67,6 +67,16 @@ for i = 1, 20 do
 end
 ok(off < 1e-14 and turns > 0 and turns < 2 * pi, "the angle of a rigid motion", off)
 
+-- rows of a section in units of their own: J psi of this one looked singular
+local wide = dm.moving_frame { action = plane, points = 2, cross_section = function(a, b)
+  return { 1e-9 * a[1], 1e6 * a[2], 1e7 * b[2] }
+end, branch = function(_, b) return b[1] end }
+local placed = wide:invariants { { 0.3, -1 }, { 3.3, 3 } }
+ok(abs(placed[2][1] - 5) < 1e-14 and abs(placed[2][2]) < 1e-14 and abs(placed[1][1]) < 1e-14,
+  "a section whose rows have units of their own", tostring(placed[2]))
+local _, number = wide:transversality({ 0, 0 }, { 5, 0 })
+ok(number < 100, "and its condition number is without them", number)
+
 ---- dm.root{angles=} ----
 
 -- tanh and the like are looked through, this is not
