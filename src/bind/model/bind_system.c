@@ -288,7 +288,7 @@ static int system_tostring(lua_State *L) {
     return 1;
 }
 
-/* a copy of the options that the system was made with */
+/* a copy of the options that the system was made with, but its own params, as members have them */
 static int push_given(lua_State *L) {
     lua_newtable(L);
     lua_getiuservalue(L, 1, 1);
@@ -304,6 +304,7 @@ static int push_given(lua_State *L) {
         lua_rawset(L, -5);
     }
     lua_pop(L, 1);
+    dml_systemfield(L, 1, "params"), lua_setfield(L, -2, "params");
     return 1;
 }
 

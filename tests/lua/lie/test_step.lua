@@ -110,6 +110,19 @@ near(free:solver { rule = mine, h = 0.1 }
   :measured_order { q = one, p = spin.p, t = 2 }.order, 2, 0.05,
   "the order of a step is measured")
 
+-- members of an ensemble on a group have params of their own: all had those of the system
+local function hung(k)
+  return dm.system { Q = G, params = { k = k }, L = function(R, W, _, P)
+    return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - P.k * R[3][3]
+  end }
+end
+local varied = hung(1):solver { rule = euler, h = 0.05 }:ensemble { members = 3, steps = 20,
+  q = function() return tilt.q end, p = function() return tilt.p end, vary = { k = { 1, 2, 5 } } }
+for i, k in ipairs { 1, 2, 5 } do
+  local _, last = finish(hung(k), euler, 0.05, 20, tilt)
+  near(far(varied.p[i], last), 0, 0, ("a member with k = %d on a group"):format(k))
+end
+
 ---- what a step adds ----
 
 -- 10^5 times 0.1: rounded sums are off by 2e-8
