@@ -22,6 +22,7 @@ local LONGER, MOST = 8, 12  -- the step for them, and how often it is made longe
 local SHORTER, FINER = 2, 12  -- how often steps are made 2^12 times shorter where nothing is told
 local RESOLVED = 0.5   -- of the spectral radius of D - 1, D the tangent map of a step
 local NEAR = 0.1       -- how far a near start is off, of the size of the start
+local OFF = 1e-8       -- of an element from its group
 
 -- what was found of a rule on a system, a text
 local measured = setmetatable({}, { __mode = "k" })
@@ -221,6 +222,22 @@ local function first_member(options)
   return out
 end
 
+-- raises where a step leads off the group; where relations of coordinates tell it, every step is
+-- looked at (src/integ/step_method.c), but a group of a basis has none
+local function check_element(solver, start)
+  local system, kit = solver.system, solver.system.place.kit
+  local fine, path = blame.try(function()
+    return system:solver { rule = solver.rule, h = solver.h }:run { q = start.q, v = start.v,
+      p = start.p, a = start.a, t0 = start.t0, project = start.project, steps = 1 }
+  end)
+  if not fine then return end
+  local defect, why = kit.defect(path.q[#path])
+  if defect <= OFF then return end
+  measured[solver.rule][system] = nil
+  error(("dm.step: 'next' of %s gives a q that is no element of %s, %s"):format(
+    tostring(solver.rule), tostring(system.Q), why or ("it is off by %.2g"):format(defect)), 0)
+end
+
 --- Raise where the order is less than declared; a start from which the step does not get on is left
 -- to the run itself. members: the options are those of an ensemble.
 function M.check(solver, options, members)
@@ -229,6 +246,7 @@ function M.check(solver, options, members)
   local fine, start = blame.try(function() return members and first_member(options) or options end)
   if not fine or not start.p and not start.v then return end
   M.trust(rule, system)  -- the runs below are not asked
+  if system.place then check_element(solver, start) end
   local fit, verdict, what = blame.try(judge_all, solver, start)
   if not fit then verdict, what = "unknown", "there is no start near this one" end
   if verdict == "unknown" then note(rule, system, "declared, not measured: " .. what) end

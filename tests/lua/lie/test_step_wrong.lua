@@ -93,6 +93,13 @@ raises("no element of the group", function()
 end)
 raises("no element of the group", go, G, function(R, x) return R * G:exp(x) end, { sums = true,
   next = function(y, x) return { flat = { 0, x[1], x[2], x[3] }, p = { 0, 0, 0 } } end })
+local basis = {}
+for k = 1, 3 do basis[k] = G:hat(dm.vector { k == 1 and 1 or 0, k == 2 and 1 or 0, k == 3 and 1 or 0 }) end
+for _, form in ipairs { false, dm.identity(3) } do
+  local Q = dm.group { name = "turns", basis = basis, form = form or nil }
+  raises("gives a q that is no element of turns", go, Q, function(R, x) return R + R * Q:hat(x) end)
+  ok(#go(Q, function(R, x) return R * Q:exp(x) end) == 4, "an element of a group of a basis")
+end
 ok(#go(dm.SE(2), function(g, x, Q) return Q:compose(g, Q:exp(x)) end) == 4,
   "coordinates without a relation are all elements")
 -- an equation may have the relation in it: it holds at the root alone
