@@ -1,5 +1,6 @@
 #include "run/hidden.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -247,13 +248,19 @@ static double excess(const dm_hidden *x, uint32_t k, uint32_t i, double unlike) 
     return (below > above || isnan(below) ? below : above) - unlike * size;
 }
 
+/* What root i counts for over a time h: what is watched, off by one, for what is still nothing. */
+static double weight_of(const dm_hidden *x, const dm_swept *step, double h, uint32_t i) {
+    if (i + x->watched >= x->count) return fmax(nothing(x, step), DBL_MIN);
+    return i < x->impulses ? fabs(h) : 1.0;
+}
+
 /* What all nodes count for in the impulse of the forces over a time h, in the box of x->value, and
  * what the impulse may be by their round-off. */
-static void weigh(dm_hidden *x, double h) {
+static void weigh(dm_hidden *x, const dm_swept *step, double h) {
     const uint32_t size = dm_graph_size(x->graph);
     memset(x->weight, 0, size * sizeof *x->weight);
     for (uint32_t i = 0; i < x->count; i++)
-        x->weight[x->roots[i]] = i < x->impulses ? fabs(h) : 1.0;
+        x->weight[x->roots[i]] = fmax(x->weight[x->roots[i]], weight_of(x, step, h, i));
     dm_bounds_weight(x->graph, x->value, x->weight);
     x->noise = 0.0;
     for (dm_node n = 0; n < size; n++) {
@@ -286,7 +293,7 @@ static int is_straight(dm_hidden *x, const dm_swept *step, uint32_t first, uint3
         const double most = fmax(fabs(e.lo), fabs(e.hi));
         const double off = most / (EIGHTH * DM_HIDDEN_PARTS * DM_HIDDEN_PARTS) - UNLIKE * size[i];
         if (off <= 0.0) continue;
-        if (!weighted) weigh(x, (b - a) * step->h);
+        if (!weighted) weigh(x, step, (b - a) * step->h);
         weighted = 1;
         if (isnan(off) || matters(x, step, i, off)) return 0;
     }
@@ -301,7 +308,7 @@ static int is_like_samples(dm_hidden *x, const dm_swept *step, uint32_t k, doubl
     for (uint32_t i = 0; i < x->count + x->parts; i++) {
         const double off = excess(x, k, i, unlike);
         if (off <= 0.0) continue;
-        if (!weighted) weigh(x, (b - a) * step->h);
+        if (!weighted) weigh(x, step, (b - a) * step->h);
         weighted = 1;
         if (matters(x, step, i, off)) return 0;
     }
@@ -357,7 +364,7 @@ static int samples_agree(dm_hidden *x, const dm_swept *step, double *where) {
             if (off <= 0.0) continue;
             if (!weighted) {
                 sweep(x, step, 0.0, 1.0);
-                weigh(x, step->h);
+                weigh(x, step, step->h);
             }
             weighted = 1;
             if (!matters(x, step, i, off)) continue;

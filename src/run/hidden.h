@@ -6,12 +6,14 @@
 #include "graph/bounds.h"
 #include "mech/model.h"
 
-/* The forces E(q, v, t) of a system, dL/dq, dL/dv and what else pushes it, as a graph. */
+/* The forces E(q, v, t) of a system, dL/dq, dL/dv and what else pushes it, and what is watched, as
+ * a graph. */
 typedef struct {
     const dm_graph *graph; /* of them alone: inputs q[n], v[n], t */
     const dm_node *roots;  /* [count], the forces, then [parts], what of them may be narrow */
     uint32_t n, count, parts;
     uint32_t impulses; /* of the first so many roots only what they add up to over a step matters */
+    uint32_t watched;  /* of the roots, the last so many, in units of what they may be off unseen */
     double negligible; /* of the largest momentum so far: an impulse so small is none */
     dm_interval *value, *rate, *bend; /* [dm_graph_size], scratch: forces, their d/ds, d2/ds2 */
     double *weight; /* [dm_graph_size], scratch: what nodes count for in the forces */

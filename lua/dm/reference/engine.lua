@@ -65,7 +65,8 @@ local function left(self) return self.deadline - core.cpu() end
 local function run(self, place, rule, tolerance, which)
   local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch,
     seconds = max(0.01, (which.part or 1) * left(self)),
-    control = { tolerance = tolerance, hidden = self.hidden, largest = self.T * LARGEST[place],
+    control = { tolerance = tolerance, hidden = self.hidden,
+      watched = self.hidden and self.watched or nil, largest = self.T * LARGEST[place],
       negligible = self.negligible, ends = self.ends, reach = self.t0 + self.T } }
   for key, value in pairs(self.start) do options[key] = value end
   return solver_of(self, rule):run(options)
@@ -187,16 +188,18 @@ local function pair(self, k, at)
 end
 
 --- The reference of a job { system =, start =, t0 =, T =, watch =, goal =, seconds =,
--- distance = function(path, path) -> number, except = { rule = true } }: distance <= goal or,
--- where no more is had in the seconds, enough, with rule, distance, text and path(times); or nil
--- and why there is none.
+-- tolerance = { column = }, distance = function(path, path) -> number, except = { rule = true } }:
+-- distance <= goal or, where no more is had in the seconds, enough, with rule, distance, text and
+-- path(times); or nil and why there is none. With tolerances nothing hidden in what is watched is
+-- jumped over either.
 function M.find(job)
   local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
     start = job.start, t0 = job.t0 or 0, T = job.T, watch = job.watch, ends = job.ends,
     negligible = job.negligible, deadline = core.cpu() + (job.seconds or 20) }, M)
   local form = first_order.of(self.system, self.start, self.t0, self.watch) or {}
   for key, value in pairs(form) do self[key] = value end
-  self.hidden, self.blind = forces.of(self.system)
+  self.hidden, self.watched = forces.of(self.system, job.tolerance
+    and { watch = self.watch, tolerance = job.tolerance })
   local why, failure
   local first, second = lists(self)
   self.first, why, failure = pick(self, 1, first)

@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local engine = require "dm.reference.engine"
+local forces = require "dm.reference.forces"
 
 local M = {}
 
@@ -326,13 +327,13 @@ function M.reference(model, seconds, except, best)
   local found, why = engine.find { system = model.system, start = { q = model.start.q,
     v = model.start.v, p = model.start.p, project = model.start.project },
     t0 = problem.t0, T = problem.T,
-    watch = model.watch, goal = best and 0 or AGREED, enough = ENOUGH, best = best,
+    watch = model.watch, tolerance = problem.tolerance, goal = best and 0 or AGREED, enough = ENOUGH, best = best,
     seconds = seconds, except = except,
     distance = function(a, b)
       return M.apart(problem, M.record(problem, a), M.record(problem, b))
     end }
   if found then
-    problem.hidden = found.hidden
+    problem.hidden = found.hidden and forces.of(model.system)
     return found
   end
   local nowhere = why:match "no start: .*"

@@ -14,8 +14,10 @@ static const dm_model *of_velocity(const dml_stepping *r) {
 }
 
 /* the forces f and what of them may be narrow, with room for all that is found of them */
-static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, const dml_stepping *r) {
+static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, uint32_t watched,
+                        const dml_stepping *r) {
     const uint32_t count = dml_outputs(f), size = dm_graph_size(f->alone), n = r->solver->n;
+    const uint32_t forces = count - watched;
     const size_t inputs = 2 * (size_t)n + 1;
     dm_node *roots = lua_newuserdatauv(L, ((size_t)count + size) * sizeof *roots, 0);
     memcpy(roots, f->alone_roots, count * sizeof *roots);
@@ -30,7 +32,8 @@ static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, const
                      .n = n,
                      .count = count,
                      .parts = parts,
-                     .impulses = count > n ? count - n : count,
+                     .impulses = forces > n ? forces - n : forces,
+                     .watched = watched,
                      .value = room,
                      .rate = room + size,
                      .bend = room + 2 * (size_t)size,
@@ -60,7 +63,13 @@ static void read_hidden(lua_State *L, int at, dml_run_control *c, const dml_step
                    "function of (q, v, t)",
                    (int)n, (int)n);
     dml_function_alone(L, f);
-    open_hidden(L, &c->hidden, f, r);
+    lua_getfield(L, at, "watched");
+    const lua_Integer watched = luaL_optinteger(L, -1, 0);
+    lua_pop(L, 1);
+    if (watched < 0 || watched > (lua_Integer)dml_outputs(f))
+        luaL_error(L, "field 'control.watched' must be how many of the last entries of "
+                      "'control.hidden' are watched");
+    open_hidden(L, &c->hidden, f, (uint32_t)watched, r);
     c->hidden.negligible = negligible;
     c->control.hidden = &c->hidden;
 }
@@ -93,8 +102,8 @@ static double read_reach(lua_State *L, int at, double until) {
 
 dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_stepping *r,
                              double until) {
-    static const char *const known[] = {"tolerance",  "largest", "ends", "hidden",
-                                        "negligible", "reach",   NULL};
+    static const char *const known[] = {"tolerance", "largest",    "ends",  "hidden",
+                                        "watched",   "negligible", "reach", NULL};
     const uint32_t n = r->solver->n;
     lua_getfield(L, 2, "control");
     const int at = lua_gettop(L);

@@ -28,6 +28,21 @@ for _, one in ipairs { { 18.7, 1e-3, 0.286 }, { 7.3, 3e-3, 0.45 }, { 33.1, 4e-4,
   ok(worst <= run.error_estimate and run.error_estimate <= 1.2 * D, ("lines over a wall at %g err by no more than is told"):format(a), worst, run.error_estimate, D)
 end
 
+-- what is watched may be narrow where forces are not: cos(t) passes through a peak of width w
+for _, one in ipairs { { 0.31, 3e-3, 1e-2 }, { -0.64, 4e-4, 3e-2 } } do
+  local place, w, tolerance = table.unpack(one)
+  local function peak(x) return dm.exp(-((x - place) / w) ^ 2) end
+  local run = dm.scene { dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }, q = { 1 }, v = { 0 }, until_t = 10,
+    watch = { peak = function(q) return peak(q[1]) end }, tolerance = tolerance, seconds = 5, rules = { "verlet", "blanes-moan(6)", "gauss(4)" } }:run()
+  local t, x, i, worst = run.t, run:column "peak", 1, 0
+  for k = 1, 200000 do
+    local time = k / 20000
+    while i + 1 < #t and t[i + 1] < time do i = i + 1 end
+    worst = max(worst, abs(x[i] + (x[i + 1] - x[i]) * (time - t[i]) / (t[i + 1] - t[i]) - peak(math.cos(time))))
+  end
+  ok(worst <= run.error_estimate and run.error_estimate <= tolerance, ("a peak of width %g that is watched"):format(w), worst, run.error_estimate)
+end
+
 -- rows to an early time are those of the run that was checked, to the bit
 local clutch = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end,
   force = function(_, v) return { -2.77 * dm.exp(-((v[1] - 0.0813) / 0.0084) ^ 2) } end }
