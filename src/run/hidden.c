@@ -13,59 +13,8 @@ enum { DEEPEST = 12 }; /* bisections of a part of a step */
 enum { FEWEST = 4 };   /* parts that are looked at together, at least */
 /* of what a node counts for: the round-off of its operation, and some more */
 static const double ROUND_OFF = 0x1p-50;
-
-/* ---- what may be narrow ---- */
-
-/* a power of low degree */
-static int is_low_power(const dm_graph *g, const dm_expr *e) {
-    const dm_expr *k = dm_graph_at(g, e->as.arg[1]);
-    return k->op == DM_OP_CONSTANT && k->as.value >= 0.0 && k->as.value <= 6.0 &&
-           k->as.value == floor(k->as.value);
-}
-
-/* of how many unlike operands is it known that they are no polynomials? */
-static int rough_operands(const dm_expr *e, const unsigned char *rough) {
-    const int operands = dm_op_operands(e->op);
-    int out = 0;
-    for (int i = 0; i < operands; i++) {
-        int again = 0;
-        for (int k = 0; k < i; k++) again |= e->as.arg[k] == e->as.arg[i];
-        out += rough[e->as.arg[i]] && !again;
-    }
-    return out;
-}
-
-uint32_t dm_hidden_parts(const dm_graph *g, dm_node *list, unsigned char *rough) {
-    uint32_t count = 0;
-    for (dm_node n = 0; n < dm_graph_size(g); n++) {
-        const dm_expr *e = dm_graph_at(g, n);
-        const int operands = rough_operands(e, rough);
-        switch (e->op) {
-        case DM_OP_CONSTANT:
-        case DM_OP_INPUT:
-            rough[n] = 0;
-            continue;
-        case DM_OP_NEG:
-        case DM_OP_ADD:
-        case DM_OP_SUB:
-        case DM_OP_MUL:
-        case DM_OP_FMA:
-        case DM_OP_FMS:
-        case DM_OP_FNMA:
-            rough[n] = operands > 0;
-            break;
-        default:
-            rough[n] = 1;
-            if (e->op == DM_OP_POW && is_low_power(g, e))
-                rough[n] = operands > 0;
-            else
-                list[count++] = n;
-            continue;
-        }
-        if (operands > 1) list[count++] = n;
-    }
-    return count;
-}
+/* of a position: what h v is off by along the polynomial, 30 roundings of it at its ends */
+static const double DIFFERENCE = 0x1p-47;
 
 /* ---- the step ---- */
 
@@ -254,6 +203,17 @@ static double weight_of(const dm_hidden *x, const dm_swept *step, double h, uint
     return i < x->impulses ? fabs(h) : 1.0;
 }
 
+/* What node n may be off by in the box of x->value: its operation is rounded; velocities are
+ * differences of positions, divided by the time between them. */
+static double round_off(const dm_hidden *x, const dm_swept *step, dm_node n) {
+    const dm_expr *e = dm_graph_at(x->graph, n);
+    const dm_interval y = x->value[n];
+    const double off = ROUND_OFF * fmax(fabs(y.lo), fabs(y.hi));
+    if (e->op != DM_OP_INPUT || e->as.input < x->n || e->as.input >= 2 * x->n) return off;
+    const dm_interval q = x->in[e->as.input - x->n];
+    return off + DIFFERENCE * fmax(fabs(q.lo), fabs(q.hi)) / fabs(step->h);
+}
+
 /* What all nodes count for in the impulse of the forces over a time h, in the box of x->value, and
  * what the impulse may be by their round-off. */
 static void weigh(dm_hidden *x, const dm_swept *step, double h) {
@@ -264,9 +224,8 @@ static void weigh(dm_hidden *x, const dm_swept *step, double h) {
     dm_bounds_weight(x->graph, x->value, x->weight);
     x->noise = 0.0;
     for (dm_node n = 0; n < size; n++) {
-        const dm_interval e = x->value[n];
-        const double most = x->weight[n] * fmax(fabs(e.lo), fabs(e.hi));
-        if (isfinite(most)) x->noise += ROUND_OFF * most;
+        const double most = x->weight[n] * round_off(x, step, n);
+        if (isfinite(most)) x->noise += most;
     }
 }
 

@@ -5,7 +5,7 @@
 
 /* A copy of the state goes h further; the state itself stays. */
 static dm_status step_by(dm_stepper *s, double *out, const double *state, double t, double h) {
-    memcpy(out, state, dm_state_size(s->model->n) * sizeof *out);
+    memmove(out, state, dm_state_size(s->model->n) * sizeof *out);
     if (h == 0.0) return DM_OK;
     return s->engine->step(s, out, t, h);
 }
@@ -63,6 +63,19 @@ dm_status dm_interpolate(dm_stepper *s, double *out, const double *state, double
                          double h) {
     return s->rule->method->traits & DM_OWN_TIME ? find_step(s, out, state, target, h)
                                                  : step_apart(s, out, state, t, target - t);
+}
+
+dm_status dm_interpolate_finely(dm_stepper *s, double *out, const double *state, double t,
+                                double target) {
+    enum { MOST = 64 };
+    dm_status status = DM_NO_CONVERGENCE;
+    for (int parts = 2; parts <= MOST && status == DM_NO_CONVERGENCE; parts *= 2) {
+        const double h = (target - t) / parts;
+        status = step_apart(s, out, state, t, h);
+        for (int i = 1; i < parts && status == DM_OK; i++)
+            status = step_apart(s, out, out, t + i * h, h);
+    }
+    return status;
 }
 
 double dm_time_slack(const dm_stepper *s, double h, double from, double to) {

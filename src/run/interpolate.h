@@ -10,6 +10,10 @@
 dm_status dm_interpolate(dm_stepper *s, double *out, const double *state, double t, double target,
                          double h);
 
+/* The same by two, four ... steps, where the one did not converge. */
+dm_status dm_interpolate_finely(dm_stepper *s, double *out, const double *state, double t,
+                                double target);
+
 /* of a step: a time asked for this near to its end is its end */
 static const double DM_TIME_SLACK = 1e-9;
 

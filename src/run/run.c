@@ -127,8 +127,9 @@ static dm_status record_times(loop *l, const double *state, double from, double 
         const double target = plan->at[l->rows_done];
         const double *here = state;
         if (target > from + slack) {
-            const dm_status status =
-                dm_interpolate(l->s, plan->between, state, from, target, plan->h);
+            dm_status status = dm_interpolate(l->s, plan->between, state, from, target, plan->h);
+            if (status == DM_NO_CONVERGENCE && plan->control)
+                status = dm_interpolate_finely(l->s, plan->between, state, from, target);
             if (status != DM_OK) return status;
             here = plan->between;
         }

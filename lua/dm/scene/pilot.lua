@@ -327,8 +327,8 @@ function M.reference(model, seconds, except, best)
   local found, why = engine.find { system = model.system, start = { q = model.start.q,
     v = model.start.v, p = model.start.p, project = model.start.project },
     t0 = problem.t0, T = problem.T,
-    watch = model.watch, tolerance = problem.tolerance, goal = best and 0 or AGREED, enough = ENOUGH, best = best,
-    seconds = seconds, except = except,
+    watch = model.watch, tolerance = problem.tolerance, goal = best and 0 or AGREED,
+    enough = ENOUGH, best = best, seconds = seconds, except = except,
     distance = function(a, b)
       return M.apart(problem, M.record(problem, a), M.record(problem, b))
     end }
