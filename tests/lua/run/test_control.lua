@@ -122,4 +122,23 @@ local whole, early = ends({ 1.3, 2.1, 9 }), ends({ 1.3, 2.1 }, 9)
 ok(whole.q[2][1] == early.q[2][1] and whole.q[1][2] == early.q[1][2], "the same steps up to there", whole.q[2], early.q[2])
 ok(#early == 2 and early.t[2] == 2.1, "and no rows behind", #early)
 raises("'control.reach' must be a time", ends, { 1 }, "later")
+
+-- a pendulum on a spring that rests: velocities along a step are differences of positions, whose round-off is no feature
+local function hung(stiffness)
+  return dm.system { Q = dm.R(2), L = function(x, v)
+    return (v[1] ^ 2 + (1 + x[1]) ^ 2 * v[2] ^ 2) / 2 + 9.81 * (1 + x[1]) * math.cos(x[2]) - stiffness / 2 * x[1] ^ 2
+  end }
+end
+local stiff = hung(1e10)
+path = run(stiff, "rk8", 0.01, { q = { 9.81 * math.cos(0.5) / 1e10, 0.5 }, v = { 0, 0 } }, { tolerance = 1e-9, hidden = (forces.of(stiff)) })
+near(path.q[#path][2], 0.5 - 9.81 * math.sin(0.5) * 0.01 ^ 2 / 2, 1e-7, "a stiff spring at rest hides nothing")
+-- rows inside of a step where one that leads there does not converge
+local rod = dm.system { Q = dm.R(2), L = function(x, v) return v:dot(v) / 2 - 9.81 * x[2] - 1e9 / 2 * (x:norm() - 1) ^ 2 end }
+local length, at = 1 + 9.81 * math.cos(0.5) / 1e9, {}
+for i = 1, 1000 do at[i] = 7.8768 + 6e-7 * i end
+path = rod:solver({ rule = "gauss(7)", h = 10 / 256 }):run { q = { length * math.sin(0.5), -length * math.cos(0.5) }, v = { 0, 0 }, at = at,
+  control = { tolerance = 3e-10, largest = 10 / 37, reach = 10, hidden = (forces.of(rod)) } }
+local furthest = 0
+for i = 1, #path do furthest = math.max(furthest, math.abs(path.q[i]:norm() - 1)) end
+ok(#path == 1000 and furthest < 2e-8, "rows inside of long steps over a stiff spring", furthest)
 tap.done()
