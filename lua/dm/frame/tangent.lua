@@ -100,8 +100,9 @@ local function measured(frame, list)
 end
 
 --- J psi of the cross-section at these very points, and its condition number in the norm of
--- Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is larger, how much the frame turns for a relative
--- change of the points, |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes.
+-- Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is
+-- larger, how much the frame turns for a relative change of the points, |(J psi)^-1| |J| |z|: near
+-- a fixed point psi itself vanishes.
 function M.transversality(frame, list)
   local A, condition, _, scale = measured(frame, list)
   for i = 1, #scale do scale[i] = 1 / scale[i] end
