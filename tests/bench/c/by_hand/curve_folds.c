@@ -110,7 +110,7 @@ static real inner(const real *a, const real *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* X to the branch, in the plane of normal n through it; the tangent t there: iterations, -1: none */
+/* X to the branch, in the plane of normal n through it, with the tangent t: iterations, -1: none */
 static int correct(real *X, const real *n, real *t) {
     const real place[3] = {X[0], X[1], X[2]};
     for (int k = 0; k < 25; k++) {
