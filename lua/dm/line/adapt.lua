@@ -5,6 +5,7 @@ local blocks = require "dm.line.blocks"
 local core = require "dm.core"
 local option = require "dm.base.options"
 local rules = require "dm.line.rule"
+local units = require "dm.line.adapt_units"
 
 local M = {}
 
@@ -128,11 +129,20 @@ local function is_least(slope, H)
   return blocks.solve(H, slope, 1e-9 * blocks.largest(H)) ~= nil
 end
 
+-- the step of the values where knots stay
+local function values_alone(p, z, held)
+  local still = {}
+  for k = 1, #z do still[k] = k % 2 == 1 or held[k] end
+  local slope, H = system_of(p, z, still)
+  return (downhill(slope, H, 0, blocks.largest(H)))
+end
+
 -- z moves until the gradient is round-off; held: marks of what stays
 local function minimize(p, z, held)
   local shift, energy, last = 0, tried(p, z), math.huge
   local best, least, idle = z, math.huge, 0 -- where rounding alone moves the energy
   if energy - energy ~= 0 then fail("W or f is not finite on the first knots") end
+  local waits = false -- knots for the values, where an element would lose half of its length
   for k = 1, MOST do
     local slope, H = system_of(p, z, held)
     local size, scale = norm(slope), blocks.largest(H)
@@ -145,12 +155,14 @@ local function minimize(p, z, held)
     if shift <= 1e-9 * scale and step <= NEAR * norm(z) and size >= 0.5 * last then
       return z, k, size
     end
+    waits = t < 0.5 and not waits
+    if waits then dz, t = values_alone(p, z, held), 1 end
     local trial, now, accepted = nil, nil, false
     for _ = 1, 40 do
       trial = moved(z, dz, t)
       now = tried(p, trial)
       accepted = now <= energy + ROUNDING * math.abs(energy)
-        or step <= NEAR * norm(z) and now == now -- energies differ by rounding alone
+        or step <= NEAR * norm(z) and now < math.huge -- energies differ by rounding alone
       if accepted then break end
       t = t / 2
     end
@@ -238,8 +250,8 @@ local function move_knots(p, z, ends)
     z, now = minimize(p, z, held)
     count, frozen = count + now, common(frozen, affine(p, z))
     if #frozen == before then
-      check(p, z, held)
       check_bounded(p, z)
+      check(p, z, held)
       return z, count
     end
   until false
@@ -250,24 +262,13 @@ local function solve(p, z, ends)
   return move_knots(p, (minimize(p, z, marks(p, ends, true))), ends)
 end
 
--- the integral of f over [a, b], its moment, and that of |f|, by r points
-local function moments(f, r, a, b)
-  local points, weights = rules.gauss(r)
-  local sum, moment, size = 0, 0, 0
-  for q, xi in ipairs(points) do
-    local y = weights[q] * (b - a) * f(a + xi * (b - a))
-    sum, moment, size = sum + y, moment + xi * y, size + math.abs(y)
-  end
-  return sum, moment, size
-end
-
 -- Do r points integrate f times a line to round-off on these elements, as `finer` do?
 local function is_exact(p, f, z, r, finer)
   local off, terms = 0, 0
   for e = 1, p.elements do
     local a, b = z[2 * e - 1], z[2 * e + 1]
-    local sum, moment = moments(f, r, a, b)
-    local sum2, moment2, size = moments(f, finer, a, b)
+    local sum, moment = units.moments(f, r, a, b)
+    local sum2, moment2, size = units.moments(f, finer, a, b)
     off = off + math.abs(sum - sum2) + math.abs(moment - moment2)
     terms = terms + size
   end
@@ -308,13 +309,6 @@ local function read(options)
   return grid, ends
 end
 
--- the line from end to end
-local function line_of(grid, ends)
-  local a = ends[1] == "free" and ends[2] or ends[1]
-  local b = ends[2] == "free" and ends[1] or ends[2]
-  return { from = grid.from, value = a, slope = (b - a) / (grid.to - grid.from) }
-end
-
 local function first_guess(grid)
   local z = {}
   for i = 0, grid.cells do
@@ -325,7 +319,7 @@ local function first_guess(grid)
 end
 
 -- what is found, of u: a knot that moves while u stays moves v by the slope of the line
-local function result_of(p, z, ends, iterations, exact)
+local function result_of(p, z, iterations, exact)
   local n, line = p.elements + 1, p.line
   local x, u, force = core.zeros(n), core.zeros(n), core.zeros(n)
   local slope = slope_of(p, z)
@@ -334,17 +328,15 @@ local function result_of(p, z, ends, iterations, exact)
     u[i] = z[2 * i] + line.value + line.slope * (x[i] - line.from)
     force[i] = slope[2 * i - 1] - line.slope * slope[2 * i]
   end
-  if ends[1] ~= "free" then u[1] = ends[1] end
-  if ends[2] ~= "free" then u[n] = ends[2] end
   return core.result { x = x, u = u, force = force, energy = energy_of(p, z),
     frozen = core.result(affine(p, z)), iterations = iterations, exact = exact }
 end
 
 M.adapt = blame.caller(function(options)
-  local grid, ends = read(options)
-  local W = option.numeric(options.W, "dm.adapt: W")
-  local f = options.f and option.numeric(options.f, "dm.adapt: f")
-  local p, iterations = { elements = grid.cells, line = line_of(grid, ends) }, 0
+  local own, own_ends = read(options)
+  local unit, W, f, grid, ends = units.of(option.numeric(options.W, "dm.adapt: W"),
+    options.f and option.numeric(options.f, "dm.adapt: f"), own, own_ends)
+  local p, iterations = { elements = grid.cells, line = units.line(grid, ends) }, 0
   local z, exact, last = first_guess(grid), false, options.f and #POINTS - 1 or 1
   for level = 1, last do -- points that miss a part of f would tell knots to go where they miss it
     local r, finer = POINTS[level], POINTS[level + 1]
@@ -357,7 +349,7 @@ M.adapt = blame.caller(function(options)
       if exact then break end
     end
   end
-  return result_of(p, z, ends, iterations, exact)
+  return units.back(result_of(p, z, iterations, exact), unit, own, own_ends)
 end)
 
 core.docs[M.adapt] = [[

@@ -88,6 +88,19 @@ do
   end
   ok(narrow.exact and most < 1e-13, "a narrow load is integrated to round-off", most)
 end
+-- any units of x, u and the energy: the same knots
+do
+  local function in_units(x, u, e)
+    return dm.adapt { W = function(s) return e / x * (half(x / u * s) + (x / u * s) ^ 4 / 20) end, f = function(y) return e / (x * u) * (3 + 5 * y / x) end,
+      x = { 0, x, 12 }, ends = { 0, 0.7 * u } }
+  end
+  local one = in_units(1, 1, 1)
+  for _, units in ipairs { { 1e6, 1, 1 }, { 1, 1e-6, 1 }, { 1, 1, 1e-12 }, { 1e-9, 1e3, 1e-20 }, { 1e3, 1e-9, 1e20 } } do
+    local a, most = in_units(table.unpack(units)), 0
+    for i = 1, 13 do most = math.max(most, abs(a.x[i] / units[1] - one.x[i]), abs(a.u[i] / units[2] - one.u[i])) end
+    ok(most < 1e-12 and abs(a.energy / units[3] - one.energy) < 1e-13, ("units %g, %g, %g"):format(table.unpack(units)), most)
+  end
+end
 raises("it falls the more u grows", function()
   dm.adapt { W = function(s) return dm.sqrt(1 + s ^ 2) end, f = function(x) return 10 * (x - 0.4) end, x = { 0, 1, 5 }, ends = { -0.83, "free" } }
 end)

@@ -123,5 +123,10 @@ do
     local stiff = type(x) == "number" and x > 0.2 and x < 0.3 and 2 or 1
     return ut ^ 2 / 2 - stiff * ux ^ 2 / 2 end }
   raises("in cell 3 gives", function() cord:solver { h = 0.01 }:run { u = math.sin, steps = 1 } end)
+  local weak = dm.field { x = { 0, 1, 10 }, L = function(u, ut) return 1e-12 * (u == 1 and ut ^ 2 + 3 or ut ^ 2 / 2) end }
+  raises("in cell 1 gives", function() weak:solver { h = 0.1 }:run { u = 1, steps = 1 } end)
+  -- L of a wave of slopes 1 at lambda = 1 is 0, of two terms of 5e16
+  local light = dm.field { x = { 0, 1, 20 }, L = function(_, ut, ux) return (ut ^ 2 - 9e16 * ux ^ 2) / 2 end }
+  ok(#light:solver { h = 1 / 6e9 }:run { u = function(x) return math.abs(x - 0.5) end, ut = function(x) return x < 0.5 and 3e8 or -3e8 end, steps = 9 } == 10, "L that is round-off")
 end
 tap.done()
