@@ -238,7 +238,8 @@ local function page_data(run, q, options)
     end
   end
   local lo, hi = range(q, run, rows)
-  if hi - lo < 1e-12 * (1 + math.abs(hi)) then lo, hi = lo - 1, hi + 1 end
+  local size = math.max(math.abs(lo), math.abs(hi))
+  if not (hi - lo > 1e-12 * size) then lo, hi = lo - 1, hi + 1 end
   local margin = 0.05 * (hi - lo)
   return { nodes = #run.nodes, moves = run.x and 1 or 0, x = page.floats(run.x and x or run.nodes),
     u = page.floats(u), t = page.floats(t), from = run.nodes[1], to = run.nodes[#run.nodes],
