@@ -112,9 +112,12 @@ end
 -- residuals below it, beside |S| |x|, are of round-off once they no longer fall; and a step that is
 -- longer than SHORT |x| has not arrived
 local ROUNDING, SHORT = 1e-9, 1e-3
+-- A residual that has not halved for so many steps is of round-off, too, where it is small beside
+-- |S|: of numbers that x does not show, as displacements near 0 of a body under stress.
+local STALLED = 4
 local FLAT = 1e-9 -- curvatures below it, beside the largest, are none
 
-local TEXT = { ok = "stationary",
+local TEXT = { ok = "stationary", limit = "the iterations were not enough: give more of them",
   no_convergence = "the gradient no longer becomes less: it may have no zero near the start, or a "
     .. "step leads out of where the term is finite" }
 
@@ -125,9 +128,9 @@ local function kind_of(s)
   return definite(lifted, s.slopes) and "degenerate" or "saddle"
 end
 
-local function report_of(s, code, iterations)
+local function report_of(s, code, iterations, why)
   s.kind = s.S and kind_of(s)
-  return core.result { code = code, text = TEXT[code], value = s.value, iterations = iterations,
+  return core.result { code = code, text = TEXT[why or code], value = s.value, iterations = iterations,
     residual = s.residual, kind = s.kind }
 end
 
@@ -137,25 +140,37 @@ local function look(problem, x)
   return s
 end
 
+-- Is the residual of round-off, once it no longer falls, of an x that is so large?
+local function is_small(s, step, size)
+  return s.residual <= ROUNDING * size_of(s.S) * size and step <= SHORT * size
+end
+
+-- the better of a point and its successor, if there is one
+local function better(s, now)
+  if not now or now.residual >= s.residual then return s, 0 end
+  now.S = s.S
+  return now, 1
+end
+
 --- From x to where the slopes vanish to round-off, in at most so many iterations: x, report.
 function M.solve(problem, x, most)
-  local s, iterations = look(problem, x), 0
+  local s, iterations, best, stalled = look(problem, x), 0, math.huge, 0
   if problem.unknowns == 0 then return x, report_of(s, "ok", 0) end
   while true do
     s.S = problem.curvature(s.x)
-    local scale = size_of(s.S) * math.max(1, s.x:norm())
-    if s.residual <= 1e-16 * scale then return s.x, report_of(s, "ok", iterations) end
+    local size = s.x:norm()
+    if s.residual <= 1e-16 * size_of(s.S) * size then return s.x, report_of(s, "ok", iterations) end
     local to = iterations < most and step_from(problem, s)
     local now = to and look(problem, to)
     if now then now.step = (to - s.x):norm() end
     local step = now and now.step or iterations >= most and s.step or 0
-    local small = s.residual <= ROUNDING * scale and step <= SHORT * math.max(1, s.x:norm())
-    if not to or small and now.residual > 0.5 * s.residual then
-      if now and now.residual < s.residual then
-        now.S = s.S
-        s, iterations = now, iterations + 1
-      end
-      return s.x, report_of(s, small and "ok" or "no_convergence", iterations)
+    local small, among_ones = is_small(s, step, size), is_small(s, step, math.max(1, size))
+    if s.residual <= 0.5 * best then best, stalled = s.residual, 0 else stalled = stalled + 1 end
+    if not to or small and now.residual > 0.5 * s.residual or among_ones and stalled >= STALLED then
+      local last, more = better(s, now)
+      if among_ones then return last.x, report_of(last, "ok", iterations + more) end
+      local why = iterations >= most and "limit" or nil
+      return last.x, report_of(last, "no_convergence", iterations + more, why)
     end
     s, iterations = now, iterations + 1
   end

@@ -113,4 +113,25 @@ local level, flat = free:stationary { term = function(u) return u:d():dot(u:d())
 ok(flat.code == "ok" and flat.kind == "degenerate" and level:d():max() < 1e-12, "a constant, whichever", flat.kind)
 local _, none = free:stationary { term = function(u) return u:d():dot(u:d()) / 2 + free:sum(0, function(a, cell) return cell.star * a end, u) end }
 ok(none.code == "no_convergence" and none.residual > 0.01, "no stationary form, and told", none.residual)
+
+-- the same springs, hung up by their ends, in metres and in units of 1e-10 and 1e-20 of them; displacements near 0 of a net
+-- under stress, whose residual is the round-off of the stress
+local function sag(size)
+  local points, springs = {}, {}
+  for i = 1, 9 do points[i], springs[i] = { (i - 1) / 8 * size }, i < 9 and { i, i + 1 } or nil end
+  local K = dm.mesh { points = points, simplices = springs }
+  local u, told = K:stationary { values = 2, fixed = { 1, 9 }, x = function(x) return { 1.2 * x, 0 } end, term = function(X)
+    return K:sum(1, function(a, cell) return 25 * ((a[2] - a[1]):norm() - cell.volume) ^ 2 / cell.volume / size end, X)
+      + K:sum(0, function(a, cell) return cell.star * a[2] / size ^ 2 end, X)
+  end }
+  return told.code == "ok" and u[2][5] / size
+end
+for _, size in ipairs { 1e-20, 1e-10, 1e8 } do near(sag(size), sag(1), 1e-13, ("a chain of springs in units of %g"):format(size)) end
+local u, told = free:stationary { values = 2, fixed = "boundary", term = function(A)
+  return free:sum(1, function(a, cell) return (((cell.points[2] + a[2]) - (cell.points[1] + a[1])):norm() - 0.7 * cell.volume) ^ 2 end, A)
+end }
+ok(told.code == "ok" and told.iterations < 10 and u[1]:max() < 1e-15, "a net under stress is at rest", told.iterations)
+_, told = free:stationary { iterations = 3, x = function() return 300 end, term = function(a)
+  return free:sum(0, function(x, cell) return cell.star * dm.cosh(x) end, a) end }
+ok(told.code == "no_convergence" and told.text:find "iterations were not enough", "few iterations are told", told.text)
 tap.done()
