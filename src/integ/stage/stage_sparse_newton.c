@@ -4,6 +4,7 @@
  * every point, which is Newton's method itself. */
 #include "integ/method/hamilton.h"
 #include "integ/stage/stage_sparse_inside.h"
+#include "linalg/solve/newton_limits.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,6 +12,7 @@
 
 enum { MOST = 40 /* iterations */ };
 static const double NOISE = 4.0; /* of the rounding of a residual: so large may one be */
+enum { STALLED = 4 };            /* iterations after which slow ones are of round-off */
 static const double SLOW = 0.3;  /* rate that calls for a new matrix */
 
 void dm_stage_sparse_force(dm_stepper *s, const double *q, uint32_t m, double t, double h) {
@@ -77,21 +79,41 @@ static double largest(const double *x, uint32_t n) {
     return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
 }
 
-/* Is the residual no more than its own rounding? Forces are rounded by |S - M| |x|, the rest by
- * |S| |Z|, of which the diagonal stands for a row; another solve would only bring other noise.
- * size: the largest |Z|. A residual that is noise says that forces are numbers. */
+/* of all |A_ab| of the solved points of row a, how many of |A_cc| that is, c the point whose is
+ * largest: share[solved]; c */
+static uint32_t shares(const dm_stage_sparse *l, double *share) {
+    const uint32_t k = l->solved, r = l->table.r;
+    const dm_weight *A = l->table.A;
+    uint32_t c = 0;
+    double most = 0.0;
+    for (uint32_t a = 0; a < k; a++) {
+        const double own = fabs(A[l->at[a] * r + l->at[a]].top);
+        if (own > most) most = own, c = a;
+        share[a] = 0.0;
+        for (uint32_t b = 0; b < k; b++) share[a] += fabs(A[l->at[a] * r + l->at[b]].top);
+    }
+    for (uint32_t a = 0; a < k; a++) share[a] /= most;
+    return c;
+}
+
+/* Is the residual no more than its own rounding? Forces of all points are rounded by |S - M| |x|,
+ * the rest by |S| |Z|, of which the diagonal stands for a row; another solve would only bring other
+ * noise. size: the largest |Z|. A residual that is noise says that forces are numbers. */
 static int is_noise(const dm_stepper *s, double size) {
     const dm_stage_sparse *l = dm_stage_sparse_of(s);
     const dm_model *m = s->model;
     const uint32_t n = m->n, k = l->solved;
     if (!l->diagonal) return 0;
+    double share[DM_QUADRATURE_NODES];
+    const uint32_t c = shares(l, share);
     const double position = largest(l->x, n);
     const double *S = l->diagonal, *R = l->R;
-    for (uint32_t j = 0; j < n; j++) {
+    for (uint32_t j = 0; j < n; j++, S += k, R += k) {
         const double mass = m->held && m->held[j] ? 1.0 : m->mass_matrix[j];
-        for (uint32_t a = 0; a < k; a++, S++, R++) {
-            const double noise = fabs(*S - mass) * position + fabs(*S) * size;
-            if (!(fabs(*R) <= NOISE * DBL_EPSILON * noise)) return 0;
+        const double force = fabs(S[c] - mass) * position;
+        for (uint32_t a = 0; a < k; a++) {
+            const double noise = share[a] * force + fabs(S[a]) * size;
+            if (!(fabs(R[a]) <= NOISE * DBL_EPSILON * noise)) return 0;
         }
     }
     return 1;
@@ -135,6 +157,9 @@ static dm_status iterate(dm_stepper *s, const double *q, double t, double h, int
         s->report.newton++;
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-12 * size)) break;
+        if (pass >= STALLED && step > SLOW * last &&
+            step <= DM_NEWTON_UNSEEN * largest(l->x, s->model->n))
+            break; /* what no position shows */
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
         if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;
         if (step > SLOW * last) {

@@ -11,13 +11,15 @@
 #include "integ/stage/stage_factor.h"
 #include "integ/stage/stage_place.h"
 #include "integ/stage/stage_sparse.h"
+#include "linalg/solve/newton_limits.h"
 #include "linalg/sparse/conjugate_gradient.h"
 #include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MOST = 40 /* iterations */ };
+enum { MOST = 40 /* iterations */, STALLED = 4 /* after which slow ones are of round-off */ };
+static const double SLOW = 0.3; /* rate that calls for a new matrix */
 
 typedef struct {
     dm_stage_table table;
@@ -247,6 +249,22 @@ static void residual(dm_stepper *s, layout *l, const double *q, const double *p,
     }
 }
 
+/* Does no position show the last change of the accelerations? */
+static int is_unseen(const layout *l, uint32_t n, double h) {
+    const uint32_t r = l->table.r;
+    double most = 0.0, position = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        position = fmax(position, fabs(l->x[k]));
+        for (uint32_t m = 0; m < r; m++) {
+            double moved = 0.0;
+            for (uint32_t i = 0; i < r; i++)
+                moved += dm_weight_double(l->table.A[m * r + i]) * l->dx[k * (size_t)r + i];
+            most = fmax(most, fabs(moved));
+        }
+    }
+    return h * h * most <= DM_NEWTON_UNSEEN * position;
+}
+
 /* Accelerations from those in u on, until a change is below the tolerance or no longer gets
  * smaller; the matrix is made anew where that goes slowly, but one that is kept. */
 static dm_status iterate(dm_stepper *s, layout *l, const double *q, double t, double h, int kept) {
@@ -271,9 +289,10 @@ static dm_status iterate(dm_stepper *s, layout *l, const double *q, double t, do
         s->report.newton++;
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-11 * size)) break;
+        if (pass >= STALLED && step > SLOW * last && is_unseen(l, n, h)) break;
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
         if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;
-        if (step > 0.3 * last) status = prepare(s, l, q, q + n, t, h, 1);
+        if (step > SLOW * last) status = prepare(s, l, q, q + n, t, h, 1);
         last = step;
     }
     s->report.solves++;

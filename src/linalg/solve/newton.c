@@ -126,10 +126,15 @@ static dm_status search(solver *s) {
 
 /* No part of a Newton step makes the residual smaller, and the step is small: what is left is
  * the noise of the residual, which cancellation inside L (a stiff k (r - 1)) makes larger than
- * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had. */
+ * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had.
+ * Displacements that a place does not show are noise, too, as of a body that friction has brought
+ * to rest away from 0. */
 static int is_floor(const solver *s) {
     const chord *it = &s->it;
-    return it->all.step <= DM_NEWTON_FLOOR * (norm_of(it->x, s->p->m) + it->all.step);
+    const dm_newton_problem *p = s->p;
+    if (it->all.step <= DM_NEWTON_FLOOR * (norm_of(it->x, p->m) + it->all.step)) return 1;
+    const double place = p->place ? norm_of(p->place, p->places) : 0.0;
+    return it->all.step * fabs(p->over) <= DM_NEWTON_UNSEEN * place;
 }
 
 /* A start outside of the domain: half of the way to where r has a value, and half of that. */

@@ -15,5 +15,6 @@ static const double DM_NEWTON_APART = 0x1p10, DM_NEWTON_PATIENCE = 4;
 /* A displacement of so much of a coordinate counts for nothing beside it: of the tolerance that is
  * 4e-18 of the coordinate. */
 static const double DM_NEWTON_BESIDE = 1e-3;
+static const double DM_NEWTON_UNSEEN = 1e-15; /* and one of so much of it is round-off */
 
 #endif
