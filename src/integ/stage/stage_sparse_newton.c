@@ -12,7 +12,6 @@
 
 enum { MOST = 40 /* iterations */ };
 static const double NOISE = 4.0; /* of the rounding of a residual: so large may one be */
-enum { STALLED = 4 };            /* iterations after which slow ones are of round-off */
 static const double SLOW = 0.3;  /* rate that calls for a new matrix */
 
 void dm_stage_sparse_force(dm_stepper *s, const double *q, uint32_t m, double t, double h) {
@@ -157,7 +156,7 @@ static dm_status iterate(dm_stepper *s, const double *q, double t, double h, int
         s->report.newton++;
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-12 * size)) break;
-        if (pass >= STALLED && step > SLOW * last &&
+        if (pass >= DM_NEWTON_STALLED && step > SLOW * last &&
             step <= DM_NEWTON_UNSEEN * largest(l->x, s->model->n))
             break; /* what no position shows */
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;

@@ -18,8 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST = 40 /* iterations */, STALLED = 4 /* after which slow ones are of round-off */ };
-static const double SLOW = 0.3; /* rate that calls for a new matrix */
+enum { MOST = 40 /* iterations */ };
 
 typedef struct {
     dm_stage_table table;
@@ -253,14 +252,12 @@ static void residual(dm_stepper *s, layout *l, const double *q, const double *p,
 static int is_unseen(const layout *l, uint32_t n, double h) {
     const uint32_t r = l->table.r;
     double most = 0.0, position = 0.0;
-    for (uint32_t k = 0; k < n; k++) {
-        position = fmax(position, fabs(l->x[k]));
-        for (uint32_t m = 0; m < r; m++) {
-            double moved = 0.0;
-            for (uint32_t i = 0; i < r; i++)
-                moved += dm_weight_double(l->table.A[m * r + i]) * l->dx[k * (size_t)r + i];
-            most = fmax(most, fabs(moved));
-        }
+    for (uint32_t k = 0; k < n * r; k++) {
+        double moved = 0.0;
+        for (uint32_t i = 0; i < r; i++)
+            moved += dm_weight_double(l->table.A[k % r * r + i]) * l->dx[k / r * (size_t)r + i];
+        most = fmax(most, fabs(moved));
+        position = fmax(position, fabs(l->x[k / r]));
     }
     return h * h * most <= DM_NEWTON_UNSEEN * position;
 }
@@ -285,14 +282,13 @@ static dm_status iterate(dm_stepper *s, layout *l, const double *q, double t, do
                 size = fmax(size, fabs(*u));
                 if (!isfinite(d)) return DM_NOT_FINITE;
             }
-        s->report.iterations = pass;
-        s->report.newton++;
+        s->report.iterations = pass, s->report.newton++;
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-11 * size)) break;
-        if (pass >= STALLED && step > SLOW * last && is_unseen(l, n, h)) break;
+        if (pass >= DM_NEWTON_STALLED && step > 0.3 * last && is_unseen(l, n, h)) break;
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
         if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;
-        if (step > SLOW * last) status = prepare(s, l, q, q + n, t, h, 1);
+        if (step > 0.3 * last) status = prepare(s, l, q, q + n, t, h, 1);
         last = step;
     }
     s->report.solves++;

@@ -16,5 +16,7 @@ static const double DM_NEWTON_APART = 0x1p10, DM_NEWTON_PATIENCE = 4;
  * 4e-18 of the coordinate. */
 static const double DM_NEWTON_BESIDE = 1e-3;
 static const double DM_NEWTON_UNSEEN = 1e-15; /* and one of so much of it is round-off */
+/* Iterations after which slow ones are of round-off: the matrix has been made anew. */
+enum { DM_NEWTON_STALLED = 4 };
 
 #endif

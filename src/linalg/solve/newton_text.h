@@ -8,10 +8,7 @@
 #include "linalg/solve/newton_limits.h"
 #include "numbers/lanes_text.h"
 
-enum {
-    NEW = 2,    /* iterations with a matrix that is no worse than that of the iterate */
-    STALLED = 4 /* iterations after which one has been made anew where the first served ill */
-};
+enum { NEW = 2 }; /* iterations with a matrix that is no worse than that of the iterate */
 
 /* how increments shrink, absolute or relative to what they are compared with */
 typedef struct {
@@ -166,7 +163,7 @@ HOW static __attribute__((noinline)) I find_waiting(chord it, waiting *w, uint32
 INLINE I is_unseen(const chord *it) {
     const own_sizes *own = &it->own;
     const I stalled = it->todo & WHERE(it->all.step > DM_NEWTON_SLOW * it->all.last);
-    if (it->count < STALLED || !own->place || !some(stalled)) return mask_of(0);
+    if (it->count < DM_NEWTON_STALLED || !own->place || !some(stalled)) return mask_of(0);
     return stalled & WHERE(it->all.step * magnitude(own->over) <=
                            DM_NEWTON_UNSEEN * norm_of(own->place, own->places));
 }

@@ -130,8 +130,8 @@ end
 
 local function report_of(s, code, iterations, why)
   s.kind = s.S and kind_of(s)
-  return core.result { code = code, text = TEXT[why or code], value = s.value, iterations = iterations,
-    residual = s.residual, kind = s.kind }
+  return core.result { code = code, text = TEXT[why or code], value = s.value,
+    iterations = iterations, residual = s.residual, kind = s.kind }
 end
 
 local function look(problem, x)
