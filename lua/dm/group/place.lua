@@ -257,14 +257,16 @@ end
 
 local LOOSE = 1e-9  -- how far a start may be off its group
 
+local function form_of(place)
+  return ("an element of %s is %s"):format(tostring(place.space),
+    require "dm.group.form".of(place.kit))
+end
+
 --- Flat coordinates of the element q, which is on the group or (project) brought there.
 function M.on_group(place, q, project)
   local kit = place.kit
   local fine, g = blame.try(kit.element, q)
-  if not fine then
-    error(("%s; an element of %s is %s"):format(g, tostring(place.space),
-      require "dm.group.form".of(kit)), 0)
-  end
+  if not fine then error(("%s; %s"):format(g, form_of(place)), 0) end
   local defect, why = kit.defect(g)
   if defect <= LOOSE then
     local list = place.flat(g)
@@ -306,7 +308,13 @@ end
 
 --- q, v, p of a run in flat coordinates, in a copy of its options.
 function M.start(place, options)
-  if not place.reduced and options.a == nil then return flat_options(place, options) end
+  if not place.reduced and options.a == nil then
+    local lone = options.v ~= nil or options.p ~= nil
+    if lone and options.q == nil and options.q0 == nil then
+      error(("field 'q' is missing: %s"):format(form_of(place)), 0)
+    end
+    return flat_options(place, options)
+  end
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   start_reduced(place, options, out)

@@ -52,6 +52,10 @@ for _, case in ipairs {
 } do
   raises(case[1], function() heisenberg(case[2]) end)
 end
+raises("what 'exp' returns must have 3 entries (got 2)", function()
+  heisenberg { exp = function(x) return { x[1], x[2] } end }
+end)
+raises("boom", function() heisenberg { exp = function() error "boom" end } end)
 raises("exp has no derivative at 0", function()
   heisenberg { exp = function(x)
     local s = dm.sqrt(x[1] * x[1] + x[2] * x[2])

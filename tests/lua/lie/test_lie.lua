@@ -259,6 +259,9 @@ raises("no element of SO(3), its columns are off orthonormal ones by 0.21", fini
 local near_by = free:solver { rule = "lie(1)", h = 0.1 }:run { v = { 0, 0, 1 }, steps = 1,
   q = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1.1 } }, project = true }
 ok(far(near_by.q[1], one) < 1e-14, "project = true")
+raises("field 'q' is missing: an element of SO(3) is a matrix of 3 x 3", function()
+  free:solver { rule = "lie(1)", h = 0.1 }:run { v = { 0, 0, 1 }, steps = 1 }
+end)
 raises("matrix of 3 x 3", finish, free, "lie(1)", 0.1, 1, { q = { 1, 0 }, v = { 0, 0, 1 } })
 raises("3 entries", finish, free, "lie(1)", 0.1, 1, { q = one, v = { 0, 0, 1, 0 } })
 raises("degenerate", finish, dm.system { Q = SO3, L = function(_, w) return w[1] ^ 2 end },
