@@ -4,6 +4,7 @@
 #ifndef DM_WEIGHT_H
 #define DM_WEIGHT_H
 
+#include <math.h>
 #include <stdint.h>
 
 /* w = top + rest */
@@ -11,9 +12,13 @@ typedef struct {
     double top, rest;
 } dm_weight;
 
-/* top is w rounded to 24 bits, rest what a double holds of the remainder */
+/* top is w rounded to 24 bits, of whatever size: h^2 a_ij of h = 1e-23 is no number of a float;
+ * rest is what a double holds of the remainder */
 static inline dm_weight dm_weight_of(long double w) {
-    const double top = (double)(float)w;
+    int power;
+    frexp((double)w, &power);
+    const float digits = (float)(w * (long double)ldexp(1.0, -power));
+    const double top = ldexp((double)digits, power);
     return (dm_weight){top, (double)(w - (long double)top)};
 }
 
