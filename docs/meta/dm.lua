@@ -6512,10 +6512,11 @@ function dm.sqrt(x) end
 ---With a duration t cells are compared with the resolved flow, two unlike rules with unlike steps that
 ---agree to a thousandth of the accuracy: wrong is where at some step up to t an observable is further
 ---off than accuracy (0.01) times its range, greatest less least value of the flow, or the velocity
----leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all), momenta
----(p_x), "energy", or name = f(q, v, t, p). accuracy = false: nothing is compared. Where the flow is
----chaotic it is known up to a time (horizon of map:at), and cells are compared up to there.
----Of a field on a mesh all values are observed, and the range is that of the value that changes most.
+---leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all, of more
+---than 48 so many, evenly), momenta (p_x), "energy", or name = f(q, v, t, p). accuracy = false:
+---nothing is compared. Where the flow is chaotic it is known up to a time (horizon of map:at), and
+---cells are compared up to there.
+---Of a field on a mesh values are observed, and the range is that of the value that changes most.
 ---On lines (dm.field) the flow is that of the field itself, of cells ever finer in space and time, so
 ---that a mesh too coarse is wrong, too; u and ut are then functions of x, and observe takes u (u1, ...
 ---where it has several values; the range is that of all nodes) or name = f(u, nil, t).

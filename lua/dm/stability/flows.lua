@@ -209,8 +209,8 @@ function M.prepare(map, system)
     flow_key = flow_key }
 end
 
---- Of a field on a mesh all values are observed, and how many there are its size decides: from now
--- on those of this system.
+--- Of a field on a mesh values are observed, and how many there are its size decides: from now on
+-- those of this system.
 function M.observe(map, system)
   local beside = map.beside
   if beside and takes_all(map, system) and beside.observed.of ~= system.Q.dimension then

@@ -157,10 +157,11 @@ says why), no value (of watch).
 With a duration t cells are compared with the resolved flow, two unlike rules with unlike steps that
 agree to a thousandth of the accuracy: wrong is where at some step up to t an observable is further
 off than accuracy (0.01) times its range, greatest less least value of the flow, or the velocity
-leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all), momenta
-(p_x), "energy", or name = f(q, v, t, p). accuracy = false: nothing is compared. Where the flow is
-chaotic it is known up to a time (horizon of map:at), and cells are compared up to there.
-Of a field on a mesh all values are observed, and the range is that of the value that changes most.
+leaves the constraints by so much of |G| |v|. observe: names of coordinates (left out: all, of more
+than 48 so many, evenly), momenta (p_x), "energy", or name = f(q, v, t, p). accuracy = false:
+nothing is compared. Where the flow is chaotic it is known up to a time (horizon of map:at), and
+cells are compared up to there.
+Of a field on a mesh values are observed, and the range is that of the value that changes most.
 On lines (dm.field) the flow is that of the field itself, of cells ever finer in space and time, so
 that a mesh too coarse is wrong, too; u and ut are then functions of x, and observe takes u (u1, ...
 where it has several values; the range is that of all nodes) or name = f(u, nil, t).
@@ -278,6 +279,15 @@ local function note_unresolved(map, all)
   end
 end
 
+-- of many names some are observed
+local function note_observed(map)
+  local seen = map.beside and map.beside.observed
+  if seen and seen.most and seen.most > #seen.names then
+    map.notes[#map.notes + 1] = ("of %d coordinates %d are observed, evenly: option 'observe' "
+      .. "takes others"):format(seen.most, #seen.names)
+  end
+end
+
 -- runs the cells; returns what stopped it, if anything
 local function fill(map)
   local all = all_cells(map)
@@ -286,6 +296,7 @@ local function fill(map)
   given_.check_first(map, first)
   map.notes = given_.notes(map, first)
   map.beside = flows.prepare(map, map.system_of(first))
+  note_observed(map)
   map.chaos = wants_chaos(map, first)
   local stopped = run_cells(map, all)
   if not map.started and not stopped then error(map.refusal, 0) end

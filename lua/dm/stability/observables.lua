@@ -62,17 +62,19 @@ local function column_of(system, names, name)
   return name
 end
 
-local MOST = 48 -- values of a field on a mesh that are observed; a run watches 64 numbers
+local MOST = 48 -- names that are observed where nothing is said; a run watches 64 numbers
 
--- what is observed where nothing is said: all names; of the values of a field that are not fixed so
--- many, evenly
+-- what is observed where nothing is said: all names, of a field those that are not fixed; of more
+-- so many, evenly
 local function names_to_observe(system, names)
   local field = not system.place and system.field
-  if not field or field.n <= MOST then return names end
+  if #names <= MOST then return names end
   local free, out = {}, {}
-  for i = 1, field.n do if not field.held[i] then free[#free + 1] = i end end
+  for i, name in ipairs(names) do
+    if not (field and field.held[i]) then free[#free + 1] = name end
+  end
   local count = math.min(MOST, #free)
-  for k = 1, count do out[k] = "q" .. free[1 + (k - 1) * #free // count] end
+  for k = 1, count do out[k] = free[1 + (k - 1) * #free // count] end
   return out
 end
 
@@ -105,15 +107,16 @@ local function entries(observe)
   return out
 end
 
---- { names, columns, watch }: what is observed, what its columns are called in runs of a system,
--- and what to watch for them.
+--- { names, columns, watch, of, most }: what is observed, what its columns are called in runs of a
+-- system, what to watch for them, the number of coordinates, and how many names there were.
 function M.read(options, system)
   if system.line then
     return line_flows.observed(entries(options.observe or line_flows.names(system.line)),
       system.line)
   end
   local names = names_of(system)
-  local out = { names = {}, columns = {}, watch = {}, of = system.Q.dimension }
+  local out = { names = {}, columns = {}, watch = {}, of = system.Q.dimension,
+    most = not options.observe and #names or nil }
   for i, entry in ipairs(entries(options.observe or names_to_observe(system, names))) do
     local f = entry.f or system.place and on_group(system, entry.name)
     out.names[i] = entry.name

@@ -103,4 +103,11 @@ ok(tostring(cut):find(left .. " not run", 1, true), "in its text, too", tostring
 raises("'seconds' must be", henon.stability, henon, { q = { 0, 0 }, v = { 1, 0 }, rule = "verlet", h = 0.1, t = 1, seconds = 0 })
 raises("'accuracy'", map_of, oscillator, { q = { 1 }, v = { 0 }, rule = "verlet", h = 0.1, t = 1, accuracy = -1 })
 raises("give t, a duration", map_of, oscillator, { q = { 1 }, v = { 0 }, rule = "verlet", h = 0.1, steps = 9, accuracy = 0.1 })
+-- more coordinates than a run watches: 48 of them, evenly, which the map says
+local many = dm.system { Q = dm.R(70), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end }
+local ones = dm.zeros(70):totable()
+for i = 1, 70 do ones[i] = 1 end
+local wide = many:stability { rule = "verlet", q = ones, v = dm.zeros(70), t = 100, h = { 0.06, 0.08 }, chaos = false, refine = false }
+ok(wide:at(1, 1).class == "bounded" and wide:at(1, 2).class == "wrong", "70 coordinates: right and wrong")
+ok(wide.notes[1]:find "^of 70 coordinates 48 are observed", "and what is observed", wide.notes[1])
 tap.done()
