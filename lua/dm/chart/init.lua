@@ -114,7 +114,8 @@ local function sample_times(options, dense)
   local count, t0, out = options.samples or 32, options.t0 or 0, {}
   local finest = min(table.unpack(options.h))
   if dense then count = min(DENSE, max(256, math.ceil(options.t / finest))) end
-  for i = 1, count do out[i] = t0 + options.t * i / count end
+  if not dense then out[1] = t0 end -- changes are from the start
+  for i = 1, count do out[#out + 1] = t0 + options.t * i / count end
   return out
 end
 

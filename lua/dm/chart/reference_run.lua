@@ -20,7 +20,8 @@ local function start_of(o) return { q = o.q, v = o.v, p = o.p } end
 
 local function given_run(chart, given)
   local o = chart.options
-  local steps = max(#chart.times, math.ceil(o.t / given.h / #chart.times) * #chart.times)
+  local parts = chart.dense and #chart.times or #chart.times - 1 -- the first is the start
+  local steps = max(parts, math.ceil(o.t / given.h / parts) * parts)
   local options = start_of(o)
   options.t0, options.at, options.watch = o.t0, chart.times, chart.watch
   return chart.system:solver({ rule = given.rule, h = o.t / steps }):run(options)
