@@ -114,6 +114,10 @@ local function growth_of(n)
   end
 end
 
+-- a number has outgrown all others: a shorter block is to be taken. Beside a large u the sign of
+-- d2L/dv2 of the prolonged system is lost.
+local OUTGROWN = { not_finite = true, no_convergence = true, inertia = true }
+
 -- the run of vector j beside the orbit from state s: its path and its end; nothing where a number
 -- has outgrown all others
 local function run_beside(lifted, s, j, steps, every)
@@ -124,7 +128,7 @@ local function run_beside(lifted, s, j, steps, every)
       p = function(_, _, _, y) return y end } })
   if not fine then
     local code = type(path) == "table" and path.code
-    if steps > 1 and (code == "not_finite" or code == "no_convergence") then return nil end
+    if steps > 1 and OUTGROWN[code] then return nil end
     error(path, 0)
   end
   local x, p = {}, {}

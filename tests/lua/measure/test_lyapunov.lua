@@ -68,4 +68,10 @@ raises("only 2 independent", rod.lyapunov, rod, swing)
 swing.exponents = 5
 raises("from 1 to 4", rod.lyapunov, rod, swing)
 raises("every", rod.lyapunov, rod, { q = { 0.6, -0.8 }, v = { 0.8, 0.6 }, t = 1, every = 0 })
+-- a mass that depends on q: large tangent vectors hide the sign of d2L/dv2, not the motion
+local double = dm.system { Q = dm.R(2), L = function(q, v)
+  return v[1] ^ 2 + v[2] ^ 2 / 2 + v[1] * v[2] * dm.cos(q[1] - q[2]) + 9.81 * (2 * dm.cos(q[1]) + dm.cos(q[2]))
+end }
+local both = double:solver { rule = "midpoint", h = 0.01 }:lyapunov { q = { math.pi / 2, math.pi / 2 }, v = { 0, 0 }, t = 200 }
+ok(both.exponent > 0.5 and both.exponent < 1.5, "double pendulum over long blocks", both.exponent)
 tap.done()
