@@ -87,14 +87,23 @@ local function orthonormal(vectors)
   return out, growth
 end
 
--- k vectors: the first, then unit vectors that are not in their span; of each what `allowed` leaves
-local function frame(first, k, allowed)
+-- vector i of a basis: a unit vector, or where constraints take a part of it away, which may be all
+-- of a unit vector, one along no axis
+local function basis_vector(i, size, is_bound)
+  local out = lists.zeros(size)
+  out[i] = 1
+  for j = 1, is_bound and size or 0 do out[j] = math.sin(i * j + j * j) end
+  return out
+end
+
+-- k vectors: the first, then those of a basis that are not in their span; of each what `allowed`
+-- leaves
+local function frame(first, k, allowed, is_bound)
   local out, size = orthonormal { allowed(first) }, #first
   for i = 1, size do
     if out and #out == k then break end
-    local more, unit = table.move(out or {}, 1, out and #out or 0, 1, {}), lists.zeros(size)
-    unit[i] = 1
-    more[#more + 1] = allowed(unit)
+    local more = table.move(out or {}, 1, out and #out or 0, 1, {})
+    more[#more + 1] = allowed(basis_vector(i, size, is_bound))
     if largest(more[#more]) > 1e-8 then out = orthonormal(more) or out end
   end
   if #out < k then
@@ -282,7 +291,7 @@ M.lyapunov = blame.caller(function(solver, options)
   local s, record = state_of(solver, options, n), nil
   local first = first_vector(options, n)
   local function all(x) return x end
-  s.vectors = frame(first, k, own and on_group.allowed(solver.system, s) or all)
+  s.vectors = frame(first, k, own and on_group.allowed(solver.system, s) or all, s.project)
   for j = 1, k do s.sums[j] = 0 end
   if own or own_step.is(solver) then
     local along = own and on_group.map(solver, WHERE) or own_step.map(solver, WHERE)

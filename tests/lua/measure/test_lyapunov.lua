@@ -74,4 +74,8 @@ local double = dm.system { Q = dm.R(2), L = function(q, v)
 end }
 local both = double:solver { rule = "midpoint", h = 0.01 }:lyapunov { q = { math.pi / 2, math.pi / 2 }, v = { 0, 0 }, t = 200 }
 ok(both.exponent > 0.5 and both.exponent < 1.5, "double pendulum over long blocks", both.exponent)
+local rods = dm.system { Q = dm.R(4), L = function(q, v) return v:dot(v) / 2 - 9.81 * (q[2] + q[4]) end,
+  constraint = function(q) return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - 1 } end }
+local level = rods:solver { rule = "rattle", h = 0.005 }:lyapunov { q = { 1, 0, 2, 0 }, v = { 0, 0, 0, 0 }, t = 20, exponents = 4 }
+ok(math.abs(level.sum) < 0.2 and level.exponents[1] > 0.3, "level rods, whose tangents are along axes: the sum tends to 0 like 1 / t", level.sum)
 tap.done()
