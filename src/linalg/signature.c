@@ -134,3 +134,41 @@ int dm_surely_positive(double *A, uint32_t n) {
     for (uint32_t i = 0; i < n; i++) A[i * n + i] = 1.0;
     return dm_all_positive(A, n, FAR, &least);
 }
+
+/* x - 2 (w . x) w of a vector whose entries are so far apart, from `first` on; |w| = 1 */
+static void reflect(double *x, size_t apart, const double *w, uint32_t first, uint32_t n) {
+    double along = 0.0;
+    for (uint32_t i = first; i < n; i++) along += w[i] * x[i * apart];
+    for (uint32_t i = first; i < n; i++) x[i * apart] -= 2.0 * along * w[i];
+}
+
+/* The reflection w that takes g[first..n-1] to a multiple of its first entry; 0: nothing is left of
+ * g but rounding. */
+static int find_reflection(const double *g, uint32_t first, uint32_t n, double *w) {
+    static const double NOTHING = 1e-12;
+    double whole = 0.0, left = 0.0, size = 0.0;
+    for (uint32_t i = 0; i < n; i++) whole = hypot(whole, g[i]);
+    for (uint32_t i = first; i < n; i++) left = hypot(left, g[i]);
+    if (!(left > NOTHING * whole)) return 0;
+    for (uint32_t i = first; i < n; i++) w[i] = g[i] / left;
+    w[first] += copysign(1.0, w[first]);
+    for (uint32_t i = first; i < n; i++) size = hypot(size, w[i]);
+    for (uint32_t i = first; i < n; i++) w[i] /= size;
+    return 1;
+}
+
+uint32_t dm_restrict(double *A, uint32_t n, double *G, uint32_t k, double *work) {
+    uint32_t rank = 0;
+    for (uint32_t c = 0; c < k && rank < n; c++) {
+        if (!find_reflection(G + (size_t)c * n, rank, n, work)) continue;
+        for (uint32_t i = 0; i < n; i++) reflect(A + (size_t)i * n, 1, work, rank, n);
+        for (uint32_t j = 0; j < n; j++) reflect(A + j, n, work, rank, n);
+        for (uint32_t d = c + 1; d < k; d++) reflect(G + (size_t)d * n, 1, work, rank, n);
+        rank++;
+    }
+    const uint32_t m = n - rank;
+    for (uint32_t i = 0; i < m; i++)
+        for (uint32_t j = 0; j < m; j++)
+            A[(size_t)i * m + j] = A[(size_t)(i + rank) * n + j + rank];
+    return m;
+}

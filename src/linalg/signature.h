@@ -18,4 +18,9 @@ int dm_all_positive(double *A, uint32_t n, double far, double *least);
  * with minus signs beside its diagonal: if C is so. 0: it is not, by far. A is overwritten. */
 int dm_surely_positive(double *A, uint32_t n);
 
+/* The form A[n*n] on the vectors that all rows of G[k*n] leave at zero, as a matrix of the order
+ * that is returned, n less the rank of G, in the first entries of A. Its values move with A and G;
+ * pivots of [A, G^T; G, 0] jump. By reflections; G and work[n] are overwritten. */
+uint32_t dm_restrict(double *A, uint32_t n, double *G, uint32_t k, double *work);
+
 #endif

@@ -44,9 +44,14 @@ static size_t order(const dm_model *m) {
     return (size_t)m->n + holonomic(m) + rolling(m);
 }
 
-/* (q, v, t), outputs, the matrix, the Legendre transform */
+/* the mass and a copy of it, the rows of constraints, a vector; the velocity in their place */
+static size_t matrices(const dm_model *m) {
+    return (size_t)m->n * (m->n + order(m) + 1);
+}
+
+/* (q, v, t), outputs, matrices, the Legendre transform */
 static size_t room(const dm_model *m) {
-    return 2 * (size_t)m->n + 1 + outputs(m) + order(m) * order(m) + dm_legendre_work(m);
+    return 2 * (size_t)m->n + 1 + outputs(m) + matrices(m) + dm_legendre_work(m);
 }
 
 size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
@@ -72,43 +77,39 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
     x->seen = *seen;
 }
 
-/* [M, G^T; G, 0] of the rows G of a kernel, `count` of them behind `before` others, each of size
- * 1 */
-static void border(const dm_inertia *x, double *A, const double *G, uint32_t count,
-                   uint32_t before) {
-    const size_t n = x->model->n, N = order(x->model);
+/* `count` rows of a kernel, scaled, each of size 1, at G */
+static void place_rows(const dm_inertia *x, double *G, const double *rows, uint32_t count) {
+    const size_t n = x->model->n;
     for (size_t c = 0; c < count; c++) {
         double size = 0.0;
-        for (size_t i = 0; i < n; i++) size = fmax(size, fabs(G[c * n + i] * x->scale[i]));
-        for (size_t i = 0; i < n; i++) {
-            double *below = A + (n + before + c) * N + i;
-            *below = size > 0.0 ? G[c * n + i] * x->scale[i] / size : 0.0;
-            A[i * N + n + before + c] = *below;
-        }
+        for (size_t i = 0; i < n; i++) size = fmax(size, fabs(rows[c * n + i] * x->scale[i]));
+        for (size_t i = 0; i < n; i++)
+            G[c * n + i] = size > 0.0 ? rows[c * n + i] * x->scale[i] / size : 0.0;
     }
 }
 
-static void add_constraints(const dm_inertia *x, double *A, const double *at, double *out) {
+/* The rows of the constraints, at G. */
+static void place_constraints(const dm_inertia *x, double *G, const double *at, double *out) {
     const dm_model *m = x->model;
     const uint32_t k = holonomic(m), l = rolling(m);
     const size_t n = m->n;
     if (k) {
         dm_kernel_prepare(&m->constraints->holonomic_kernel, out);
         dm_kernel_eval(&m->constraints->holonomic_kernel, at, out);
-        border(x, A, out + k, k, 0);
+        place_rows(x, G, out + k, k);
     }
     if (l) { /* phi[l], E[l*n], phi_v[l*n] */
         dm_kernel_prepare(&m->constraints->rolling_kernel, out);
         dm_kernel_eval(&m->constraints->rolling_kernel, at, out);
-        border(x, A, out + l + l * n, l, k);
+        place_rows(x, G + k * n, out + l + l * n, l);
     }
 }
 
 /* M at a state, into the outputs of the kernel behind its n momenta; 0: no velocity is known */
 static int find_mass(const dm_inertia *x, const double *state, double t) {
     const dm_model *m = x->model;
-    const size_t n = m->n, N = order(m);
-    double *at = x->room, *out = at + 2 * n + 1, *work = out + outputs(m) + N * N;
+    const size_t n = m->n;
+    double *at = x->room, *out = at + 2 * n + 1, *work = out + outputs(m) + matrices(m);
     memcpy(at, state, n * sizeof *at);
     memset(at + n, 0, n * sizeof *at);
     at[2 * n] = t;
@@ -119,28 +120,30 @@ static int find_mass(const dm_inertia *x, const double *state, double t) {
     return 1;
 }
 
-/* The mass that was found, scaled, as the first rows and columns of A[N*N]. */
-static void place_mass(const dm_inertia *x, double *A, size_t N) {
-    const size_t n = x->model->n;
-    const double *M = x->room + 3 * n + 1;
+/* The mass that was found, scaled, on the velocities that constraints allow, as A; its order. */
+static uint32_t place_mass(const dm_inertia *x, double *A, const double *M) {
+    const uint32_t n = x->model->n;
     for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) A[i * N + j] = x->scale[i] * M[i * n + j] * x->scale[j];
+        for (size_t j = 0; j < n; j++) A[i * n + j] = x->scale[i] * M[i * n + j] * x->scale[j];
+    return n;
 }
 
-/* How many are negative of the mass that was found, and the size of the value next to zero. The
- * bordered matrix has as many negative values more as there are independent constraints. Without
- * any, and with all values far above zero, as they mostly are, less work tells so. */
+/* How many are negative of the mass that was found, and the size of the value next to zero. With
+ * all values far above zero, as they mostly are, less work tells so. */
 static uint32_t count(const dm_inertia *x, double *least) {
     static const double FAR = 1e-3;
     const dm_model *m = x->model;
-    const size_t n = m->n, N = order(m);
-    double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(m);
-    place_mass(x, A, N);
-    if (N == n && dm_all_positive(A, (uint32_t)N, FAR, least)) return 0;
-    memset(A, 0, N * N * sizeof *A);
-    place_mass(x, A, N);
-    add_constraints(x, A, at, out);
-    return dm_negative_values(A, (uint32_t)N, least);
+    const uint32_t n = m->n, rows = (uint32_t)order(m) - n;
+    double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(m), *kept = out + n;
+    double *G = A + 2 * (size_t)n * n;
+    uint32_t N = place_mass(x, A, kept);
+    if (rows) { /* the kernels of constraints write where the mass is */
+        place_constraints(x, G, at, out);
+        N = dm_restrict(A, n, G, rows, G + (size_t)rows * n);
+    }
+    memcpy(A + (size_t)N * N, A, (size_t)N * N * sizeof *A);
+    if (dm_all_positive(A, N, FAR, least)) return 0;
+    return dm_negative_values(A + (size_t)N * N, N, least);
 }
 
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
@@ -152,8 +155,8 @@ int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *
 
 const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t) {
     const dm_model *m = x->model;
-    const size_t n = m->n, N = order(m);
-    double *v = x->room + 2 * n + 1 + outputs(m), *work = v + N * N;
+    const size_t n = m->n;
+    double *v = x->room + 2 * n + 1 + outputs(m), *work = v + matrices(m);
     memset(v, 0, n * sizeof *v);
     return dm_legendre_inverse(m, v, state, state + n, t, work) == DM_OK ? v : NULL;
 }
@@ -222,6 +225,13 @@ double dm_inertia_left(const dm_inertia *x, double before, double now, double si
     return since / (ratio * (sees_velocity(x->model) ? ratio : sqrt(ratio)) - 1.0);
 }
 
+/* Did a value fall by more than a part of the way to zero leaves of it, or rise from less? What was
+ * behind zero in between came back. */
+static int is_strange(double before, double now) {
+    static const double PART = 0.63; /* (1/2)^(2/3): after half of the way */
+    return now < PART * before || before < PART * now;
+}
+
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     dm_inertia_seen *s = &x->seen;
     double least = s->least;
@@ -231,6 +241,7 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     if (done == s->looked) return changed; /* a step from here failed */
     x->before = s->left;
     const long since = done > s->looked ? done - s->looked : 1;
+    const int strange = found && since > 1 && is_strange(s->least, least);
     const double part = sees_velocity(x->model) ? OF_VELOCITY : OF_POSITION;
     s->left = dm_inertia_left(x, s->least, least, (double)since);
     /* one that grew may fall as fast */
@@ -243,7 +254,7 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     if (found && !changed) dm_inertia_foresee(x, state, t, done);
     s->looked = done;
     s->at = t;
-    return changed;
+    return changed || strange;
 }
 
 int dm_inertia_is_fading(const dm_inertia *x) {

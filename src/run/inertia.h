@@ -63,7 +63,7 @@ void dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
 /* Has it changed since? */
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);
 
-/* The same after so many steps, and when to look again. */
+/* The same after so many steps, or may it have changed and come back? And when to look again. */
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
 
 /* Was a value about to vanish within a few steps of the last look? */

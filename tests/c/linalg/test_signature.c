@@ -118,7 +118,31 @@ static void is_sure_of_bounds(void) {
           !dm_surely_positive(open, 2));
 }
 
+/* A form on the vectors that rows leave at zero has the negative values of the bordered matrix, less
+ * one for every row that is independent; a multiple of 1 stays one, with its pivots. */
+static void restricts_forms(void) {
+    double A[MOST * MOST], G[3 * 8 + 8], whole[MOST * MOST], least;
+    for (int trial = 0; trial < 2000; trial++) {
+        const uint32_t n = 4 + (uint32_t)trial % 5, k = 1 + (uint32_t)trial % 3, N = n + k;
+        memset(whole, 0, sizeof whole);
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t j = 0; j <= i; j++)
+                whole[i * N + j] = whole[j * N + i] = A[i * n + j] = A[j * n + i] = random_number();
+        for (uint32_t c = 0; c < k; c++)
+            for (uint32_t i = 0; i < n; i++)
+                whole[(n + c) * N + i] = whole[i * N + n + c] = G[c * n + i] = random_number();
+        CHECK(dm_restrict(A, n, G, k, G + k * n) == n - k);
+        CHECK(dm_negative_values(whole, N, &least) == k + dm_negative_values(A, n - k, &least));
+    }
+    for (uint32_t i = 0; i < 25; i++) A[i] = i % 6 == 0 ? 0.25 : 0.0;
+    const double rows[] = {1, 2, 3, 4, 5, 2, 4, 6, 8, 10, 0, 0, 0, 0, 0};
+    memcpy(G, rows, sizeof rows);
+    CHECK(dm_restrict(A, 5, G, 3, G + 15) == 4); /* twice the same row, and none */
+    for (uint32_t i = 0; i < 16; i++) CHECK(fabs(A[i] - (i % 5 == 0 ? 0.25 : 0.0)) < 1e-15);
+}
+
 int main(void) {
+    RUN(restricts_forms, "restricts forms to the vectors that rows leave at zero");
     RUN(counts_random_matrices, "counts negative values of 1 to 12");
     RUN(counts_without_a_diagonal, "counts where the diagonal is zero");
     RUN(knows_positive_ones, "knows matrices that are positive by far");
