@@ -44,9 +44,11 @@ static size_t order(const dm_model *m) {
     return (size_t)m->n + holonomic(m) + rolling(m);
 }
 
-/* the mass and a copy of it, the rows of constraints, a vector; the velocity in their place */
+/* the mass and a copy of it, the rows of constraints, a vector, the bordered matrix; the velocity in
+ * their place */
 static size_t matrices(const dm_model *m) {
-    return (size_t)m->n * (m->n + order(m) + 1);
+    const size_t n = m->n, all = order(m);
+    return n * (n + all + 1) + (all > n ? all * all : 0);
 }
 
 /* (q, v, t), outputs, matrices, the Legendre transform */
@@ -128,22 +130,38 @@ static uint32_t place_mass(const dm_inertia *x, double *A, const double *M) {
     return n;
 }
 
+/* [M, G^T; G, 0] as A[N*N] */
+static void place_border(double *A, size_t N, const double *M, const double *G, size_t n) {
+    memset(A, 0, N * N * sizeof *A);
+    for (size_t i = 0; i < n; i++) memcpy(A + i * N, M + i * n, n * sizeof *A);
+    for (size_t c = n; c < N; c++)
+        for (size_t i = 0; i < n; i++) A[c * N + i] = A[i * N + c] = G[(c - n) * n + i];
+}
+
 /* How many are negative of the mass that was found, and the size of the value next to zero. With
- * all values far above zero, as they mostly are, less work tells so. */
+ * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
+ * that on the velocities they allow; the number is that of the bordered matrix, which has as many
+ * more as there are independent constraints, and which large tangent vectors of a prolonged L leave
+ * right: reflections would mix them with what is small. */
 static uint32_t count(const dm_inertia *x, double *least) {
     static const double FAR = 1e-3;
     const dm_model *m = x->model;
-    const uint32_t n = m->n, rows = (uint32_t)order(m) - n;
+    const uint32_t n = m->n, all = (uint32_t)order(m), rows = all - n;
     double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(m), *kept = out + n;
-    double *G = A + 2 * (size_t)n * n;
-    uint32_t N = place_mass(x, A, kept);
+    double *copy = A + (size_t)n * n, *G = copy + (size_t)n * n,
+           *border = G + (size_t)(rows + 1) * n;
+    uint32_t N = place_mass(x, A, kept), negative = 0;
     if (rows) { /* the kernels of constraints write where the mass is */
+        double unused;
         place_constraints(x, G, at, out);
+        place_border(border, all, A, G, n);
+        negative = dm_negative_values(border, all, &unused);
         N = dm_restrict(A, n, G, rows, G + (size_t)rows * n);
     }
-    memcpy(A + (size_t)N * N, A, (size_t)N * N * sizeof *A);
-    if (dm_all_positive(A, N, FAR, least)) return 0;
-    return dm_negative_values(A + (size_t)N * N, N, least);
+    memcpy(copy, A, (size_t)N * N * sizeof *A);
+    if (dm_all_positive(A, N, FAR, least)) return negative;
+    const uint32_t own = dm_negative_values(copy, N, least);
+    return rows ? negative : own;
 }
 
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,

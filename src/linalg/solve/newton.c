@@ -133,8 +133,8 @@ static int is_floor(const solver *s) {
     const chord *it = &s->it;
     const dm_newton_problem *p = s->p;
     if (it->all.step <= DM_NEWTON_FLOOR * (norm_of(it->x, p->m) + it->all.step)) return 1;
-    const double place = p->place ? norm_of(p->place, p->places) : 0.0;
-    return it->all.step * fabs(p->over) <= DM_NEWTON_UNSEEN * place;
+    return p->place &&
+           it->all.step * fabs(p->over) <= DM_NEWTON_UNSEEN * norm_of(p->place, p->places);
 }
 
 /* A start outside of the domain: half of the way to where r has a value, and half of that. */

@@ -225,7 +225,7 @@ near(hoop:routh({ cyclic = dm.vector { 1 }, mu = 1 }):amended_potential(1), shap
 -- a failure names the columns of the path that it has: q1 of the shape, whatever number that was above
 do
   local bob = system(2, function(q, v) return (v[2] ^ 2 / cos(q[2]) ^ 2 + sin(q[2]) ^ 2 * v[1] ^ 2) / 2 - cos(q[2]) end)
-  local fine, failure = pcall(function() bob:routh({ cyclic = 1, mu = 0.01 }):solver({ rule = "gauss(2)", h = 0.1 }):run { q = 1, v = 0.9, t = 20 } end)
+  local fine, failure = pcall(function() bob:routh({ cyclic = 1, mu = 0.01 }):solver({ rule = "gauss(2)", h = 0.01 }):run { q = 1, v = 0.9, t = 20 } end)
   ok(not fine and failure.reason ~= nil and tostring(failure):find("'q1'", 1, true) and failure.path.columns[2] == "q1", "a failure names the columns of its path", tostring(failure))
 end
 

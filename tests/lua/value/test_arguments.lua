@@ -157,7 +157,7 @@ local calls = {
   ["dm.line_field"] = { { cable, resume = { cable_run }, solver = { { h = 0.1 } }, stability_limit = { "cell(gauss(2))", {} }, reflection = { {} } } },
   ["dm.line_solver"] = { { cable_solver, run = { { u = 0, steps = 2 } } } },
   ["dm.line_run"] = { { cable_run, column = { "energy" }, drift = { "energy" }, multisymplectic = { {} }, conservation = { "t" } } },
-  ["dm.strip"] = { { cable_strip, momenta = { five, five, 0, 0.1 }, cells = { five, five, 0, 0.1, "value" }, limit = { nought, 1e-6, 10 },
+  ["dm.strip"] = { { cable_strip, momenta = { five, five, 0, 0.1 }, cells = { five, five, 0, 0.1, "value" }, limit = { nought, 1 },
     energies = { { u = cable_run.u, t = cable_run.t } }, vary = { { u = cable_run.u, t = cable_run.t, v = five, dp = five } },
     residual = { { u = cable_run.u, t = cable_run.t, v = cable_run.u, w = cable_run.p, leave = nought, area = 1 } },
     run = { { u = five, p = five, h = 0.1, steps = 1 } } } },

@@ -184,8 +184,8 @@ M["strip.limit"] = [=[
 >>   local rate, slope = (b - a)/t[2], b[2] - b[1]
 >>   return t[2]*(rate:dot(rate)/4 - slope^2/2)
 >> end, { values = 1, cells = 2, held = {0, 0, 0}, place = {0, 1}, absorbs = {0, 0} })
-> s:limit({ 0, 0, 0 }, 0.01, 1)
-inf]=]
+> s:limit({ 0, 0, 0 }, 1)
+1.0]=]
 
 M["strip.momenta"] = [=[
 > core = require "dm.core"
