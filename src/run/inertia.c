@@ -44,8 +44,8 @@ static size_t order(const dm_model *m) {
     return (size_t)m->n + holonomic(m) + rolling(m);
 }
 
-/* the mass and a copy of it, the rows of constraints, a vector, the bordered matrix; the velocity in
- * their place */
+/* the mass and a copy of it, the rows of constraints, a vector, the bordered matrix; the velocity
+ * in their place */
 static size_t matrices(const dm_model *m) {
     const size_t n = m->n, all = order(m);
     return n * (n + all + 1) + (all > n ? all * all : 0);
