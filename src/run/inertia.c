@@ -250,13 +250,21 @@ static int is_strange(double before, double now) {
     return now < PART * before || before < PART * now;
 }
 
+/* How many times as long the next way may be: so that a value moves by little between looks, since
+ * to go back costs more than to look. */
+static double stride(double before, double now) {
+    static const double LITTLE = 0.9, MUCH = 0.8;
+    const double ratio = now < before ? now / before : before / now;
+    return ratio > LITTLE ? 2.0 : ratio > MUCH ? 1.0 : 0.5;
+}
+
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     dm_inertia_seen *s = &x->seen;
     double least = s->least;
     const int found = s->known && find_mass(x, state, t);
     const int changed = found && count(x, &least) != s->negative;
-    if (!found) least = 0.0;               /* so near to a fold that no velocity is found */
-    if (done == s->looked) return changed; /* a step from here failed */
+    if (!found) least = 0.0; /* so near to a fold that no velocity is found */
+    if (done == s->looked) return changed ? DM_INERTIA_CHANGED : 0; /* a step from here failed */
     x->before = s->left;
     const long since = done > s->looked ? done - s->looked : 1;
     const int strange = found && since > 1 && is_strange(s->least, least);
@@ -265,14 +273,14 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     /* one that grew may fall as fast */
     const double back = dm_inertia_left(x, least, s->least, (double)since) + (double)since;
     const double safe = part * fmin(s->left, back);
-    const double far = fmin(fmin(safe, MOST), 2.0 * (double)since);
+    const double far = fmin(fmin(safe, MOST), stride(s->least, least) * (double)since);
     s->due = done + (found && far >= 1.0 ? (long)far : 1);
     s->least = least;
     s->open = 0;
     if (found && !changed) dm_inertia_foresee(x, state, t, done);
     s->looked = done;
     s->at = t;
-    return changed || strange;
+    return changed ? DM_INERTIA_CHANGED : strange ? DM_INERTIA_STRANGE : 0;
 }
 
 int dm_inertia_is_fading(const dm_inertia *x) {

@@ -63,7 +63,9 @@ void dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
 /* Has it changed since? */
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);
 
-/* The same after so many steps, or may it have changed and come back? And when to look again. */
+/* The same after so many steps, or may it have changed and come back? A run on its own goes back to
+ * see; a member in lanes does not, since it would begin anew. And when to look again. */
+enum { DM_INERTIA_CHANGED = 1, DM_INERTIA_STRANGE = 2 };
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
 
 /* Was a value about to vanish within a few steps of the last look? */

@@ -115,7 +115,7 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     const int steep = one && dm_inertia_is_steep(inertia), open = one && inertia->seen.open;
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
     const double t = dm_hand_time(x, i, now, done);
-    int over = dm_inertia_look(inertia, now, t, done);
+    int over = dm_inertia_look(inertia, now, t, done) == DM_INERTIA_CHANGED;
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));
     x->seen[i] = inertia->seen;
