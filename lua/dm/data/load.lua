@@ -123,8 +123,9 @@ semicolons, tabs or blanks stand between the fields; blank lines and comments, f
 skipped. A column of the name columns is data.columns_. Names are in the first line, or in the
 last comment above the numbers; without names the columns are c1, c2, ... Words beside bare
 numbers in the first line are refused: a row with a fault, or names that need quotes. A decimal
-comma is seen where the fields show it ("1,5;2,5"). Given: separator = ",", ";", "tab" or "blank",
-decimal = "," or ".", names = a list, skip = lines to leave out.
+comma is seen where the fields show it ("1,5;2,5"); exponents may be of Fortran ("1.0D+00"). Given:
+separator = ",", ";", "tab" or "blank", decimal = "," or ".", names = a list, skip = lines to
+leave out.
 Raises with the line and the column of what is not a number. Of the journal of a sweep
 (dm.sweep, solver:ensemble) these are the members that ended well, by their number in column
 member.]]

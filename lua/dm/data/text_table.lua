@@ -51,9 +51,15 @@ local huge = math.huge
 local NAN = math.abs(0 / 0)  -- without a sign, which would be printed
 local WORDS = { nan = NAN, ["-nan"] = NAN, inf = huge, ["-inf"] = -huge }
 
+-- a number of Fortran ("1.0D+00", and "1.0-103", which leaves the letter out) as C writes it
+local function plain(field)
+  return (field:gsub("^([-+]?%d*%.?%d*)[dD]([-+]?%d+)$", "%1e%2")
+    :gsub("^([-+]?%d*%.%d+)([-+]%d%d%d)$", "%1e%2"))
+end
+
 local function number_of(field, comma)
   if comma then field = field:gsub(",", ".", 1) end
-  local x = tonumber(field) or WORDS[field:lower()]
+  local x = tonumber(field) or tonumber(plain(field)) or WORDS[field:lower()]
   if x == 0 and field:find "^-" then return -0.0 end
   return x and x + 0.0
 end
@@ -146,7 +152,7 @@ local function has_decimal_comma(line, separator)
   if not line or separator == "," or not line:find(",", 1, true) then return false end
   local found = false
   for _, field in ipairs(fields_of(line, separator) or {}) do
-    if field:find "^[-+]?%d*,%d+[eE]?[-+]?%d*$" then
+    if field:find "^[-+]?%d*,%d+[eEdD]?[-+]?%d*$" then
       found = true
     elseif field:find(",", 1, true) then
       return false

@@ -103,7 +103,10 @@ raises("line 3, column c2: not a number", dm.load, spit(csv, "# data\n1 2\n3 x\n
 -- a first row with a fault is not taken for names
 raises('line 1: "1.O5" is no number, and 1.0 no name', dm.load, spit(csv, "1.0,1.O5\n2,3\n"))
 raises('line 2: "N/A" is no number', dm.load, spit(csv, "# day\n1;N/A\n2;3\n"), { names = { "t", "x" } })
-raises('line 1: "1d3" is no number', dm.load, spit(csv, "1d3 2\n"))
+data = dm.load(spit(csv, "1.0D+00 2.5d-3\n-3D0 1.5-103\n"))
+ok(data.c1[1] == 1 and data.c2[1] == 2.5e-3 and data.c1[2] == -3 and data.c2[2] == 1.5e-103,
+  "exponents of Fortran, with D and without a letter, are numbers, in the first row too")
+ok(dm.load(spit(csv, "1,5D-2 2,0D0\n")).c1[1] == 1.5e-2, "with a decimal comma too")
 data = dm.load(spit(csv, '"year","2020"\n1,2\n'))
 ok(data["2020"][1] == 2, "a number in quotes is a name")
 raises("two columns are called 't'", dm.load, spit(csv, "t,t\n1,2\n"))
