@@ -120,19 +120,48 @@ int dm_all_positive(double *A, uint32_t n, double far, double *least) {
     return *least < INFINITY;
 }
 
-int dm_surely_positive(double *A, uint32_t n) {
-    static const double FAR = 1e-6; /* of ones on the diagonal, far above round-off */
+static const double FAR = 1e-6; /* of ones on the diagonal, far above round-off */
+
+/* Where all entries may have either sign at once: x.M x >= |x|.C |x|, C the centre with minus the
+ * largest sizes beside its diagonal. */
+static int is_positive_by_size(double *A, const double *radius, uint32_t n) {
     double least;
-    for (uint32_t i = 0; i < n; i++)
-        if (!(A[i * n + i] > 0.0)) return 0;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++) {
             if (i == j) continue;
-            A[i * n + j] = -(A[i * n + j] / sqrt(A[i * n + i]) / sqrt(A[j * n + j]));
+            A[i * n + j] = -(fabs(A[i * n + j]) + radius[i * n + j]);
             if (!(A[i * n + j] > -1.0)) return 0;
         }
-    for (uint32_t i = 0; i < n; i++) A[i * n + i] = 1.0;
     return dm_all_positive(A, n, FAR, &least);
+}
+
+/* Where they stay near to the centre: its least value is above the largest row sum of radii. */
+static int is_positive_around(double *A, const double *radius, uint32_t n) {
+    double least, largest = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        double sum = 0.0;
+        for (uint32_t j = 0; j < n; j++) sum += radius[i * n + j];
+        largest = fmax(largest, sum);
+    }
+    if (!(largest < 1.0)) return 0;
+    for (uint32_t i = 0; i < n; i++) A[i * n + i] -= largest;
+    return dm_all_positive(A, n, FAR, &least);
+}
+
+int dm_surely_positive(double *A, double *radius, uint32_t n) {
+    double copy[DM_SURELY_MOST * DM_SURELY_MOST], size[DM_SURELY_MOST];
+    if (n > DM_SURELY_MOST) return 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (!(A[i * n + i] > 0.0 && A[i * n + i] < INFINITY)) return 0;
+        size[i] = sqrt(A[i * n + i]);
+    }
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) {
+            A[i * n + j] = copy[i * n + j] = i == j ? 1.0 : A[i * n + j] / size[i] / size[j];
+            radius[i * n + j] = radius[i * n + j] / size[i] / size[j];
+            if (!isfinite(A[i * n + j])) return 0;
+        }
+    return is_positive_by_size(copy, radius, n) || is_positive_around(A, radius, n);
 }
 
 /* x - 2 (w . x) w of a vector whose entries are so far apart, from `first` on; |w| = 1 */

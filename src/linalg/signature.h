@@ -13,10 +13,11 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least);
  * dm_negative_values finds for such a matrix. 0 where one is not above `far`. A is overwritten. */
 int dm_all_positive(double *A, uint32_t n, double far, double *least);
 
-/* Are all values positive of every symmetric matrix whose diagonal entries are at least those of
- * A[n*n], and whose others are of absolute value at most theirs? x.M x >= |x|.C |x|, where C is A
- * with minus signs beside its diagonal: if C is so. 0: it is not, by far. A is overwritten. */
-int dm_surely_positive(double *A, uint32_t n);
+/* Are all values positive, by far, of every symmetric matrix whose diagonal entries are at least
+ * those of A[n*n], and whose others are within radius[n*n] of theirs? 0: it is not told. n of
+ * DM_SURELY_MOST at most; both are overwritten. */
+enum { DM_SURELY_MOST = 24 };
+int dm_surely_positive(double *A, double *radius, uint32_t n);
 
 /* The form A[n*n] on the vectors that all rows of G[k*n] leave at zero, as a matrix of the order
  * that is returned, n less the rank of G, in the first entries of A. Its values move with A and G;

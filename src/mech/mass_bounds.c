@@ -29,14 +29,15 @@ void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const d
 int dm_mass_is_definite(const dm_mass_bounds *b, dm_interval *scratch) {
     const uint32_t n = b->n;
     dm_interval *in = scratch, *value = in + b->inputs;
-    double C[MOST * MOST];
+    double C[MOST * MOST], radius[MOST * MOST];
     for (uint32_t i = 0; i < b->inputs; i++) in[i] = (dm_interval)DM_ANYWHERE;
     dm_bounds(b->graph, in, value);
     for (uint32_t k = 0; k < n * n; k++) {
         const dm_interval m = value[b->roots[k]];
-        C[k] = k / n == k % n ? m.lo : fmax(fabs(m.lo), fabs(m.hi));
+        C[k] = k / n == k % n ? m.lo : 0.5 * m.lo + 0.5 * m.hi;
+        radius[k] = k / n == k % n ? 0.0 : 0.5 * m.hi - 0.5 * m.lo;
     }
-    return dm_surely_positive(C, n);
+    return dm_surely_positive(C, radius, n);
 }
 
 /* Anywhere, along lines with |dq_i/ds| <= 1; 0: no memory. */

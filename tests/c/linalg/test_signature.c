@@ -85,37 +85,42 @@ static void tells_how_near(void) {
     dm_negative_values(broken, 2, &near); /* ends */
 }
 
-/* What is told surely positive has no negative value, whatever its signs and sizes within bounds;
- * a matrix of two is positive for all of them where the largest is. */
+/* What is told surely positive has no negative value, wherever its entries are within bounds; a
+ * matrix of two is positive for all of them where the largest is. */
 static void is_sure_of_bounds(void) {
-    double bounds[MOST * MOST], A[MOST * MOST], copy[MOST * MOST], least;
-    int told = 0, refused = 0;
-    for (int trial = 0; trial < 2000; trial++) {
+    double centre[MOST * MOST], radius[MOST * MOST], A[MOST * MOST], copy[2][MOST * MOST], least;
+    int told[2] = {0, 0}, refused = 0;
+    for (int trial = 0; trial < 4000; trial++) {
         const uint32_t n = 1 + (uint32_t)trial % 5;
+        const int near = trial % 2; /* else entries have any sign */
         for (uint32_t i = 0; i < n; i++)
-            for (uint32_t j = 0; j <= i; j++)
-                bounds[i * n + j] = bounds[j * n + i] =
-                    i == j ? exp(2.0 * random_number()) : 0.8 * fabs(random_number());
-        memcpy(copy, bounds, sizeof copy);
-        const int sure = dm_surely_positive(copy, n);
-        if (n == 2)
-            CHECK(sure ==
-                  (bounds[0] * bounds[3] - bounds[1] * bounds[1] > 1e-6 * bounds[0] * bounds[3]));
-        told += sure, refused += !sure;
+            for (uint32_t j = 0; j <= i; j++) {
+                const double size = near ? 0.1 : 0.8;
+                centre[i * n + j] = centre[j * n + i] = i == j ? exp(2.0 * random_number())
+                                                        : near ? random_number()
+                                                               : 0.0;
+                radius[i * n + j] = radius[j * n + i] = i == j ? 0.0 : size * fabs(random_number());
+            }
+        memcpy(copy[0], centre, sizeof centre);
+        memcpy(copy[1], radius, sizeof radius);
+        const int sure = dm_surely_positive(copy[0], copy[1], n);
+        const double most = n == 2 ? fabs(centre[1]) + radius[1] : 0.0, all = centre[0] * centre[3];
+        if (n == 2) CHECK(sure == (all - most * most > 1e-6 * all));
+        told[near] += sure, refused += !sure;
         for (int inside = 0; sure && inside < 20; inside++) {
             for (uint32_t i = 0; i < n; i++)
                 for (uint32_t j = 0; j <= i; j++)
                     A[i * n + j] = A[j * n + i] =
-                        bounds[i * n + j] *
-                        (i == j ? 1.0 + fabs(random_number()) : random_number());
+                        i == j ? centre[i * n + j] * (1.0 + fabs(random_number()))
+                               : centre[i * n + j] + radius[i * n + j] * random_number();
             CHECK(dm_negative_values(A, n, &least) == 0);
         }
     }
-    CHECK(told > 300 && refused > 300);
-    double none[] = {1.0, NAN, NAN, 1.0}, flat[] = {1.0, 1.0, 1.0, 1.0},
-           open[] = {1.0, INFINITY, INFINITY, 1.0};
-    CHECK(!dm_surely_positive(none, 2) && !dm_surely_positive(flat, 2) &&
-          !dm_surely_positive(open, 2));
+    CHECK(told[0] > 300 && told[1] > 300 && refused > 300);
+    double zero[2][4] = {{0}}, none[] = {1.0, NAN, NAN, 1.0}, flat[] = {1.0, 1.0, 1.0, 1.0};
+    double one[] = {1.0, 0.0, 0.0, 1.0}, open[] = {0.0, INFINITY, INFINITY, 0.0};
+    CHECK(!dm_surely_positive(none, zero[0], 2) && !dm_surely_positive(flat, zero[1], 2) &&
+          !dm_surely_positive(one, open, 2));
 }
 
 /* A form on the vectors that rows leave at zero has the negative values of the bordered matrix, less

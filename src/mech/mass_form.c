@@ -1,0 +1,258 @@
+#include "mech/mass_form.h"
+
+#include <math.h>
+
+enum { MOST_DEGREE = 3, VISITS = 20000 };
+
+static const dm_interval ONE = {1.0, 1.0};
+
+/* c times some nodes that are not bounded */
+typedef struct {
+    dm_interval c;
+    uint32_t count;
+    dm_node part[DM_FORM_PARTS];
+} coefficient;
+
+/* ---- degrees ---- */
+
+static unsigned char lesser(int degree) {
+    return (unsigned char)(degree < MOST_DEGREE ? degree : MOST_DEGREE);
+}
+
+/* Of a power: k degrees where k is 1 or 2. */
+static int of_power(const dm_form *f, const dm_expr *e) {
+    const dm_expr *k = dm_graph_at(f->g, e->as.arg[1]);
+    const int degree = f->degree[e->as.arg[0]];
+    const int low = k->op == DM_OP_CONSTANT && (k->as.value == 1.0 || k->as.value == 2.0);
+    return degree ? low ? degree * (int)k->as.value : MOST_DEGREE : f->degree[e->as.arg[1]];
+}
+
+static int degree_of(const dm_form *f, const dm_expr *e) {
+    int all[3] = {0, 0, 0}, most = 0;
+    for (int i = 0; i < dm_op_operands(e->op); i++) {
+        all[i] = f->degree[e->as.arg[i]];
+        most = all[i] > most ? all[i] : most;
+    }
+    switch (e->op) {
+    case DM_OP_INPUT:
+        return f->first <= e->as.input && e->as.input - f->first < f->velocities;
+    case DM_OP_NEG:
+    case DM_OP_ADD:
+    case DM_OP_SUB:
+        return most;
+    case DM_OP_MUL:
+        return all[0] + all[1];
+    case DM_OP_DIV:
+        return all[1] ? MOST_DEGREE : all[0];
+    case DM_OP_POW:
+        return of_power(f, e);
+    default:
+        return most ? MOST_DEGREE : 0;
+    }
+}
+
+void dm_form_degrees(dm_form *f) {
+    const uint32_t size = dm_graph_size(f->g);
+    for (dm_node n = 0; n < size; n++) f->degree[n] = lesser(degree_of(f, dm_graph_at(f->g, n)));
+}
+
+void dm_form_factors(const dm_form *f, unsigned char *marks) {
+    const uint32_t size = dm_graph_size(f->g);
+    for (dm_node n = 0; n < size; n++) marks[n] = 0;
+    for (dm_node n = 0; n < size; n++) {
+        const dm_expr *e = dm_graph_at(f->g, n);
+        if (!f->degree[n] || (e->op != DM_OP_MUL && e->op != DM_OP_DIV)) continue;
+        for (int i = 0; i < 2; i++)
+            if (!f->degree[e->as.arg[i]]) marks[e->as.arg[i]] = 1;
+    }
+}
+
+/* ---- factors ---- */
+
+static int is_square(const dm_form *f, const dm_expr *e) {
+    if (e->op == DM_OP_MUL) return e->as.arg[0] == e->as.arg[1];
+    const dm_expr *k = e->op == DM_OP_POW ? dm_graph_at(f->g, e->as.arg[1]) : NULL;
+    return k && k->op == DM_OP_CONSTANT && k->as.value == 2.0;
+}
+
+static void scale(coefficient *x, dm_interval by) {
+    x->c = dm_interval_multiply(x->c, by);
+}
+
+static void add_part(coefficient *x, dm_node part) {
+    x->part[x->count++] = part;
+}
+
+/* Times a node that is free of v: into the bounds where it is bounded or there is no room. */
+static void multiply(const dm_form *f, coefficient *x, dm_node by) {
+    const dm_expr *e = dm_graph_at(f->g, by);
+    const dm_interval value = f->value[by];
+    const dm_node a = e->as.arg[0], b = e->as.arg[1];
+    if ((isfinite(value.lo) && isfinite(value.hi)) || x->count + 2 > DM_FORM_PARTS)
+        scale(x, value);
+    else if (e->op == DM_OP_NEG)
+        scale(x, (dm_interval){-1.0, -1.0}), multiply(f, x, a);
+    else if (is_square(f, e))
+        add_part(x, a), add_part(x, a);
+    else if (e->op == DM_OP_MUL)
+        multiply(f, x, a), multiply(f, x, b);
+    else
+        add_part(x, by);
+}
+
+/* Takes the outermost factor that does not depend on v off a node, into *x; 0: there is none. */
+static int strip(const dm_form *f, dm_node *at, coefficient *x) {
+    const dm_expr *e = dm_graph_at(f->g, *at);
+    const dm_node a = e->as.arg[0], b = e->as.arg[1];
+    const int product = e->op == DM_OP_MUL;
+    if (e->op == DM_OP_NEG)
+        scale(x, (dm_interval){-1.0, -1.0}), *at = a;
+    else if (product && f->degree[b] && !f->degree[a])
+        multiply(f, x, a), *at = b;
+    else if (product && f->degree[a] && !f->degree[b])
+        multiply(f, x, b), *at = a;
+    else if (e->op == DM_OP_DIV && f->degree[a] && !f->degree[b])
+        x->c = dm_interval_divide(x->c, f->value[b]), *at = a;
+    else
+        return 0;
+    return 1;
+}
+
+/* Takes one such factor out of *x; 0: it is not there. */
+static int take(coefficient *x, dm_node part) {
+    uint32_t k = 0;
+    while (k < x->count && x->part[k] != part) k++;
+    if (k == x->count) return 0;
+    x->part[k] = x->part[--x->count];
+    return 1;
+}
+
+static int take_all(coefficient *x, const dm_form_w *w) {
+    int out = 1;
+    for (uint32_t k = 0; k < w->count; k++) out = out && take(x, w->part[k]);
+    return out;
+}
+
+/* ---- the form ---- */
+
+/* A w with that node; count: there is none. */
+static uint32_t find_node(const dm_form *f, dm_node node) {
+    uint32_t i = 0;
+    while (i < f->count && f->w[i].node != node) i++;
+    return i;
+}
+
+/* Do both have the same factors, whatever their order? */
+static int is_same(const dm_form_w *a, const dm_form_w *b) {
+    coefficient left = {.c = ONE};
+    for (uint32_t k = 0; k < b->count; k++) add_part(&left, b->part[k]);
+    return a->node == b->node && a->count == b->count && take_all(&left, a);
+}
+
+static void add_to(dm_interval *sum, dm_interval c) {
+    *sum = dm_interval_add(*sum, c);
+}
+
+/* x w w, where the factors in x are squares; 0: there are too many w */
+static int add_square(dm_form *f, const dm_form_w *w, dm_interval c) {
+    uint32_t i = 0;
+    while (i < f->count && !is_same(&f->w[i], w)) i++;
+    if (i == DM_FORM_MOST) return 0;
+    if (i == f->count) {
+        f->w[f->count++] = *w;
+        for (uint32_t k = 0; k <= i; k++) f->c[i][k] = f->c[k][i] = (dm_interval){0.0, 0.0};
+    }
+    add_to(&f->c[i][i], dm_interval_multiply(c, (dm_interval){2.0, 2.0}));
+    return 1;
+}
+
+/* The w whose square is *x times that of a node, but for its bounds; 0: factors are left that are
+ * no squares. */
+static int root_of(coefficient x, dm_node node, dm_form_w *w) {
+    *w = (dm_form_w){.node = node};
+    while (x.count) {
+        const dm_node part = x.part[--x.count];
+        if (!take(&x, part)) return 0;
+        w->part[w->count++] = part;
+    }
+    return 1;
+}
+
+/* x times the square of a node, of which numbers and what is not bounded are taken off. */
+static int add_square_of(dm_form *f, dm_node node, coefficient x) {
+    coefficient own = {.c = ONE};
+    dm_form_w w;
+    dm_node inside = node;
+    while (strip(f, &inside, &own)) continue;
+    const int is_plain = own.c.lo == own.c.hi && x.count + 2 * own.count <= DM_FORM_PARTS;
+    for (uint32_t k = 0; is_plain && k < own.count; k++)
+        add_part(&x, own.part[k]), add_part(&x, own.part[k]);
+    if (!root_of(x, is_plain ? inside : node, &w)) return 0;
+    const dm_interval squared = dm_interval_square(own.c);
+    return add_square(f, &w, is_plain ? dm_interval_multiply(x.c, squared) : x.c);
+}
+
+/* Down to the node of a w; 0: it holds none. */
+static int strip_to_w(const dm_form *f, dm_node *at, coefficient *x) {
+    while (find_node(f, *at) == f->count)
+        if (!strip(f, at, x)) return 0;
+    return 1;
+}
+
+/* x w_i w_j of the pair with these nodes that has its factors; 0: there is none */
+static int add_pair(dm_form *f, dm_node one, dm_node other, const coefficient *x) {
+    for (uint32_t i = 0; i < f->count; i++)
+        for (uint32_t j = 0; j < f->count; j++) {
+            coefficient left = *x;
+            if (f->w[i].node != one || f->w[j].node != other) continue;
+            if (!take_all(&left, &f->w[i]) || !take_all(&left, &f->w[j]) || left.count) continue;
+            add_to(&f->c[i][j], x->c);
+            add_to(&f->c[j][i], x->c);
+            return 1;
+        }
+    return 0;
+}
+
+/* x a b, of first degree each: a square, where they are one without their factors, is for the first
+ * pass, others are for the second one, which knows the squares. */
+static int add_product(dm_form *f, dm_node a, dm_node b, coefficient x, int pass) {
+    dm_node one = a, other = b;
+    coefficient whole = x;
+    dm_form_w w;
+    if (a == b) return pass ? 1 : add_square_of(f, a, x);
+    while (strip(f, &one, &whole)) continue;
+    while (strip(f, &other, &whole)) continue;
+    if (one == other && root_of(whole, one, &w)) return pass ? 1 : add_square(f, &w, whole.c);
+    if (!pass) return 1;
+    return strip_to_w(f, &a, &x) && strip_to_w(f, &b, &x) && add_pair(f, a, b, &x);
+}
+
+/* Adds x times a node to the form; 0: it is not of that kind. */
+static int collect(dm_form *f, dm_node at, coefficient x, int pass) {
+    if (f->degree[at] <= 1) return 1;
+    if (f->visits-- <= 0) return 0;
+    while (strip(f, &at, &x)) continue;
+    const dm_expr *e = dm_graph_at(f->g, at);
+    const dm_node a = e->as.arg[0], b = e->as.arg[1];
+    coefficient minus_x = x;
+    scale(&minus_x, (dm_interval){-1.0, -1.0});
+    switch (e->op) {
+    case DM_OP_ADD:
+        return collect(f, a, x, pass) && collect(f, b, x, pass);
+    case DM_OP_SUB:
+        return collect(f, a, x, pass) && collect(f, b, minus_x, pass);
+    case DM_OP_POW:
+        return f->degree[a] == 1 && f->degree[at] == 2 && add_product(f, a, a, x, pass);
+    case DM_OP_MUL:
+        return f->degree[a] == 1 && f->degree[b] == 1 && add_product(f, a, b, x, pass);
+    default:
+        return 0;
+    }
+}
+
+int dm_form_read(dm_form *f) {
+    f->visits = VISITS, f->count = 0;
+    for (int pass = 0; pass < 2; pass++)
+        if (!collect(f, f->L, (coefficient){.c = ONE}, pass)) return 0;
+    return 1;
+}

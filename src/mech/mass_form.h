@@ -1,0 +1,41 @@
+/* mass_form.h - the quadratic form in v that stands in L, read off its graph. */
+#ifndef DM_MASS_FORM_H
+#define DM_MASS_FORM_H
+
+#include "graph/bounds.h"
+
+enum { DM_FORM_MOST = 24, DM_FORM_PARTS = 8 };
+
+/* w = a node of first degree in v, times factors that are not bounded (r theta' of polar
+ * coordinates). */
+typedef struct {
+    dm_node node;
+    uint32_t count; /* of factors */
+    dm_node part[DM_FORM_PARTS / 2];
+} dm_form_w;
+
+/* L = sum_ij c_ij w_i w_j / 2 + what is linear in v + what is free of it, c symmetric. Of a graph
+ * that holds nothing else. */
+typedef struct {
+    const dm_graph *g;
+    dm_node L;
+    uint32_t first, velocities; /* v are so many inputs, from that one on */
+    unsigned char *degree;      /* of the nodes in v; from three on as one */
+    dm_interval *value;         /* bounds of all nodes */
+    long visits;                /* nodes that may be looked at yet: they may share many others */
+    uint32_t count;             /* of the w_i, whose squares stand in L */
+    dm_form_w w[DM_FORM_MOST];
+    dm_interval c[DM_FORM_MOST][DM_FORM_MOST];
+} dm_form;
+
+/* The degrees of all nodes, f->degree[]. */
+void dm_form_degrees(dm_form *f);
+
+/* w and bounds c of the coefficients, from those of the nodes, f->value[]. 0: L is not written so,
+ * as sums of squares and of products of what is squared elsewhere. */
+int dm_form_read(dm_form *f);
+
+/* marks[n] = 1: a node free of v that multiplies or divides one that is not. */
+void dm_form_factors(const dm_form *f, unsigned char *marks);
+
+#endif
