@@ -1,6 +1,7 @@
 --- Families of meshes: what they are at a time, and how fast their vertices and centres move.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
@@ -45,13 +46,45 @@ local function exact(phi, t)
   return #rows == phi.from:count(0) and core.matrix(rows) or nil
 end
 
-local STEP = 2e-3 -- of max(1, |t|): beyond it the remainder, below it round-off is larger
+-- the first step tried, of max(1, |t|): beyond it the remainder, below it round-off is larger
+local STEP = 2e-3
+local RATIO = 3.7 -- of a step to the next one: no whole number, so that no period is met twice
+local AGREE, MOST = 1e-9, 18 -- two steps that agree so well end it; so many are tried
+local NEAR = 1e-3 -- where two agreed so well and shorter ones do not, round-off has begun
 
--- d/dt of a function that gives matrices, of order 6
-local function difference(f, t)
-  local h = STEP * math.max(1, math.abs(t))
+-- d/dt of a function that gives matrices, of order 6 in h
+local function stencil(f, t, h)
   return (45 * (f(t + h) - f(t - h)) - 9 * (f(t + 2 * h) - f(t - 2 * h))
     + (f(t + 3 * h) - f(t - 3 * h))) / (60 * h)
+end
+
+-- the first step that stays where f is defined, and the derivative by it
+local function first_step(f, t)
+  local h, fine, D = STEP * math.max(1, math.abs(t)), nil, nil
+  for _ = 1, MOST do
+    fine, D = blame.try(stencil, f, t, h)
+    if fine then return h, D end
+    h = h / RATIO
+  end
+  error(D, 0)
+end
+
+-- The derivative by the step from which the next shorter one differs least: how fast a motion is
+-- says neither t nor its points.
+local function difference(f, t)
+  local h, last = first_step(f, t)
+  local least, best = math.huge, last
+  for _ = 1, MOST do
+    h = h / RATIO
+    local now = stencil(f, t, h)
+    local size = linear.largest(now)
+    if size == 0 then break end -- at rest, or a motion below round-off
+    local change = linear.largest(now - last) / size
+    if change < least then least, best = change, last end
+    if change <= AGREE or least < NEAR and change > 30 * least then break end -- else round-off
+    last = now
+  end
+  return best
 end
 
 --- The velocity of the vertices, a matrix with a row each.

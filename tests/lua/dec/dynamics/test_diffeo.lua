@@ -69,6 +69,18 @@ for _, family in ipairs { by_points, by_meshes } do
   for i = 1, 3 do near(v[i][1], -x[i][2], 1e-11, "v = (-y, x)") near(v[i][2], x[i][1], 1e-11, "of a rotation") end
   ok(rawequal(family:material_velocity(0.3).mesh, start), "the material velocity lives on the first mesh")
 end
+-- how fast a motion is says neither t nor the points: differences of meshes find their step
+for _, case in ipairs { { 1, 1000 }, { 1, 1e6 }, { 2000 * math.pi, 0 }, { 1e6, 10 }, { 1e-6, 0 }, { 0, 1 } } do
+  local w, t = table.unpack(case)
+  local swing = dm.diffeo(start, function(s)
+    local x = math.sin(w * s)
+    return single { { x, 0 }, { 1 + x, 0 }, { 0.5 + x, 0.8 } }
+  end)
+  local v, centre = swing:material_velocity(t), swing:dual_velocity(t)
+  local expected = w * math.cos(w * t)
+  near(v[2][1], expected, 1e-6 * w, "a swing of frequency " .. w .. " at t = " .. t)
+  near(centre[1][1], expected, 1e-6 * w, "its centre")
+end
 -- linear interpolation to the mesh turned by pi collapses half-way
 local back = dm.diffeo(start, function(t)
   return { { 0, 0 }, { 1 - 2 * t, 0 }, { 0.5 - t, 0.8 - 1.6 * t } } end)
