@@ -125,8 +125,8 @@ static range beside(const dm_near *n, uint32_t a, uint32_t at) {
 
 /* square[k] of the distance of bodies order[from + k], k < count, from x, as they were when cells
  * were made; two at a time, one more than asked for where the count is odd */
-static void find_squares(const dm_near *n, const double x[DM_NEAR_AXES], uint32_t from,
-                         uint32_t count) {
+static void find_squares(double *square, const dm_near *n, const double x[DM_NEAR_AXES],
+                         uint32_t from, uint32_t count) {
     for (uint32_t k = 0; k < count; k += 2) {
         two sum = {0.0, 0.0};
         for (uint32_t a = 0; a < n->axes; a++) {
@@ -134,7 +134,7 @@ static void find_squares(const dm_near *n, const double x[DM_NEAR_AXES], uint32_
             d -= n->box[a] * ((d * n->inverse[a] + SHIFT) - SHIFT);
             sum += d * d;
         }
-        *(two *)(n->square + k) = sum;
+        *(two *)(square + k) = sum;
     }
 }
 
@@ -151,21 +151,21 @@ static void sort(uint32_t *item, uint32_t count) {
 
 /* those of cells first .. last that are partners of i */
 static uint32_t add_run(const dm_near *n, uint32_t i, const double *x, uint32_t first,
-                        uint32_t last, uint32_t *out) {
+                        uint32_t last, uint32_t *out, double *square) {
     const double far = n->within + n->margin, far2 = far * far;
     const uint32_t from = n->begin[first], count = n->begin[last + 1] - from;
     uint32_t found = 0;
-    find_squares(n, x, from, count);
+    find_squares(square, n, x, from, count);
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t j = n->order[from + k];
         out[found] = j;
-        found += (j > i) & (n->square[k] < far2);
+        found += (j > i) & (square[k] < far2);
     }
     return found;
 }
 
-/* partners j > i within r + margin, ascending, into out[bodies] */
-static uint32_t candidates(const dm_near *n, uint32_t i, uint32_t *out) {
+/* partners j > i within r + margin, ascending, into out[bodies]; square[bodies + 2] scratch */
+static uint32_t candidates(const dm_near *n, uint32_t i, uint32_t *out, double *square) {
     range r[DM_NEAR_AXES] = {{1, {0}, {0}}, {1, {0}, {0}}, {1, {0}, {0}}};
     double x[DM_NEAR_AXES] = {0.0};
     uint32_t found = 0;
@@ -179,8 +179,8 @@ static uint32_t candidates(const dm_near *n, uint32_t i, uint32_t *out) {
                 for (uint32_t b = r[1].from[v]; b <= r[1].to[v]; b++)
                     for (uint32_t u = 0; u < r[0].count; u++) {
                         const uint32_t line = (c * n->cells[1] + b) * n->cells[0];
-                        found +=
-                            add_run(n, i, x, line + r[0].from[u], line + r[0].to[u], out + found);
+                        found += add_run(n, i, x, line + r[0].from[u], line + r[0].to[u],
+                                         out + found, square);
                     }
     sort(out, found);
     return found;
@@ -210,7 +210,7 @@ static int make_lists(dm_near *n) {
         const size_t rest = n->bodies - i;
         n->start[i] = (uint32_t)at;
         if (at + rest > n->room + 1 || at > UINT32_MAX - rest) return 0;
-        at += candidates(n, i, n->item + at);
+        at += candidates(n, i, n->item + at, n->square);
     }
     n->start[n->bodies] = (uint32_t)at;
     return 1;
@@ -232,7 +232,7 @@ void dm_near_find(const dm_near *n, dm_near_row *row, const double *const *x, ui
         j = n->item + n->start[i];
         many = n->start[i + 1] - n->start[i];
     } else {
-        many = candidates(n, i, row->all);
+        many = candidates(n, i, row->all, row->square);
     }
     for (uint32_t k = 0; k < many; k++) {
         double sum = 0.0;

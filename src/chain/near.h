@@ -31,7 +31,7 @@ typedef struct {
     uint32_t *begin;        /* [most + 1]: bodies of cell c are order[begin[c] ..] */
     uint32_t *order;        /* [bodies] ascending within a cell */
     double *sorted;         /* [axes][bodies] their positions in that order */
-    double *square;         /* [bodies] scratch: squares of distances */
+    double *square;         /* [bodies + 2] scratch of who makes lists: squares of distances */
     uint32_t *start, *item; /* [bodies + 1]: partners of i at item[start[i] .. start[i + 1] - 1] */
     size_t room;            /* of item */
 } dm_near;
@@ -42,6 +42,7 @@ typedef struct {
     uint32_t *j;              /* [bodies] */
     double *at[DM_NEAR_AXES]; /* [bodies + 8] */
     uint32_t *all;            /* [bodies]: scratch */
+    double *square;           /* [bodies + 2]: scratch, of this row alone, since threads share n */
 } dm_near_row;
 
 /* bodies, axes, within, margin and box are set. DM_NO_MEMORY. */

@@ -33,13 +33,14 @@ static strip strip_of(const dm_pairs *p, uint32_t number) {
         s.row.at[a] = s.beside + (p->sum->partner + a) * p->pitch;
     s.row.j = (void *)(s.beside + p->sum->columns * p->pitch);
     s.row.all = s.row.j + p->pitch;
+    s.row.square = s.beside + (p->sum->columns + 1) * p->pitch;
     return s;
 }
 
 /* doubles of a strip; two whole numbers take the place of one */
 static size_t strip_size(const dm_pairs *p) {
     const size_t columns = p->sum->columns, own = 2 * p->outputs * p->pitch + columns * GROUP;
-    return p->near ? own + (columns + 1) * p->pitch : own;
+    return p->near ? own + (columns + 2) * p->pitch : own;
 }
 
 /* is output k added along the row, at the place of the partner? */

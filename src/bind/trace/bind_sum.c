@@ -50,7 +50,7 @@ static int is_near(lua_State *L, const request *r, uint32_t i, uint32_t j, doubl
         image[a] = r->box[a] > 0.0 ? r->box[a] * nearbyint(d / r->box[a]) : 0.0;
         sum += (d - image[a]) * (d - image[a]);
     }
-    return sum < r->within * r->within;
+    return !(sum >= r->within * r->within); /* what is no number is not left out */
 }
 
 /* entry of argument k, for what its nearest image is */
@@ -293,6 +293,7 @@ static int sum_over(lua_State *L) {
     dml_state *state = dml_getstate(L);
     luaL_checkstack(L, 2 * DML_MAX_ARGUMENTS + 20, NULL);
     dml_read_sum(L, &r);
+    if (r.from > r.to) return loop_in_lua(L, &r); /* pairs of one body: none */
     if (is_given(state)) {
         const dm_sum *given = find_given(state->given, &r);
         state->given->calls++;

@@ -35,14 +35,15 @@ static int flag(lua_State *L, int options, const char *key) {
     return on;
 }
 
-/* a side of the box: 0 or infinite is none */
+/* a side of the box: infinite is none; 2 (within + margin) itself is large enough, as rounded as a
+ * script may have it */
 static void read_side(lua_State *L, dml_sum_request *r, uint32_t axis) {
     const double side = lua_tonumber(L, -1);
-    if (lua_type(L, -1) != LUA_TNUMBER || !(side >= 0.0))
+    if (lua_type(L, -1) != LUA_TNUMBER || !(side > 0.0))
         luaL_error(L, "field 'box' must be a side > 0, or a list of %d of them (math.huge: open)",
                    (int)r->axes);
     r->box[axis] = isfinite(side) ? side : 0.0;
-    if (r->box[axis] > 0.0 && r->box[axis] < 2.0 * (r->within + r->margin))
+    if (r->box[axis] > 0.0 && r->box[axis] < 2.0 * (r->within + r->margin) * (1.0 - 1e-15))
         luaL_error(L,
                    "the box is too small: its side %f must be at least 2 (within + margin) = %f, "
                    "else a body would meet two images of another one",
@@ -159,7 +160,7 @@ static void check_arity(lua_State *L, const dml_sum_request *r) {
     if (about.nparams != r->signature.arguments)
         luaL_error(L, "%s takes %d argument%s, but gets %d: what a body has of each vector%s", what,
                    about.nparams, about.nparams == 1 ? "" : "s", r->signature.arguments,
-                   r->to ? ", then the same of its partner, then numbers" : ", then numbers");
+                   r->from ? ", then the same of its partner, then numbers" : ", then numbers");
 }
 
 /* Raises where shapes do not fit; r->given vectors and numbers stand from 1 on. */
@@ -178,7 +179,7 @@ void dml_read_sum(lua_State *L, dml_sum_request *r) {
     if (!plain) read_pattern(L, r, options);
     r->signature = (dml_signature){.what = what, .outputs = DML_SCALAR_ARGUMENT};
     add_arguments(L, r, 0);
-    if (r->to) add_arguments(L, r, 0);
+    if (r->from) add_arguments(L, r, 0); /* a partner's, also where one body has none */
     add_arguments(L, r, 1);
     check_arity(L, r);
 }

@@ -147,9 +147,35 @@ for i = 1, 3 * n do moved[i] = q[i] + (i % 4 - 1) * 3 * L end
 local far = argon(0.3):solver { rule = "verlet", h = 0.002 }:run { q = moved, v = v, steps = 20, every = 20 }
 local near_ = argon(0.3):solver { rule = "verlet", h = 0.002 }:run { q = q, v = v, steps = 20, every = 20 }
 ok((far.p[2] - near_.p[2]):norm() < 1e-9, "positions need not be in the box", (far.p[2] - near_.p[2]):norm())
+-- where there are too many neighbours for lists, rows come from the cells: threads share nothing there either
+do
+  local many, x, u = 400, {}, {}
+  for i = 1, 3 * many do x[i], u[i] = uniform(i, 11), uniform(i, 12) - 0.5 end
+  local dense = dm.system { Q = dm.R(3 * many), L = function(y, w) return dm.sum_over(w, function(a) return a ^ 2 / 2 end)
+    - dm.sum_over(y, soft, { pairs = true, block = 3, within = 1 }) / many end }
+  local single = dense:solver { rule = "verlet", h = 0.05 }:run { q = x, v = u, steps = 4 }
+  for _, threads in ipairs { 2, 3, 2, 5 } do
+    local other = dense:solver { rule = "verlet", h = 0.05, threads = threads }:run { q = x, v = u, steps = 4 }
+    ok(other.q[5] == single.q[5] and other.p[5] == single.p[5], "dense: the same bits with " .. threads .. " threads")
+  end
+end
+
 -- ensembles are made of the same members
 local cloud = solver:ensemble { members = 3, q = function() return q end, v = function(i) local w = {} for k = 1, 3 * n do w[k] = v[k] * i / 3 end return w end, steps = 20, every = 20 }
 ok((cloud:path(3).p[#cloud:path(3)] - near_.p[2]):norm() < 1e-9 * near_.p[2]:norm() + 1e-9, "a member is a run")
+
+-- one body has no pairs; 2 (within + margin) is large enough as it is rounded; NaN is not left out
+for _, options in ipairs { { pairs = true, block = 3 }, { pairs = true, block = 3, within = 1 } } do
+  near(dm.sum_over({ 1, 2, 3 }, soft, options), 0, 0, "one body")
+  local alone = dm.system { Q = dm.R(3), L = function(x, u) return u:dot(u) / 2 - x:dot(x) / 2 - dm.sum_over(x, soft, options) end }
+  local run = alone:solver { rule = "verlet", h = 0.1 }:run { q = { 1, 0, 0 }, v = { 0, 0, 0 }, steps = 1 }
+  near(run.q[2][1], 1 - 0.005, 1e-15, "one body is stepped")
+end
+for within = 1, 40 do
+  near(dm.sum_over({ 0, 0, 0, within, 0, 0 }, soft, { pairs = true, block = 3, within = within, margin = within / 7, box = within * 16 / 7 }), 0, 0, "a box of just that side")
+end
+local unknown = dm.sum_over({ 0, 0, 0, 0 / 0, 0, 0 }, soft, { pairs = true, block = 3, within = 1 })
+ok(unknown ~= unknown, "NaN stays NaN", unknown)
 
 -- refusals
 local function refused(words, options) raises(words, function() return dm.sum_over({ 0, 0, 0, 1, 0, 0 }, soft, options) end) end
@@ -163,6 +189,7 @@ refused("'within' must be", { pairs = true, block = 3, within = 0 })
 refused("'within' must be", { pairs = true, block = 3, within = "near" })
 refused("'box' must be a side", { pairs = true, block = 3, within = 1, box = { 4, 4 } })
 refused("'box' must be a side", { pairs = true, block = 3, within = 1, box = -4 })
+refused("'box' must be a side", { pairs = true, block = 3, within = 1, box = 0 })
 raises("1 to 3 coordinates", function() return dm.sum_over({ 0, 0, 0, 0, 1, 0, 0, 0 }, soft, { pairs = true, block = 4, within = 1 }) end)
 raises("second derivatives", function() argon(0.3):solver { rule = "midpoint", h = 0.01 }:run { q = q, v = v, steps = 1 } end)
 raises("asked of numbers", function() dm.trace(function(x) return dm.sum_over(x, soft_line, { pairs = true, within = 1 }) end, 20) end)
