@@ -4,18 +4,22 @@
 
 static const dm_interval ALL = DM_ANYWHERE;
 
-/* An operation with two or three operands; operands that are the same node are one number. */
+/* a b; operands that are the same node are one number */
+static dm_interval product_of(const dm_expr *e, const dm_interval *value) {
+    const dm_node a = e->as.arg[0], b = e->as.arg[1];
+    return a == b ? dm_interval_square(value[a]) : dm_interval_multiply(value[a], value[b]);
+}
+
+/* An operation with two or three operands. */
 static dm_interval of_more(const dm_expr *e, const dm_interval *value) {
     const dm_interval a = value[e->as.arg[0]], b = value[e->as.arg[1]], c = value[e->as.arg[2]];
-    const int same = e->as.arg[0] == e->as.arg[1];
-    const dm_interval ab = same ? dm_interval_square(a) : dm_interval_multiply(a, b);
     switch (e->op) {
     case DM_OP_ADD:
         return dm_interval_add(a, b);
     case DM_OP_SUB:
         return dm_interval_add(a, dm_interval_negative(b));
     case DM_OP_MUL:
-        return ab;
+        return product_of(e, value);
     case DM_OP_DIV:
         return dm_interval_divide(a, b);
     case DM_OP_POW:
@@ -29,11 +33,11 @@ static dm_interval of_more(const dm_expr *e, const dm_interval *value) {
     case DM_OP_WHERE:
         return dm_interval_either(a, b, c);
     case DM_OP_FMA:
-        return dm_interval_add(ab, c);
+        return dm_interval_add(product_of(e, value), c);
     case DM_OP_FMS:
-        return dm_interval_add(ab, dm_interval_negative(c));
+        return dm_interval_add(product_of(e, value), dm_interval_negative(c));
     case DM_OP_FNMA:
-        return dm_interval_add(dm_interval_negative(ab), c);
+        return dm_interval_add(dm_interval_negative(product_of(e, value)), c);
     default:
         return ALL; /* roots of equations */
     }

@@ -214,6 +214,8 @@ dm_interval dm_interval_angle(dm_interval y, dm_interval x) {
 static dm_interval whole_power(dm_interval a, double k) {
     const int even = fmod(k, 2.0) == 0.0;
     if (k == 0.0) return (dm_interval){1.0, 1.0};
+    if (k == 1.0) return a;
+    if (k == 2.0) return dm_interval_square(a);
     if (k < 0.0) return dm_interval_reciprocal(whole_power(a, -k));
     const dm_interval b = even ? absolute(a) : a;
     dm_interval out = widened(pow(b.lo, k), pow(b.hi, k), COMPUTED);
@@ -223,9 +225,9 @@ static dm_interval whole_power(dm_interval a, double k) {
 
 /* of a > 0 extreme at corners, as it is monotonic in each */
 dm_interval dm_interval_power(dm_interval a, dm_interval k) {
-    const double c[4] = {pow(a.lo, k.lo), pow(a.lo, k.hi), pow(a.hi, k.lo), pow(a.hi, k.hi)};
     if (is_point(k) && k.lo == floor(k.lo)) return whole_power(a, k.lo);
     if (a.lo < 0.0 || (a.lo == 0.0 && k.lo <= 0.0)) return ALL;
+    const double c[4] = {pow(a.lo, k.lo), pow(a.lo, k.hi), pow(a.hi, k.lo), pow(a.hi, k.hi)};
     return cut(hull(c, 4, COMPUTED), 0.0, INFINITY);
 }
 

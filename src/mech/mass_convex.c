@@ -48,6 +48,14 @@ static int is_convex_in(reading *r) {
     return dm_form_read(&r->form) && is_positive(&r->form);
 }
 
+/* With cosines of differences of angles apart? */
+static int is_convex_in_turns(reading *r) {
+    r->form.turning = 1;
+    const int out = is_convex_in(r) && dm_form_turns(&r->form);
+    r->form.turning = 0;
+    return out;
+}
+
 /* In it or in its parts, angles halved in turn? */
 static int is_convex_in_parts(reading *r, uint32_t halved) {
     if (is_convex_in(r)) return 1;
@@ -88,7 +96,7 @@ static int is_convex(dm_graph *g, dm_node L, uint32_t first, uint32_t velocities
     r->in = f->value + size;
     for (uint32_t i = 0; i < inputs; i++) r->in[i] = (dm_interval)DM_ANYWHERE;
     dm_form_degrees(f);
-    if (is_convex_in(r)) return 1;
+    if (is_convex_in(r) || is_convex_in_turns(r)) return 1;
     find_angles(r, scratch);
     for (uint32_t k = 0; k < r->angles; k++)
         r->in[r->angle[k]] = (dm_interval){-PI_AND_MORE, PI_AND_MORE};

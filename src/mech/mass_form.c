@@ -6,9 +6,10 @@ enum { MOST_DEGREE = 3, VISITS = 20000 };
 
 static const dm_interval ONE = {1.0, 1.0};
 
-/* c times some nodes that are not bounded */
+/* c times some nodes that are not bounded, and one cosine that is kept apart, if any */
 typedef struct {
     dm_interval c;
+    dm_node turn;
     uint32_t count;
     dm_node part[DM_FORM_PARTS];
 } coefficient;
@@ -83,13 +84,23 @@ static void add_part(coefficient *x, dm_node part) {
     x->part[x->count++] = part;
 }
 
-/* Times a node that is free of v: into the bounds where it is bounded or there is no room. */
+/* Do its bounds tell enough of it, not those of its factors? */
+static int is_bounded(const dm_form *f, const coefficient *x, dm_node at) {
+    const dm_expr *e = dm_graph_at(f->g, at);
+    const dm_interval value = f->value[at];
+    const int is_product = e->op == DM_OP_NEG || (e->op == DM_OP_MUL && !is_square(f, e));
+    if (x->count + 2 > DM_FORM_PARTS) return 1;
+    return isfinite(value.lo) && isfinite(value.hi) && !(f->turning && is_product);
+}
+
+/* Times a node that is free of v: a factor apart, or into the bounds. */
 static void multiply(const dm_form *f, coefficient *x, dm_node by) {
     const dm_expr *e = dm_graph_at(f->g, by);
-    const dm_interval value = f->value[by];
     const dm_node a = e->as.arg[0], b = e->as.arg[1];
-    if ((isfinite(value.lo) && isfinite(value.hi)) || x->count + 2 > DM_FORM_PARTS)
-        scale(x, value);
+    if (f->turning && !x->turn && e->op == DM_OP_COS)
+        x->turn = by;
+    else if (is_bounded(f, x, by))
+        scale(x, f->value[by]);
     else if (e->op == DM_OP_NEG)
         scale(x, (dm_interval){-1.0, -1.0}), multiply(f, x, a);
     else if (is_square(f, e))
@@ -160,7 +171,10 @@ static int add_square(dm_form *f, const dm_form_w *w, dm_interval c) {
     if (i == DM_FORM_MOST) return 0;
     if (i == f->count) {
         f->w[f->count++] = *w;
-        for (uint32_t k = 0; k <= i; k++) f->c[i][k] = f->c[k][i] = (dm_interval){0.0, 0.0};
+        for (uint32_t k = 0; k <= i; k++) {
+            f->c[i][k] = f->c[k][i] = (dm_interval){0.0, 0.0};
+            f->turn[i][k] = f->turn[k][i] = 0;
+        }
     }
     add_to(&f->c[i][i], dm_interval_multiply(c, (dm_interval){2.0, 2.0}));
     return 1;
@@ -178,12 +192,20 @@ static int root_of(coefficient x, dm_node node, dm_form_w *w) {
     return 1;
 }
 
+/* A square has no cosine apart. */
+static void settle(const dm_form *f, coefficient *x) {
+    if (x->turn) scale(x, f->value[x->turn]);
+    x->turn = 0;
+}
+
 /* x times the square of a node, of which numbers and what is not bounded are taken off. */
 static int add_square_of(dm_form *f, dm_node node, coefficient x) {
     coefficient own = {.c = ONE};
     dm_form_w w;
     dm_node inside = node;
     while (strip(f, &inside, &own)) continue;
+    settle(f, &own);
+    settle(f, &x);
     const int is_plain = own.c.lo == own.c.hi && x.count + 2 * own.count <= DM_FORM_PARTS;
     for (uint32_t k = 0; is_plain && k < own.count; k++)
         add_part(&x, own.part[k]), add_part(&x, own.part[k]);
@@ -199,6 +221,19 @@ static int strip_to_w(const dm_form *f, dm_node *at, coefficient *x) {
     return 1;
 }
 
+/* x w_i w_j; 0: another cosine stands there */
+static int add_entry(dm_form *f, uint32_t i, uint32_t j, const coefficient *x) {
+    coefficient own = *x;
+    if (i == j) settle(f, &own);
+    const dm_interval c = f->c[i][j];
+    const int is_first = c.lo == 0.0 && c.hi == 0.0;
+    if (!is_first && f->turn[i][j] != own.turn) return 0;
+    f->turn[i][j] = f->turn[j][i] = own.turn;
+    add_to(&f->c[i][j], own.c);
+    add_to(&f->c[j][i], own.c);
+    return 1;
+}
+
 /* x w_i w_j of the pair with these nodes that has its factors; 0: there is none */
 static int add_pair(dm_form *f, dm_node one, dm_node other, const coefficient *x) {
     for (uint32_t i = 0; i < f->count; i++)
@@ -206,9 +241,7 @@ static int add_pair(dm_form *f, dm_node one, dm_node other, const coefficient *x
             coefficient left = *x;
             if (f->w[i].node != one || f->w[j].node != other) continue;
             if (!take_all(&left, &f->w[i]) || !take_all(&left, &f->w[j]) || left.count) continue;
-            add_to(&f->c[i][j], x->c);
-            add_to(&f->c[j][i], x->c);
-            return 1;
+            return add_entry(f, i, j, x);
         }
     return 0;
 }
@@ -222,7 +255,10 @@ static int add_product(dm_form *f, dm_node a, dm_node b, coefficient x, int pass
     if (a == b) return pass ? 1 : add_square_of(f, a, x);
     while (strip(f, &one, &whole)) continue;
     while (strip(f, &other, &whole)) continue;
-    if (one == other && root_of(whole, one, &w)) return pass ? 1 : add_square(f, &w, whole.c);
+    if (one == other && root_of(whole, one, &w)) {
+        settle(f, &whole);
+        return pass ? 1 : add_square(f, &w, whole.c);
+    }
     if (!pass) return 1;
     return strip_to_w(f, &a, &x) && strip_to_w(f, &b, &x) && add_pair(f, a, b, &x);
 }

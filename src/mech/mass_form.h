@@ -26,6 +26,8 @@ typedef struct {
     uint32_t count;             /* of the w_i, whose squares stand in L */
     dm_form_w w[DM_FORM_MOST];
     dm_interval c[DM_FORM_MOST][DM_FORM_MOST];
+    int turning; /* is a cosine kept apart from each c_ij? then it is this node, 0: none */
+    dm_node turn[DM_FORM_MOST][DM_FORM_MOST];
 } dm_form;
 
 /* The degrees of all nodes, f->degree[]. */
@@ -34,6 +36,11 @@ void dm_form_degrees(dm_form *f);
 /* w and bounds c of the coefficients, from those of the nodes, f->value[]. 0: L is not written so,
  * as sums of squares and of products of what is squared elsewhere. */
 int dm_form_read(dm_form *f);
+
+/* Are the cosines that were kept apart those of differences x_i - x_j, of an x_i for every w_i, as
+ * of links that turn in a plane? Then they are products of unit vectors, and (c_ij cos) has no
+ * negative value where (c_ij) has none (Schur's product theorem). */
+int dm_form_turns(const dm_form *f);
 
 /* marks[n] = 1: a node free of v that multiplies or divides one that is not. */
 void dm_form_factors(const dm_form *f, unsigned char *marks);

@@ -1,7 +1,5 @@
 /* a model from its Lagrangian: structure, kernels against ones written by hand, Legendre. */
-#include "algebra/extremum.h"
 #include "check.h"
-#include "linalg/signature.h"
 #include "problems.h"
 
 static uint64_t seed = 7;
@@ -111,138 +109,6 @@ static void finds_cyclic_coordinates(void) {
     CHECK(b.model.structure == (DM_AUTONOMOUS | DM_QUADRATIC_IN_V));
     CHECK(b.model.cyclic[0] == 0 && b.model.cyclic[1] == 1);
     stop(&b);
-}
-
-/* a v1^2 + v2^2/2 + c v1 v2 cos(q1 - q2): is the mass told definite, or L convex in v, anywhere? M = (2a
- * c cos; c cos 1) is definite where c^2 < 2a; L with w1^2/2 + w2^2/2 + c w1 w2, w1 = (q1 v1 + q2 v2)/q2,
- * w2 = v2 has no negative value where c^2 <= 1, and vanishing ones where q1 = 0 */
-static void tells_a_mass_that_keeps_its_signs(void) {
-    static const struct {
-        double a, c;
-        int definite;
-    } pairs[] = {{1.0, 1.0, 1}, {0.55, 1.0, 1}, {0.45, 1.0, 0}, {1.0, -1.4, 1}, {1.0, 1.42, 0}};
-    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
-        built b;
-        start(&b, 5);
-        const dm_node angle = dm_sub(b.g, input(&b, 0), input(&b, 1));
-        dm_node cross =
-            times(&b, times(&b, input(&b, 2), input(&b, 3)), dm_apply(b.g, DM_OP_COS, angle, 0, 0));
-        dm_node L = times(&b, number(&b, pairs[i].a), times(&b, input(&b, 2), input(&b, 2)));
-        L = dm_add(b.g, L, times(&b, number(&b, 0.5), times(&b, input(&b, 3), input(&b, 3))));
-        L = dm_add(b.g, L, times(&b, number(&b, pairs[i].c), cross));
-        CHECK(finish(&b, L, 2) == DM_OK);
-        CHECK(((b.model.structure & DM_DEFINITE_MASS) != 0) == pairs[i].definite);
-        CHECK((b.model.mass_bounds == NULL) == pairs[i].definite);
-        stop(&b);
-    }
-    for (int wide = 0; wide < 2; wide++) {
-        built b;
-        start(&b, 5);
-        const dm_node w = dm_div(b.g,
-                                 dm_add(b.g, times(&b, input(&b, 0), input(&b, 2)),
-                                        times(&b, input(&b, 1), input(&b, 3))),
-                                 input(&b, 1));
-        dm_node L = dm_add(b.g, times(&b, w, w), times(&b, input(&b, 3), input(&b, 3)));
-        const dm_node cross = times(&b, number(&b, wide ? 1.1 : 0.9), times(&b, w, input(&b, 3)));
-        L = dm_add(b.g, times(&b, number(&b, 0.5), L), dm_neg(b.g, cross));
-        CHECK(finish(&b, L, 2) == DM_OK);
-        CHECK(!(b.model.structure & DM_DEFINITE_MASS) && (b.model.mass_bounds == NULL) == !wide);
-        stop(&b);
-    }
-}
-
-/* The extremum over y of f = s v^2/2 + (v + q y)^2/2 + y^2/2, as of a Routhian, s v^2/2 + v^2/(2 (1 +
- * q^2)): bounds of its mass leave 0 for large q; f is convex in (v, y) where s >= 0 alone. */
-static void tells_a_least_value_that_keeps_its_signs(void) {
-    static const double s[] = {0.0, -0.5};
-    for (size_t i = 0; i < 2; i++) {
-        built b, of;
-        start(&b, 3);
-        of = b;
-        of.g = dm_graph_new(&b.arena, 4);
-        const dm_node q = input(&b, 0), v = input(&b, 1), qv = times(&b, q, v);
-        const dm_node unit = dm_add(b.g, number(&b, 1.0), times(&b, q, q));
-        const dm_node y = dm_neg(b.g, dm_div(b.g, qv, unit));
-        const dm_node w = dm_add(of.g, input(&of, 1), times(&of, input(&of, 0), input(&of, 2)));
-        const dm_node squared =
-            dm_add(of.g, times(&of, w, w), times(&of, input(&of, 2), input(&of, 2)));
-        const dm_node beside =
-            times(&of, number(&of, s[i]), times(&of, input(&of, 1), input(&of, 1)));
-        const dm_node value = times(&b, number(&b, 0.5),
-                                    dm_add(b.g, times(&b, number(&b, s[i]), times(&b, v, v)),
-                                           dm_div(b.g, times(&b, v, v), unit)));
-        const dm_extremum e = {.value = value,
-                               .n = 2,
-                               .m = 1,
-                               .y = &y,
-                               .of = of.g,
-                               .f = times(&of, number(&of, 0.5), dm_add(of.g, beside, squared))};
-        dm_extremum_keep(b.g, &e);
-        CHECK(finish(&b, value, 1) == DM_OK);
-        CHECK(!(b.model.structure & DM_DEFINITE_MASS));
-        CHECK((b.model.mass_bounds == NULL) == (s[i] >= 0.0));
-        stop(&b);
-    }
-}
-
-/* sum_i a_i (s_i v_i)^2/2 + sum_ij b_ij s_i s_j v_i v_j cos(k q1 + m q2 + c), s = (1, q3, q3 q4), the
- * kinetic energy of bodies on arms; the products in several orders. */
-static dm_node arms(built *b, const double *a) {
-    const dm_node s[3] = {number(b, 1.0), input(b, 2), times(b, input(b, 2), input(b, 3))};
-    dm_node L = number(b, 0.0);
-    for (uint32_t i = 0; i < 3; i++) {
-        const dm_node v = input(b, 4 + i), w = times(b, s[i], v);
-        const dm_node square =
-            i == 1 ? times(b, times(b, s[i], s[i]), times(b, v, v)) : times(b, w, w);
-        L = dm_add(b->g, L, times(b, number(b, 0.5 * a[i]), square));
-    }
-    for (uint32_t k = 0; k < 3; k++) {
-        const uint32_t i = k == 2, j = k == 0 ? 1 : 2;
-        const double m = floor(2.0 * a[3 + k]), phase = a[6 + k];
-        dm_node angle = dm_sub(b->g, times(b, number(b, m), input(b, 0)), input(b, 1));
-        angle = dm_apply(b->g, DM_OP_COS, dm_add(b->g, angle, number(b, phase)), 0, 0);
-        const dm_node wi = times(b, s[i], input(b, 4 + i)), wj = times(b, input(b, 4 + j), s[j]);
-        const dm_node scaled = times(b, number(b, a[9 + k]), angle);
-        L = dm_add(b->g, L,
-                   k == 1 ? times(b, times(b, scaled, wi), wj)
-                          : times(b, scaled, times(b, wi, wj)));
-    }
-    /* q4' is free of the others */
-    return dm_add(b->g, L, times(b, number(b, 0.5), times(b, input(b, 7), input(b, 7))));
-}
-
-/* Does the mass have a negative value at a random state, angles anywhere in some turns? */
-static int is_negative_somewhere(const built *b, int tries) {
-    enum { N = 4 };
-    double x[2 * N + 1], out[N + N * N], least;
-    for (int k = 0; k < tries; k++) {
-        for (int i = 0; i < 2 * N + 1; i++) x[i] = (i < 2 ? 10.0 : 2.0) * random_number();
-        dm_kernel_prepare(&b->model.mass, out);
-        dm_kernel_eval(&b->model.mass, x, out);
-        if (dm_negative_values(out + N, N, &least)) return 1;
-    }
-    return 0;
-}
-
-/* Of an L that is told convex no value is negative anywhere; most of those that are so are told, by
- * halving angles. */
-static void tells_arms_that_keep_their_signs(void) {
-    int told = 0, missed = 0, negative = 0;
-    for (int trial = 0; trial < 200; trial++) {
-        built b;
-        double a[12];
-        for (int i = 0; i < 12; i++) a[i] = random_number();
-        for (int i = 0; i < 3; i++) a[i] = 1.0 + 0.5 * a[i];
-        start(&b, 9);
-        CHECK(finish(&b, arms(&b, a), 4) == DM_OK);
-        const int is_told = b.model.mass_bounds == NULL,
-                  is_negative = is_negative_somewhere(&b, 2000);
-        CHECK(!(is_told && is_negative));
-        told += is_told, negative += is_negative, missed += !is_told && !is_negative;
-        stop(&b);
-    }
-    CHECK(told > 50 && negative > 50);
-    CHECK(missed < told / 2);
 }
 
 /* v.M v/2 + (3, -1).v - q.q/2 with M = (2 1; 1 2): full mass and a shift */
@@ -385,9 +251,6 @@ int main(void) {
     RUN(kernels_agree_with_ones_by_hand, "kernels agree with ones written by hand");
     RUN(reads_the_structure_of_kepler, "reads the structure of Kepler's problem");
     RUN(finds_cyclic_coordinates, "finds cyclic coordinates");
-    RUN(tells_a_mass_that_keeps_its_signs, "tells a mass that keeps its signs");
-    RUN(tells_a_least_value_that_keeps_its_signs, "tells a least value that keeps its signs");
-    RUN(tells_arms_that_keep_their_signs, "tells arms that keep their signs");
     RUN(keeps_a_full_mass_and_its_shift, "keeps a full constant mass and its shift");
     RUN(tells_where_time_enters, "tells where time enters");
     RUN(tells_degenerate_lagrangians, "tells degenerate Lagrangians");
