@@ -81,7 +81,28 @@ local function add_vectors(lines, name, X)
   end
 end
 
--- forms of degree 0 at points, of degree n as densities of cells, others of degree 1 as vectors
+-- A form of degree 2 in space as vectors, those of its Whitney form at the centres c of cells: with
+-- the flux a_F through the face without vertex o, outwards, sum a_F (c - o) / (3 |cell|).
+local function flux_vectors(K, a)
+  local points, volumes, out = K:points(), K:volume(3), {}
+  for i, cell in ipairs(K:simplices(3)) do
+    local x = {}
+    for j, v in ipairs(cell) do x[j] = points[v] end
+    local centre, sum = (x[1] + x[2] + x[3] + x[4]) / 4, 0 * x[1]
+    for j, v in ipairs(cell) do
+      local face = { table.unpack(cell) }
+      table.remove(face, j)
+      local p, q, r = points[face[1]], points[face[2]], points[face[3]]
+      local is_outward = (q - p):cross(r - p):dot(p - points[v]) > 0
+      sum = sum + (is_outward and 1 or -1) * a.values[K:find(face)] * (centre - points[v])
+    end
+    out[i] = sum / (3 * volumes[i])
+  end
+  return out
+end
+
+-- forms of degree 0 at points, of degree n as densities of cells, others of degree 1 and of degree 2
+-- in space as vectors
 local function split(K, forms)
   local at_points, at_cells = {}, {}
   for name, a in pairs(forms) do
@@ -98,10 +119,12 @@ local function split(K, forms)
       at_cells[#at_cells + 1] = { name, a:star().values }
     elseif is_primal and a.degree == 1 then
       at_cells[#at_cells + 1] = { name, a:sharp { to = "cells" }, vectors = true }
+    elseif is_primal and a.degree == 2 and K.dimension == 3 then
+      at_cells[#at_cells + 1] = { name, flux_vectors(K, a), vectors = true }
     elseif not is_primal and a.degree == 0 then at_cells[#at_cells + 1] = { name, a.values }
     else
-      fail("option 'forms': '%s' is a %s; .vtk takes primal ones of degree 0, 1 and %d", name,
-        form.name(a), K.dimension)
+      fail("option 'forms': '%s' is a %s; .vtk takes primal ones, and dual ones of "
+        .. "degree 0", name, form.name(a))
     end
   end
   local function by_name(x, y) return x[1] < y[1] end
@@ -150,7 +173,7 @@ end, [[
 K:save(file, {forms=}) -> file name
 The mesh as .off or .obj (surfaces and lines, read back with the same bits) or .vtk (dimension 1 to
 3) with forms = {name = form}: those of degree 0 at the points, those of the highest degree as
-densities, others of degree 1 as vectors in the cells. Cells are written in their coherent
-orientation.]])
+densities, others of degree 1, and of degree 2 in space (those that flow through the faces), as
+vectors in the cells. Cells are written in their coherent orientation.]])
 
 return M

@@ -68,6 +68,15 @@ handle:close()
 ok(text:find "POINTS 7 double" and text:find "CELLS 8 40" and text:find "POINT_DATA 7\nSCALARS height double 1\nLOOKUP_TABLE default\n1\n2\n",
   "vtk: points, cells, a form at the points")
 ok(text:find "CELL_DATA 8\nSCALARS density double 1\nLOOKUP_TABLE default\n1\n1\n", "and a density")
+-- forms of degree 2 in space are flows: a constant one is that vector in every cell
+local slanted = dm.mesh { cube_tiling = 2, map = function(x, y, z) return { x + 0.3 * y * z, y - 0.2 * x * x, 2 * z + 0.1 * x } end }
+slanted:save(base .. ".vtk", { forms = { flow = slanted:form(2, function() return { 0.7, 1.1, 0.3 } end) } })
+local rows, off = 0, 0
+for line in io.open(base .. ".vtk"):read "a":match "VECTORS flow double\n(.*)":gmatch "[^\n]+" do
+  local x, y, z = line:match "(%S+) (%S+) (%S+)"
+  rows, off = rows + 1, math.max(off, math.abs(x - 0.3), math.abs(y + 1.1), math.abs(z - 0.7))
+end
+ok(rows == slanted:count(3) and off < 1e-14, "vtk: a flow in space, a vector a cell", off)
 raises(".vtk", function() K:save(base .. ".off") end)
 raises("degree", function() K:save(base .. ".vtk", { forms = { x = f:d():star() } }) end)
 raises("points", function() dm.mesh { named = "rp2" }:save(base .. ".obj") end)

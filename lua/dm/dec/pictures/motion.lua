@@ -185,8 +185,8 @@ class.method("dm.path", "vtk", function(path, prefix)
 end, [[
 path:vtk(file) -> list of file names
 Of a field on a mesh: file_00001.vtk, ... for every row with q and p (q1, q2, ... of several
-values), forms of degree 1 as vectors in the cells, and as the last one file.vtk.series, which
-gives ParaView their times.]])
+values), forms of degree 1, and of degree 2 in space, as vectors in the cells, and as the last one
+file.vtk.series, which gives ParaView their times.]])
 
 ---- what of_fields.lua gives to paths ----
 
