@@ -113,6 +113,19 @@ M.locked_inertia = blame.caller(function(shape, x, t)
   end)
 end)
 
+--- (mu - c) . I^-1 (mu - c) at (x, t), c the momentum at rest: twice the height of the centrifugal
+-- wall, by a kernel; nothing outside of the domain. L is quadratic in theta'.
+function M.wall(info, x, t)
+  local f = shown(info, "wall", function(y, s)
+    local rate, rest = model.group_velocity(info, y, core.zeros(info.d), s)
+    local sum = 0
+    for a = 1, info.m do sum = sum + rest[a] * rate[a] end
+    return sum
+  end, info.d, "number")
+  local fine, wall = blame.try(f, x, t)
+  return fine and wall or nil
+end
+
 M.amended_potential = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "amended_potential")
   x, t = place(info, "amended_potential", x, t)

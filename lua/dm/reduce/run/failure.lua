@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local jumps = require "dm.reduce.run.jump"
 local reason = require "dm.reduce.run.reason"
 local routh = require "dm.reduce.routh"
+local shapes = require "dm.reduce.routh.shape"
 
 local M = {}
 
@@ -14,11 +15,16 @@ local abs, min, max = math.abs, math.min, math.max
 
 local SUSPECT, DEEP = 0.02, 0.25
 
--- has the energy moved by more than a small part, at a momentum that makes a wall?
+-- is there a momentum, and so a wall?
+local function has_wall(info)
+  for a = 1, info.m do
+    if info.mu[a] ~= 0 then return true end
+  end
+  return false
+end
+
+-- has the energy moved by more than a small part?
 local function is_suspect(path, info)
-  local pushed = 0
-  for a = 1, info.m do pushed = max(pushed, abs(info.mu[a])) end
-  if pushed == 0 then return false end -- without momentum there is no wall
   local E = jumps.energies(path, info)
   for i = 2, E and #E or 1 do
     if not (abs(E[i] - E[1]) <= SUSPECT * max(abs(E[1]), 1e-300)) then return true end
@@ -28,20 +34,58 @@ end
 
 -- the first row to which a step jumped through a shape with a much smaller locked inertia than
 -- either end has
-local function first_through(path, info)
-  if not is_suspect(path, info) then return nil end
+local function first_beyond(path)
   local shape, t0 = path.system, path.t[1]
   local before = reason.inertia(shape, path.q[1], t0)
   for i = 2, #path do
     local a, b, t = path.q[i - 1], path.q[i], path.t[i]
     local now = reason.inertia(shape, b, t)
     if before and now then
-      for _, part in ipairs { 0.25, 0.5, 0.75 } do
-        local between = reason.inertia(shape, (1 - part) * a + part * b, t)
-        if between and between < DEEP * min(before, now) then return i end
+      local function inertia(x) return reason.inertia(shape, x, t) end
+      local middle = inertia(0.5 * (a + b)) or math.huge
+      if middle < min(before, now) and jumps.least_between(inertia, a, b, math.huge)
+        < DEEP * min(before, now) then
+        return i
       end
     end
     before = now
+  end
+end
+
+-- Where the zero of r is crossed r falls between the ends of a step by more than in a line, or one
+-- end is far nearer to the zero than the other.
+local BENDS, NEARER = 0.9, 0.25
+
+local function bends(before, middle, now)
+  return middle < BENDS * (before + now) / 2 or min(before, now) < NEARER * max(before, now)
+end
+
+local SAFE = 2 -- r falls by less than so many times its fastest change in a step before
+
+-- The first row to which a step jumped through a shape with a wall of infinite height, where
+-- r = (mu I^-1 mu)^-1/2 vanishes: steps near it are looked at, and r tells how many steps are far
+-- from it; where the energy has moved all of them. Where L is not quadratic in the velocities of
+-- the group the wall may be finite, and it is the energy that tells.
+local function first_through(path, info)
+  if #path < 2 or not has_wall(info) then return nil end
+  local all = is_suspect(path, info)
+  if info.root then return all and first_beyond(path) or nil end
+  local function distance(x, t) return (shapes.wall(info, x, t) or 0) ^ -0.5 end
+  local rows, times = path.q, path.t
+  local i, n, fastest, x, t = 1, 1, 0, rows[1], times[1]
+  local r = distance(x, t)
+  while i < #path do
+    local j = min(i + n, #path)
+    local y, s = rows[j], times[j]
+    local now = distance(y, s)
+    if j == i + 1 and bends(r, distance(0.5 * (x + y), s), now)
+      and jumps.least_between(function(z) return distance(z, s) end, x, y, math.huge)
+        < DEEP ^ 0.5 * min(r, now) then
+      return j
+    end
+    if now < math.huge and r < math.huge then fastest = max(fastest, abs(now - r) / (j - i)) end
+    n = all and 1 or max(1, min(2 * n, now // (SAFE * fastest + 1e-300)))
+    i, x, t, r = j, y, s, now
   end
 end
 

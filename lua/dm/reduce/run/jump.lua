@@ -34,20 +34,20 @@ local function determinant(path, x, t)
   return fine and abs(det) or nil
 end
 
--- least determinant on the line from a to b, and where; refined where the line dips below half of
--- `ends`, the lesser one at both ends
-local function least_between(path, a, b, t, ends)
-  local function value(s) return determinant(path, (1 - s) * a + s * b, t) or math.huge end
+--- The least value on the line from a to b, and where: of value(x) between its ends, refined where
+-- it dips below half of `ends`, the lesser one at both of them.
+function M.least_between(value, a, b, ends)
+  local function at_part(s) return value((1 - s) * a + s * b) or math.huge end
   local best, at = math.huge, 0
   for k = 1, PARTS - 1 do
-    local now = value(k / PARTS)
+    local now = at_part(k / PARTS)
     if now < best then best, at = now, k / PARTS end
   end
   local width = 1 / PARTS
   for _ = 1, best < ends / 2 and 20 or 0 do
     width = width / 2
     for _, s in ipairs { max(0, at - width), min(1, at + width) } do
-      local now = value(s)
+      local now = at_part(s)
       if now < best then best, at = now, s end
     end
   end
@@ -59,7 +59,8 @@ end
 function M.singular(path, a, b, t, share)
   local before, after = determinant(path, a, t), determinant(path, b, t)
   if not before or not after then return nil end
-  local least, where = least_between(path, a, b, t, min(before, after))
+  local least, where = M.least_between(function(x) return determinant(path, x, t) end, a, b,
+    min(before, after))
   if least <= (share or SINGULAR) * min(before, after) then return where end
 end
 
