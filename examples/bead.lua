@@ -1,7 +1,7 @@
 -- A bead slides on a spring along a rod that is fixed in a free body: how does it shake the body? The bead's place and the body
 -- momentum are all that the reduced equations know (Leok 4.7.1); the attitude comes back by multiplying up f_k = g_k^-1 g_k+1.
 local dm = require "dm"
-local picture = (arg and arg[1] or "build/pictures") .. "/bead.png"
+local picture = (arg and arg[1] or ".") .. "/bead.png"
 
 local G = dm.SO(3)
 local system = dm.system { name = "bead in a body", Q = dm.product(dm.R(1), G), L = function(q, v)

@@ -2,7 +2,7 @@
 -- The stored energy of each triangle is W(F) of its own linear map F; the shape is where their sum is stationary.
 local dm = require "dm"
 local cos, sin, log, abs = math.cos, math.sin, math.log, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/bending_bar.png"
+local picture = (arg and arg[1] or ".") .. "/bending_bar.png"
 
 local N, M, length, width = 24, 4, 6, 1
 local points, cells = {}, {}

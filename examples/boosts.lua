@@ -2,7 +2,7 @@
 -- to jets, the group keeps the equation. And what a falling body keeps of its boosts needs a divergence (Bogfjellmo 2.3; Olver).
 local dm = require "dm"
 local exp, abs, cosh = math.exp, math.abs, function(x) return (math.exp(x) + math.exp(-x)) / 2 end
-local picture = (arg and arg[1] or "build/pictures") .. "/boosts.png"
+local picture = (arg and arg[1] or ".") .. "/boosts.png"
 local function acting(name, map) return dm.action { name = name, group = dm.R(1), on = dm.R(3), map = map } end
 
 -- u_t = u_xx: x -> x + 2 e t, u -> u exp(-e x - e^2 t), on jets x, t, u, u_x, u_t, u_xx, u_xt, u_tt; exp(a^2 t + a x) solves it

@@ -1,7 +1,7 @@
 -- Bounded, and wrong: Verlet keeps the energy of an orbit in a band for ever, and is at the wrong place nevertheless. A
 -- map over a duration tells the two apart; the moving picture shows Verlet beside the truth: energy fine, phase lost.
 local dm = require "dm"
-local folder = arg and arg[1] or "build/pictures"
+local folder = arg and arg[1] or "."
 
 local kepler = dm.system { name = "Kepler", Q = dm.R(2), coordinates = { "x", "y" },
   L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
@@ -33,7 +33,6 @@ for i = 1, #verlet do apart = math.max(apart, (verlet.q[i] - truth.q[i]):norm())
 print(("energy of Verlet within %.2g of its start, position off by up to %.2g"):format(
   math.max(table.unpack((verlet:energy() - verlet:energy()[1]):totable())), apart))
 assert(apart > 0.5)
-os.execute("mkdir -p " .. folder)
 verlet:animate(folder .. "/bounded_but_wrong.html", { title = "Verlet, and the truth", plots = { "energy" }, trail = 4, dim = 2,
   draw = function(q, t)
     local r = truth.q[math.max(1, math.min(#truth, math.floor(t / start.t * 400 + 0.5)))]

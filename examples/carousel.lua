@@ -2,7 +2,7 @@
 -- the sledge moves and when its neighbour turns, and the further out the sledge is the larger is its inertia. k angles are cyclic: their momenta
 -- are conserved, and what is left has two coordinates, whatever k is.
 local dm = require "dm"
-local picture = (arg and arg[1] or "build/pictures") .. "/carousel.png"
+local picture = (arg and arg[1] or ".") .. "/carousel.png"
 
 local function carousel(k)
   local names = {}

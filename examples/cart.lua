@@ -4,7 +4,7 @@
 -- gauss(4) is exact enough for any of them, so that what is seen is the sampling, not the integrator.
 local dm = require "dm"
 local cos, abs, max = math.cos, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/cart.png"
+local picture = (arg and arg[1] or ".") .. "/cart.png"
 
 local M, m, l, g = 1, 0.2, 0.5, 9.81  -- kg, kg, m, m/s^2
 local a, b, c, e = (M + m) * g / (M * l), 1 / (M * l), 1 / M, g / (M * l)

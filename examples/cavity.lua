@@ -3,7 +3,7 @@
 -- zero modes as there are vertices inside: gradients, which are no waves (Leok 3.9; spec's tri(8))
 local dm = require "dm"
 local pi, abs, log = math.pi, math.abs, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/cavity.png"
+local picture = (arg and arg[1] or ".") .. "/cavity.png"
 
 local function waves(N, m)
   local K = dm.mesh { triangle = N }

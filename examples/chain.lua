@@ -5,7 +5,7 @@
 -- the fast one forwards, the slow one backwards (Hirota's two-soliton solution).
 local dm = require "dm"
 local exp, log, sqrt, sinh = math.exp, math.log, math.sqrt, dm.sinh
-local picture = (arg and arg[1] or "build/pictures") .. "/chain.png"
+local picture = (arg and arg[1] or ".") .. "/chain.png"
 local N, T = 2000, 1000
 
 local chain = dm.system { name = "Toda chain", Q = dm.R(N), L = function(q, v)

@@ -3,7 +3,7 @@
 -- speed V tanh(c t), heading (k / a) gd(c t): it always ends up turned by pi k / (2 a), whatever the spin.
 local dm = require "dm"
 local sin, cos, exp, atan, abs, max, pi = math.sin, math.cos, math.exp, math.atan, math.abs, math.max, math.pi
-local picture = (arg and arg[1] or "build/pictures") .. "/chaplygin_sleigh.png"
+local picture = (arg and arg[1] or ".") .. "/chaplygin_sleigh.png"
 
 local m, I, a = 1, 0.75, 0.5  -- kg, kg m^2, m from the skate to the centre of mass
 local k = (a ^ 2 + I / m) ^ 0.5

@@ -4,7 +4,7 @@
 -- rounding, since it is the sum of momenta of turns and slides whose fields do not slip; the energy to the order.
 local dm = require "dm"
 local max, log, abs = math.max, math.log, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/chaplygin_sphere.png"
+local picture = (arg and arg[1] or ".") .. "/chaplygin_sphere.png"
 
 local G, I = dm.SO(3), { 0.2, 0.35, 0.5 }                       -- mass and radius are 1
 local ball = dm.system { name = "Chaplygin sphere", Q = dm.product(G, dm.R(2)),

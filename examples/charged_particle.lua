@@ -3,7 +3,7 @@
 -- reduction is a particle in the field B = curl A, and A is the connection. The midpoint rule turns the velocity in a constant field by 2 atan(e B h/2) a step.
 local dm = require "dm"
 local atan, cos, sin, abs, pi = math.atan, math.cos, math.sin, math.abs, math.pi
-local picture = (arg and arg[1] or "build/pictures") .. "/charged_particle.png"
+local picture = (arg and arg[1] or ".") .. "/charged_particle.png"
 
 local function particle(A)
   return dm.system { name = "particle", Q = dm.R(3), coordinates = { "theta", "x", "y" }, L = function(q, v)

@@ -3,7 +3,7 @@
 -- grad cos z (a total derivative in L) changes no motion but hides the reversal (Modin & Verdier 2020): every rule drifts.
 local dm = require "dm"
 local sin, sqrt, abs, max, pi = math.sin, math.sqrt, math.abs, math.max, math.pi
-local picture = (arg and arg[1] or "build/pictures") .. "/contact_oscillator.png"
+local picture = (arg and arg[1] or ".") .. "/contact_oscillator.png"
 
 local function oscillator(shift)
   return dm.system { name = "contact oscillator", Q = dm.R(3), coordinates = { "x", "y", "z" },

@@ -3,7 +3,7 @@
 -- the integral of v^2, so that E + c int v^2 dt must stay; RK4 (in angles) takes energy of its own.
 local dm = require "dm"
 local sin, cos, abs, max = math.sin, math.cos, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/damped_double_pendulum.png"
+local picture = (arg and arg[1] or ".") .. "/damped_double_pendulum.png"
 local m, l, g, c, T = 1, 1, 9.81, 0.002, 400  -- kg, m, m/s^2, kg/s, s
 local pendulum = dm.system { name = "double pendulum in oil", Q = dm.R(4), coordinates = { "x1", "y1", "x2", "y2" },
   units = { t = "s", x1 = "m", y1 = "m", x2 = "m", y2 = "m", energy = "J" },

@@ -3,7 +3,7 @@
 -- Coordinates: azimuth theta of the first, radii r1, r2 in the horizontal plane, phi = theta2 - theta1.
 local dm = require "dm"
 local sqrt, sin, cos, abs, max = math.sqrt, math.sin, math.cos, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/double_spherical_pendulum.png"
+local picture = (arg and arg[1] or ".") .. "/double_spherical_pendulum.png"
 
 local m1, m2, l1, l2, g = 2, 1.5, 1, 0.75, 9.8  -- kg, kg, m, m, m/s^2
 

@@ -4,7 +4,7 @@
 -- and the cross-section, the points are recovered from the frame (Bogfjellmo 2011, 6.2, figure 6.2).
 local dm = require "dm"
 local sin, cos, sqrt, max = math.sin, math.cos, math.sqrt, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/elastica.png"
+local picture = (arg and arg[1] or ".") .. "/elastica.png"
 
 local rho = dm.moving_frame { action = dm.action { group = dm.SE(2), on = dm.R(2) }, points = 2,
   cross_section = function(a, b) return { a[1], a[2], b[2] } end, branch = function(a, b) return b[1] end }

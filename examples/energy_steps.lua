@@ -4,7 +4,7 @@
 -- there is no step, which the rule says.
 local dm = require "dm"
 local sqrt, abs = math.sqrt, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/energy_steps.png"
+local picture = (arg and arg[1] or ".") .. "/energy_steps.png"
 
 local kepler = dm.system { name = "Kepler", Q = dm.R(2), coordinates = { "x", "y" },
   L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }

@@ -3,7 +3,7 @@
 -- stopped half-way, as by a crash, and taken up again.
 local dm = require "dm"
 local sqrt, pi, floor = math.sqrt, math.pi, math.floor
-local picture = (arg and arg[1] or "build/pictures") .. "/escape.png"
+local picture = (arg and arg[1] or ".") .. "/escape.png"
 local E, N = 0.2, 6000
 
 local function V(x, y) return (x * x + y * y) / 2 + x * x * y - y ^ 3 / 3 end

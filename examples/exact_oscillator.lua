@@ -4,7 +4,7 @@
 -- and its discrete Euler-Lagrange equations walk on the true solution. The midpoint Ld is only near it.
 local dm = require "dm"
 local sin, cos, abs, max = math.sin, math.cos, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/exact_oscillator.png"
+local picture = (arg and arg[1] or ".") .. "/exact_oscillator.png"
 
 local w, h, steps = 1.5, 1.0, 1000
 local start = { q = { 1 }, p = { 0 }, steps = steps }

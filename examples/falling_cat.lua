@@ -3,7 +3,7 @@
 -- discrete mechanical connection of a rule takes the loop's points to the turn; -closed integral of a.dx is what it tends to.
 local dm = require "dm"
 local sin, cos, pi, abs = math.sin, math.cos, math.pi, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/falling_cat.png"
+local picture = (arg and arg[1] or ".") .. "/falling_cat.png"
 
 local cat = dm.system { name = "three rods", Q = dm.R(3), coordinates = { "theta", "a1", "a2" }, L = function(q, v) -- rods 1, 0.8, 0.8
   local w1, w2 = v[1] + v[2], v[1] + v[3]

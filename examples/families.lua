@@ -3,7 +3,7 @@
 -- starts and finds four families; each is followed up and down in mu. They begin at the four straight states that can swing, at the frequency of a normal mode.
 local dm = require "dm"
 local sin, cos, abs = math.sin, math.cos, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/families.png"
+local picture = (arg and arg[1] or ".") .. "/families.png"
 
 local m1, m2, l1, l2, g = 2, 1.5, 1, 0.75, 9.8
 local pendulum = dm.system { name = "double spherical pendulum", Q = dm.R(4), coordinates = { "theta", "a1", "a2", "phi" }, L = function(q, v)

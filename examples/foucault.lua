@@ -3,7 +3,7 @@
 -- pendulum itself, swung for a day, agrees; so does a fine mesh of the sphere that knows nothing but lengths (Leok 4.1, 4.7.3).
 local dm = require "dm"
 local sin, cos, pi, abs = math.sin, math.cos, math.pi, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/foucault.png"
+local picture = (arg and arg[1] or ".") .. "/foucault.png"
 
 local sphere = dm.connection { name = "sphere", group = dm.SO(2), base = dm.T(2), -- (colatitude, longitude)
   local_form = function(a, b) return dm.cos((a[1] + b[1]) / 2) * (b[2] - a[2]) end }

@@ -3,7 +3,7 @@
 -- about its middle axis it does not turn for long: momenta near that axis leave it at the rate 1/sqrt 3 of their spin.
 local dm = require "dm"
 local sqrt, pi, abs, max, log = math.sqrt, math.pi, math.abs, math.max, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/free_body.png"
+local picture = (arg and arg[1] or ".") .. "/free_body.png"
 
 local G = dm.SO(3)
 local body = dm.system { name = "free body", Q = G, L = function(_, w) return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2 end }

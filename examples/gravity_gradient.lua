@@ -3,7 +3,7 @@
 -- large pitch tumbles where its energy is above 3 n^2 (I2 - I1)/2, the hill of this pendulum.
 local dm = require "dm"
 local sqrt, pi, abs, log = math.sqrt, math.pi, math.abs, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/gravity_gradient.png"
+local picture = (arg and arg[1] or ".") .. "/gravity_gradient.png"
 
 local G, I = dm.SO(3), { 0.1e-6, 0.2e-6, 0.25e-6 }               -- of mass 1, at distance 1 of an Earth with GM = 1
 local satellite = dm.system { name = "satellite", Q = dm.product(G, dm.R(3)), L = function(q, v)

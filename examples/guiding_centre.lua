@@ -3,7 +3,7 @@
 -- Field, particle and units of Ellison, Burby and Qin (2015): B0 = R0 = 1, safety factor 2; a bounce takes about 43,000.
 local dm = require "dm"
 local sqrt, log, abs, max, min = math.sqrt, math.log, math.abs, math.max, math.min
-local picture = (arg and arg[1] or "build/pictures") .. "/guiding_centre.png"
+local picture = (arg and arg[1] or ".") .. "/guiding_centre.png"
 
 local mu = 2.25e-6
 local particle = dm.system { name = "guiding centre", Q = dm.R(4), coordinates = { "R", "Z", "phi", "u" }, L = function(q, v)

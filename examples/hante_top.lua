@@ -3,7 +3,7 @@
 -- by a constraint. The discrete equations differ, their motion converges to one, at order 2 by lie(1) and 4 by lie(2).
 local dm = require "dm"
 local log = math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/hante_top.png"
+local picture = (arg and arg[1] or ".") .. "/hante_top.png"
 
 local m, I, g, X = 15, { 0.234375, 0.46875, 0.234375 }, 9.81, dm.vector { 0, 1, 0 }
 local G, E = dm.SO(3), dm.SE(3)

@@ -2,7 +2,7 @@
 -- u' = laplacian u on the unit sphere; spherical harmonics of degree l decay like exp(-l (l + 1) t), so that x y (l = 2) goes like e^(-6 t)
 local dm = require "dm"
 local exp, abs, log = math.exp, math.abs, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/heat_sphere.png"
+local picture = (arg and arg[1] or ".") .. "/heat_sphere.png"
 
 -- the lowest modes of the mesh carry the answer exactly in time
 local function cool(K, u0, t, m)

@@ -3,7 +3,7 @@
 -- - p3 Omega + mgl = 0. Gauss methods step it by way of its unit quaternion, and keep energy and both momenta.
 local dm = require "dm"
 local sqrt, cos, sin, pi, abs = math.sqrt, math.cos, math.sin, math.pi, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/heavy_top.png"
+local picture = (arg and arg[1] or ".") .. "/heavy_top.png"
 
 local G, I, I3 = dm.SO(3), 1, 0.4
 local top = dm.system { name = "heavy top", Q = G, L = function(R, w) return (I * (w[1] ^ 2 + w[2] ^ 2) + I3 * w[3] ^ 2) / 2 - R[3][3] end }

@@ -3,7 +3,7 @@
 -- of an orbit lie on curves; at E = 1/8 some orbits fill areas, and neighbours part exponentially.
 local dm = require "dm"
 local sqrt, abs, max = math.sqrt, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/henon_heiles.png"
+local picture = (arg and arg[1] or ".") .. "/henon_heiles.png"
 
 local star = dm.system { name = "Henon-Heiles", Q = dm.R(2), L = function(q, v)
   return v:dot(v) / 2 - q:dot(q) / 2 - q[1] ^ 2 * q[2] + q[2] ^ 3 / 3

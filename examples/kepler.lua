@@ -3,7 +3,7 @@
 -- given as many force evaluations a period as Verlet, loses energy, and the orbit with it.
 local dm = require "dm"
 local pi, sqrt, abs, max = math.pi, math.sqrt, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/kepler.png"
+local picture = (arg and arg[1] or ".") .. "/kepler.png"
 
 local kepler = dm.system { name = "Kepler", Q = dm.R(2),
   L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }

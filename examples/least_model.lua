@@ -1,7 +1,7 @@
 -- How much model does a question need? A pendulum on a stiff spring, watched in its angle only, as well as one asks for: dm.scene
 -- finds the cheapest model, rule and step. Up to some accuracy a rigid pendulum is enough; beyond it the spring must be followed.
 local dm = require "dm"
-local picture = (arg and arg[1] or "build/pictures") .. "/least_model.png"
+local picture = (arg and arg[1] or ".") .. "/least_model.png"
 
 local g, T = 9.81, 10
 local function pendulum(k)  -- a: stretch, m; theta: angle; mass and length 1

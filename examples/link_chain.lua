@@ -3,7 +3,7 @@
 -- off as links are no string. lie(1) with constraints is RATTLE on the group, and its equations are solved as a band.
 local dm = require "dm"
 local sqrt, pi, abs = math.sqrt, math.pi, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/link_chain.png"
+local picture = (arg and arg[1] or ".") .. "/link_chain.png"
 
 local N, G = 10, dm.SO(3)
 local length, g, factors = 1 / N, 1, {}                         -- mass 1 / N each: a chain of length and mass 1

@@ -3,7 +3,7 @@
 -- elements of a formation are what its controllers work on (Leok 4.7.2, figure 4.10).
 local dm = require "dm"
 local sin, cos, pi, abs = math.sin, math.cos, math.pi, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/locked_formation.png"
+local picture = (arg and arg[1] or ".") .. "/locked_formation.png"
 
 local function connection(f) return dm.connection { group = dm.SO(2), base = dm.product(dm.R(1), dm.T(1)), local_form = f } end -- (r, phi), theta
 local trivial = connection(function() return 0 end)

@@ -3,7 +3,7 @@
 -- on every mesh (Gauss-Bonnet), and over areas they tend to the curvature of the surface (Leok 4.7.3; E10 of docs/theory/connections.md).
 local dm = require "dm"
 local cos, sin, pi, abs, acos = math.cos, math.sin, math.pi, math.abs, math.acos
-local picture = (arg and arg[1] or "build/pictures") .. "/mesh_curvature.png"
+local picture = (arg and arg[1] or ".") .. "/mesh_curvature.png"
 
 -- a ring of tube radius r about a circle of R has the curvature cos(u)/(r (R + r cos u)), + outside, - inside
 local R, r, last = 3, 1, nil

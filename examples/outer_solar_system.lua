@@ -2,7 +2,7 @@
 -- Astronomical units, days, solar masses; data of 5 September 1994 (Hairer, Lubich, Wanner, I.2.4).
 local dm = require "dm"
 local abs, max, pi = math.abs, math.max, math.pi
-local picture = (arg and arg[1] or "build/pictures") .. "/outer_solar_system.png"
+local picture = (arg and arg[1] or ".") .. "/outer_solar_system.png"
 local G = 2.95912208286e-4
 local bodies = {  -- mass, position, velocity, sidereal period
   { "Sun", 1.00000597682, { 0, 0, 0 }, { 0, 0, 0 } },

@@ -3,7 +3,7 @@
 -- end. Half and half keeps the order of Ld; all of it at one end costs an order, however good Ld is.
 local dm = require "dm"
 local cos, abs, log, max = math.cos, math.abs, math.log, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/own_forces.png"
+local picture = (arg and arg[1] or ".") .. "/own_forces.png"
 local c, T = 0.2, 8 -- friction, duration
 
 local function Ld(a, b, h)

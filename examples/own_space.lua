@@ -3,7 +3,7 @@
 -- little is nearly cos t, sin t: four functions {1, t, cos t, sin t} against four powers of t.
 local dm = require "dm"
 local cos, sin, abs, max = math.cos, math.sin, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/own_space.png"
+local picture = (arg and arg[1] or ".") .. "/own_space.png"
 
 local pendulum = dm.system { name = "pendulum", Q = dm.R(1), coordinates = { "angle" },
   L = function(q, v) return v[1] ^ 2 / 2 + cos(q[1]) end }

@@ -2,7 +2,7 @@
 -- A membrane whose mesh is fine near one corner: one step for all is that of the smallest triangle, where nothing much happens.
 local dm = require "dm"
 local pi, sin, cos = math.pi, math.sin, math.cos
-local picture = (arg and arg[1] or "build/pictures") .. "/own_steps.png"
+local picture = (arg and arg[1] or ".") .. "/own_steps.png"
 
 local N = 24
 local K = dm.mesh { grid = N, map = function(x, y) local s = 0.06 + 0.94 * math.max(x, y) return { s * x, s * y } end, dual = "barycentric" }

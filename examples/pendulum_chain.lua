@@ -5,7 +5,7 @@
 -- By constraints a step costs n times the same, not n^3; large swings are stepped with the same equations.
 local dm = require "dm"
 local sqrt, abs, n, g, l, m = math.sqrt, math.abs, 30, 1, 1 / 30, 1 / 30
-local picture = (arg and arg[1] or "build/pictures") .. "/pendulum_chain.png"
+local picture = (arg and arg[1] or ".") .. "/pendulum_chain.png"
 
 local chain = dm.system { name = "chain of 30 rods", Q = dm.R(2 * n), L = function(q, v)
   local L = m * v:dot(v) / 2

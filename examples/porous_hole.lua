@@ -2,7 +2,7 @@
 -- div(k grad p) = 0, no flow into the post r = 1; far away the slope of p is 1: p = (r + 1/r) cos phi (Leok, chapter 3: Darcy's equation)
 local dm = require "dm"
 local max, abs, log = math.max, math.abs, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/porous_hole.png"
+local picture = (arg and arg[1] or ".") .. "/porous_hole.png"
 
 local function exact(x, y) return x + x / (x * x + y * y) end
 local function sand(rings) return dm.mesh { annulus = { rings, 8 * rings }, ratio = 4 } end

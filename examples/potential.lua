@@ -1,7 +1,7 @@
 -- When is a force field the slope of a potential? On a disc whenever it has no curl; on a ring one number is in the way (Poincare's lemma, Leok 3.11)
 local dm = require "dm"
 local abs, atan, pi = math.abs, math.atan, math.pi
-local picture = (arg and arg[1] or "build/pictures") .. "/potential.png"
+local picture = (arg and arg[1] or ".") .. "/potential.png"
 
 -- the wind round a post: closed, and the change of the angle along every edge
 local function around(K)

@@ -2,7 +2,7 @@
 -- hundred swings, does RK4, and are the reduced rule as it is written, with connection and magnetic form, and the one for the classical Routhian the same?
 local dm = require "dm"
 local sqrt, sin, cos, abs, max = math.sqrt, math.sin, math.cos, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/reduced_pendulum.png"
+local picture = (arg and arg[1] or ".") .. "/reduced_pendulum.png"
 
 local m1, m2, l1, l2, g = 2, 1.5, 1, 0.75, 9.8
 local pendulum = dm.system { name = "double spherical pendulum", Q = dm.R(4), coordinates = { "theta", "r1", "r2", "phi" }, L = function(q, v)

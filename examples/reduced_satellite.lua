@@ -3,7 +3,7 @@
 -- midpoint rule with a step of a twentieth of an orbit makes the node of a Kepler orbit creep, and leaves the reduced curve thin.
 local dm = require "dm"
 local sqrt, cos, sin, abs, pi, min, max = math.sqrt, math.cos, math.sin, math.abs, math.pi, math.min, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/reduced_satellite.png"
+local picture = (arg and arg[1] or ".") .. "/reduced_satellite.png"
 
 local function satellite(J2)  -- (theta, r, z), radius of the planet 1, G M = 1
   return dm.system { name = "J2 satellite", Q = dm.R(3), coordinates = { "theta", "r", "z" }, L = function(q, v)

@@ -3,7 +3,7 @@
 -- circle it meets a resonance with itself, and the amplitude that survives shrinks, at h = sqrt 3 to nothing.
 local dm = require "dm"
 local sqrt, abs = math.sqrt, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/resonance_tongues.png"
+local picture = (arg and arg[1] or ".") .. "/resonance_tongues.png"
 
 local well = dm.system { name = "oscillator with a rim", Q = dm.R(1),
   L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 - q[1] ^ 3 / 3 end }

@@ -2,7 +2,7 @@
 -- and minus the area that the body momentum has gone around (Leok 4.1, 4.8): not after a period alone, but at every row.
 local dm = require "dm"
 local sin, pi, abs, atan, cos = math.sin, math.pi, math.abs, math.atan, math.cos
-local picture = (arg and arg[1] or "build/pictures") .. "/rigid_body_phase.png"
+local picture = (arg and arg[1] or ".") .. "/rigid_body_phase.png"
 
 local G, T = dm.SO(3), 15.22285740158978 -- the period of the body momentum, by elliptic functions
 local function run(n, periods)

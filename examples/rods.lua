@@ -1,7 +1,7 @@
 -- Which curves does an elastic rod take in space? Its equations in curvature and torsion come out of the group of rigid motions and
 -- a cross-section of jets alone, as exact formulas (Bogfjellmo 5.2-5.4); so do the force and the moment that it carries.
 local dm = require "dm"
-local picture = (arg and arg[1] or "build/pictures") .. "/rods.png"
+local picture = (arg and arg[1] or ".") .. "/rods.png"
 
 local space = dm.differential_invariants { action = dm.action { group = dm.SE(3), on = dm.R(3) }, independent = 1,
   invariants = { kappa = 6, w = 9 }, branch = function(z) return z[6] end, -- w = kappa tau

@@ -3,7 +3,7 @@
 -- rolls at the rate r, and its point of contact goes around a circle of radius r / w.
 local dm = require "dm"
 local sin, cos, pi, max = math.sin, math.cos, math.pi, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/rolling_disk.png"
+local picture = (arg and arg[1] or ".") .. "/rolling_disk.png"
 
 local disk = dm.system { name = "rolling disk", Q = dm.R(4), coordinates = { "x", "y", "roll", "heading" },
   L = function(_, v) return v:dot(v) / 2 end,

@@ -3,7 +3,7 @@
 -- of time (Haurwitz 1940).
 local dm = require "dm"
 local abs, cos, sin = math.abs, math.cos, math.sin
-local picture = (arg and arg[1] or "build/pictures") .. "/rossby_haurwitz.png"
+local picture = (arg and arg[1] or ".") .. "/rossby_haurwitz.png"
 
 local function vorticity(K, t)
   local c, s = cos(0.9 * t), sin(0.9 * t)

@@ -2,7 +2,7 @@
 -- their nodes, hats on the same nodes see a third of it (Leok 5.7.1, appendix C, figure 5.5).
 local dm = require "dm"
 local sin, pi, abs, max = math.sin, math.pi, math.abs, math.max
-local folder = arg and arg[1] or "build/pictures"
+local folder = arg and arg[1] or "."
 
 local eps = 0.025
 local function a(x) return 10 / (1 + 0.95 * sin(2 * pi * x / eps)) end

@@ -3,7 +3,7 @@
 -- Lagrangian; a moving frame makes one invariant (Bogfjellmo 2011, ch. 4, figure 4.1). Beside it: Stoermer-Verlet with fixed and variable steps.
 local dm = require "dm"
 local sin, cos, sqrt, abs, max, pi = math.sin, math.cos, math.sqrt, math.abs, math.max, math.pi
-local picture = (arg and arg[1] or "build/pictures") .. "/runge_lenz.png"
+local picture = (arg and arg[1] or ".") .. "/runge_lenz.png"
 local h, steps = 2 * pi / 200, 4000 -- some 20 orbits of energy -1/2
 
 local rotations = dm.action { group = dm.SO(2), on = dm.R(2), map = function(theta, w) -- about the y1 axis (4.10)

@@ -4,7 +4,7 @@
 -- regresses by 3/2 J2 cos i radians per unit of time; J2 = 0.05 is 46 times the Earth's.
 local dm = require "dm"
 local pi, abs, cos, max = math.pi, math.abs, math.cos, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/satellite.png"
+local picture = (arg and arg[1] or ".") .. "/satellite.png"
 
 local function satellite(J2)
   return dm.system { name = "J2 satellite", Q = dm.R(3), coordinates = { "x", "y", "z" },

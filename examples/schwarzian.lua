@@ -3,7 +3,7 @@
 -- says so before anything is run. The same equations, carrying their Noether momentum, keep order 2 down to 1e-9.
 local dm = require "dm"
 local sin, atan, sqrt, abs, max = math.sin, math.atan, math.sqrt, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/schwarzian.png"
+local picture = (arg and arg[1] or ".") .. "/schwarzian.png"
 
 local line = dm.action { group = dm.SL(2), on = dm.R(1) }
 local function problem(h, width) -- the cross-section u = -width, Su = 0, S^2 u = width, where sigma = S^3 u/width

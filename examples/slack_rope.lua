@@ -2,7 +2,7 @@
 -- Tension m (g cos theta + v^2 / l) with v^2 = v0^2 - 2 g l (1 - cos theta): zero at cos theta = -(v0^2 - 2 g l) / 3 g l, if v0^2 is between 2 g l and 5 g l.
 local dm = require "dm"
 local abs, max, log = math.abs, math.max, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/slack_rope.png"
+local picture = (arg and arg[1] or ".") .. "/slack_rope.png"
 
 local m, g, l = 0.5, 9.81, 1.2
 local function fall(q, v) return m * (v:dot(v) / 2 - g * q[2]) end

@@ -4,7 +4,7 @@
 -- and the centre of mass goes straight on whatever the pendula do. A spring to a wall leaves the momentum along the wall alone.
 local dm = require "dm"
 local cos, sin, abs, max = math.cos, math.sin, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/sliding_plate.png"
+local picture = (arg and arg[1] or ".") .. "/sliding_plate.png"
 
 local place = dm.product(dm.R(2), dm.S(2), dm.S(2))
 local function plate(stiffness)

@@ -2,7 +2,7 @@
 -- other with their shapes and speeds, and only their places jump (Zakharov & Shabat 1972).
 local dm = require "dm"
 local exp, cos, sin, log, abs = math.exp, math.cos, math.sin, math.log, math.abs
-local folder = arg and arg[1] or "build/pictures"
+local folder = arg and arg[1] or "."
 
 local L, v = 60, math.pi / 3 -- v L/(2 pi) is whole: the phases close on the ring
 local wave = dm.schroedinger { x = { -L / 2, L / 2, 512 }, g = -1 }

@@ -4,7 +4,7 @@
 -- points of a twisted cubic, with the third bend nobody asked for. The thesis of Bogfjellmo does not treat this action.
 local dm = require "dm"
 local abs, asin, max = math.abs, math.asin, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/space_elastica.png"
+local picture = (arg and arg[1] or ".") .. "/space_elastica.png"
 
 local rho = dm.moving_frame { action = dm.action { group = dm.SE(3), on = dm.R(3) }, points = 3,
   cross_section = function(a, b, c) return { a[1], a[2], a[3], b[2], b[3], c[3] } end,

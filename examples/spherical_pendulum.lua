@@ -4,7 +4,7 @@
 -- The exact turn from one far point to the next is twice Psi = J int_{z1}^{z2} dz / ((1 - z^2) sqrt(2 (E - z)(1 - z^2) - J^2)).
 local dm = require "dm"
 local sqrt, sin, pi, atan, abs = math.sqrt, math.sin, math.pi, math.atan, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/spherical_pendulum.png"
+local picture = (arg and arg[1] or ".") .. "/spherical_pendulum.png"
 
 local pendulum = dm.system { name = "spherical pendulum", Q = dm.R(3), coordinates = { "x", "y", "z" },
   L = function(q, v) return v:dot(v) / 2 - q[3] end,

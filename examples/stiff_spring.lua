@@ -3,7 +3,7 @@
 -- once h omega > 2, however slow the swing; the implicit midpoint rule steps over the vibration.
 local dm = require "dm"
 local abs, max = math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/stiff_spring.png"
+local picture = (arg and arg[1] or ".") .. "/stiff_spring.png"
 
 local m, l, g, k = 1, 1, 9.81, 1e6  -- kg, m, m/s^2, N/m
 local omega = math.sqrt(k / m)

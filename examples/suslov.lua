@@ -3,7 +3,7 @@
 -- The energy is: lie(s) keeps it in a band that falls with the order.
 local dm = require "dm"
 local sqrt, abs, max, log = math.sqrt, math.abs, math.max, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/suslov.png"
+local picture = (arg and arg[1] or ".") .. "/suslov.png"
 
 local G, I, I13 = dm.SO(3), { 1, 2, 1.5 }, 0.5
 local body = dm.system { name = "Suslov", Q = G, rolling = function(_, w) return { w[3] } end,

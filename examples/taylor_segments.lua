@@ -3,7 +3,7 @@
 -- momentum to round-off and its energy without drift, and has the same order.
 local dm = require "dm"
 local abs, log = math.abs, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/taylor_segments.png"
+local picture = (arg and arg[1] or ".") .. "/taylor_segments.png"
 
 local function taylor(order)
   return function(x, f, h)

@@ -3,7 +3,7 @@
 -- loop of all three leaves the body turned by its curvature, an axis that no rotor has moved (Leok, figure 4.6).
 local dm = require "dm"
 local pi, abs = math.pi, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/three_rotors.png"
+local picture = (arg and arg[1] or ".") .. "/three_rotors.png"
 local G, lock, rotor = dm.SO(3), { 2, 3, 4 }, { 0.5, 0.4, 0.3 }  -- with the rotors held fast; of the rotors about their axes
 
 local telescope = dm.system { name = "three rotors", Q = dm.product(dm.R(3), G), L = function(q, v)

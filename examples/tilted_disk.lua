@@ -3,7 +3,7 @@
 -- than w^2 = A m g a/(C (C + m a^2)). A disk of 15 kg (Hante 2018), on SO(3) x R^3, which touches the table and does not slip.
 local dm = require "dm"
 local sqrt, sin, cos, abs, log = math.sqrt, math.sin, math.cos, math.abs, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/tilted_disk.png"
+local picture = (arg and arg[1] or ".") .. "/tilted_disk.png"
 
 local G, m, a, g = dm.SO(3), 15, 1, 9.81
 local A, C = m / 4, m / 2                                       -- about a diameter, about the axis

@@ -1,7 +1,7 @@
 -- Which fields on a ring have neither sources nor swirls? As many as there are ways around it: two, the harmonic forms (Hodge)
 local dm = require "dm"
 local abs = math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/torus_fields.png"
+local picture = (arg and arg[1] or ".") .. "/torus_fields.png"
 
 local ring = dm.mesh { torus = { 24, 12 }, radii = { 3, 1 } }
 local betti, fields, loops = ring:betti(), ring:harmonic(1), ring:generators(1)

@@ -2,7 +2,7 @@
 -- for every wave number: T(k) = sinh^2(pi k)/(sinh^2(pi k) + cosh^2(pi/2 sqrt(8 V0 - 1))) (Landau & Lifshitz III, 25).
 local dm = require "dm"
 local pi, exp, cos, sin, cosh2 = math.pi, math.exp, math.cos, math.sin, function(x) return ((math.exp(x) + math.exp(-x)) / 2) ^ 2 end
-local folder = arg and arg[1] or "build/pictures"
+local folder = arg and arg[1] or "."
 
 local V0, k0, width, from = 4, 2.5, 3, -25 -- mean energy 3.2, below the top
 local wave = dm.schroedinger { x = { -80, 80, 1024 }, V = function(x) return V0 / cosh2(x) end }

@@ -3,7 +3,7 @@
 -- circle closes. On SO(3) x R^2, with the condition that the ball does not slip (Lagrange-d'Alembert).
 local dm = require "dm"
 local sqrt, cos, sin, pi, max, log = math.sqrt, math.cos, math.sin, math.pi, math.max, math.log
-local picture = (arg and arg[1] or "build/pictures") .. "/turntable.png"
+local picture = (arg and arg[1] or ".") .. "/turntable.png"
 
 local G, rate = dm.SO(3), 1.4
 local ball = dm.system { name = "ball on a turntable", Q = dm.product(G, dm.R(2)),

@@ -3,7 +3,7 @@
 -- by one part in thirty here; the sum by rounding.
 local dm = require "dm"
 local sqrt, max, min = math.sqrt, math.max, math.min
-local picture = (arg and arg[1] or "build/pictures") .. "/two_bodies.png"
+local picture = (arg and arg[1] or ".") .. "/two_bodies.png"
 
 local G, m = dm.SO(3), { 1, 0.5 }
 local I = { { 0.010, 0.015, 0.020 }, { 0.002, 0.0036, 0.0044 } }

@@ -2,7 +2,7 @@
 -- the frequency fit its stretch a thousand times better than the five of a quartic (Leok 5.7.2, figure 5.7).
 local dm = require "dm"
 local sin, cos, sqrt = math.sin, math.cos, math.sqrt
-local folder = arg and arg[1] or "build/pictures"
+local folder = arg and arg[1] or "."
 
 local m, g, k, l = 1, 9.81, 1e4, 1
 local pendulum = dm.system { Q = dm.R(2), coordinates = { "a", "theta" }, L = function(q, v)

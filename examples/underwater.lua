@@ -3,7 +3,7 @@
 -- turns at the rate sqrt((P^2 (1/m3 - 1/m1) - mgl)/I). A weight mgl above P^2 (1/m3 - 1/m1) makes it swing instead (Leonard 1997).
 local dm = require "dm"
 local sqrt, pi, log, abs = math.sqrt, math.pi, math.log, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/underwater.png"
+local picture = (arg and arg[1] or ".") .. "/underwater.png"
 
 local I, m1, m3, P, E = 1, 2, 1, 1, dm.SE(3)
 local critical = P ^ 2 * (1 / m3 - 1 / m1)

@@ -4,7 +4,7 @@
 -- some iterations more, is as accurate, and keeps the symplectic form, the angular momentum and the energy's band.
 local dm = require "dm"
 local pi, sqrt, abs, max = math.pi, math.sqrt, math.abs, math.max
-local picture = (arg and arg[1] or "build/pictures") .. "/variational_runge_kutta.png"
+local picture = (arg and arg[1] or ".") .. "/variational_runge_kutta.png"
 
 local kepler = dm.system { name = "Kepler", Q = dm.R(2),
   L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }

@@ -3,7 +3,7 @@
 -- integrated by Filon's weights. A step then costs the same however stiff the spring.
 local dm = require "dm"
 local cos, sqrt, abs = math.cos, math.sqrt, math.abs
-local picture = (arg and arg[1] or "build/pictures") .. "/vibrating_spring.png"
+local picture = (arg and arg[1] or ".") .. "/vibrating_spring.png"
 
 local g = 9.81  -- unit mass and length
 local function spring(k)

@@ -2,7 +2,7 @@
 -- L = |u_t|^2/2 - |du|^2/2 with |u| = 1: every vertex is a unit vector, moved by RATTLE. The winding number is the area of the images over 4 pi.
 local dm = require "dm"
 local pi, sqrt, abs, atan = math.pi, math.sqrt, math.abs, math.atan
-local picture = (arg and arg[1] or "build/pictures") .. "/wave_map.png"
+local picture = (arg and arg[1] or ".") .. "/wave_map.png"
 
 local N, r0 = 48, 0.35
 local K = dm.mesh { grid = N }

@@ -3479,10 +3479,11 @@ function dm_path_class:phases() end
 ---path:plot(x, y | {y1, y2, ...}, {file=, title=, log=, style=, names=, equal=, ...}) -> file name or nothing
 ---
 ---Plot columns of a path: names ("t", "q1", "p1", "energy" ...) or vectors of #path numbers. With no
----arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
----in the terminal, with it to a .png, .svg or .pdf.
----Two positions of one unit get equal axes unless equal = false; where one range is 4 times the other
----or more they do not, which is written below the plot: equal = true makes them equal all the same.
+---arguments every q (or all that was watched) against t; path:plot("q1") is q1 against t. Options as
+---in dm.plot: without `file` in the terminal, with it to a .png, .svg or .pdf.
+---Two positions of one unit, or two entries of rotations, get equal axes unless equal = false; where
+---one range is 4 times the other or more they do not, which is written below the plot: equal = true
+---makes them equal all the same.
 ---Of a field on a mesh: path:plot("q" | "p", {row=, file=, title=, azimuth=, height=}) draws a row,
 ---the last by default, as form:plot does; columns such as "energy" as above.
 ---@param x? any

@@ -158,7 +158,8 @@ function M.relay(f, name)
     what = explain(what)
     local number = type(what) == "string" and tonumber(what:match(bad))
     if number == 1 then
-      return ("%s; a method is called with a colon, x:%s(...)"):format(what, name)
+      local hint = ("; a method is called with a colon, x:%s(...)"):format(name)
+      return what:sub(-#hint) == hint and what or what .. hint -- a method may call its namesake
     end
     if not number or not has_colon(call) then return what end
     return (what:gsub(bad, ("bad argument #%d to '%s'"):format(number - 1, name), 1))

@@ -7,6 +7,7 @@ local look = require "dm.show.look"
 local option = require "dm.base.options"
 local page = require "dm.show.animate.page"
 local plot = require "dm.show.plot"
+local raster_of = require "dm.show.raster"
 local shades = require "dm.show.shades"
 local text_file = require "dm.base.text_file"
 
@@ -113,11 +114,17 @@ end
 
 local function raster_script(run, q, options)
   local rows, columns = thinned(#run, MOST), thinned(#run.nodes, MOST)
+  local lo, hi = range(q, run, rows)
+  local left, right = math.huge, -math.huge
+  for _, j in ipairs(rows) do
+    left, right = math.min(left, place(run, j, 1)), math.max(right, place(run, j, #run.nodes))
+  end
+  local axes = { x = { left, right, "x" }, y = { run.t[1], run.t[#run], "t" },
+    cb = { lo, hi, q.name } }
   return function(part)
     local lines = { gnuplot.head(part, options, 800, 600)
-      .. gnuplot.map(options, 800, 600) .. "\nset title "
+      .. raster_of.axes(options, 800, 600, axes) .. "\nset title "
       .. gnuplot.caption(options.title or title_of(run, q.name)),
-      "set xlabel 'x'", "set ylabel 't' norotate", "set cblabel " .. gnuplot.upright(q.name),
       "set palette defined (0 '#440154', 1 '#3b518b', 2 '#21908d', 3 '#5cc863', 4 '#fde725')",
       "set pm3d map corners2color mean", "set autoscale fix", "$rows << EOD" }
     for _, j in ipairs(rows) do

@@ -324,17 +324,6 @@ function M.head(file, options, width, height)
     .. quote(output_name(file)) .. "\nset encoding utf8\n"
 end
 
---- Lines of a script whose picture is a map of colours with its scale at the right: ticks, and
--- margins as the letters need them, in heights of a letter. Sizes as of M.head.
-function M.map(options, width, height)
-  local look = look_.of(options, width, height)
-  local across, up = look.points / 72 / look.inches[1], look.points / 72 / look.inches[2]
-  return ("set tics out nomirror textcolor rgb '#303030'\nset border lc rgb '#808080'\nunset key\n"
-    .. "set lmargin at screen %.4f\nset rmargin at screen %.4f\n"
-    .. "set bmargin at screen %.4f\nset tmargin at screen %.4f"):format(5.5 * across,
-    (1 - 6 * across) / 1.09, 5.2 * up, 1 - 2.6 * up)
-end
-
 --- Text of a user, as gnuplot reads it; of a scale that goes up.
 M.caption, M.upright = caption, label.upright
 

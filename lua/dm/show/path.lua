@@ -4,13 +4,23 @@ local core = require "dm.core"
 
 local M = {}
 
--- "q", "p", "t" or "energy" for the column `name` of a path; units are filed under these or the
--- name
+-- how many columns q has: on groups more than p (flat coordinates of elements), or than entries of
+-- path.q[i]
+local function positions(path)
+  local columns = path.columns
+  for i = 3, #columns do
+    if columns[i] == "p1" or columns[i] == "p_" .. columns[2] then return i - 2 end
+  end
+  return #columns - 1
+end
+
+-- "q", "p", "t" or "energy" for the column `name` of a path, "rotation" for entries of one; units
+-- are filed under these or the name
 local function place_of(path, name)
   if name == "t" or name == "time" then return "t" end
+  if name:find "^R%d%d" then return "rotation" end
   if path.watched then return name end
-  local columns = path.columns
-  local n = #path > 0 and #path.q[1] or (#columns - 1) // 2
+  local columns, n = path.columns, positions(path)
   for i, column in ipairs(columns) do
     if column == name then return i <= n + 1 and "q" or i <= 2 * n + 1 and "p" or name end
   end
@@ -21,7 +31,8 @@ end
 local function column(path, key, what)
   if type(key) == "string" then
     local place, units = place_of(path, key), path.units or {}
-    return path:column(key), key, units[key] or units[place], place == "q" or nil
+    return path:column(key), key, units[key] or units[place],
+      (place == "q" or place == "rotation") and place or nil
   end
   local numbers = require "dm.show.series".numbers(key, what)
   if #numbers ~= #path then
@@ -56,10 +67,10 @@ local function listed(y)
   return y
 end
 
--- every q against time
+-- every q, or all that was watched, against time
 local function default_columns(path)
   local columns, y = path.columns, {}
-  local last = path.watched and (#columns + 1) // 2 or #path > 0 and #path.q[1] + 1 or 1
+  local last = path.watched and #columns or #path > 0 and positions(path) + 1 or 1
   for i = 2, last do y[#y + 1] = columns[i] end
   return "t", y
 end
@@ -68,10 +79,11 @@ local doc_plot =
   "path:plot(x, y | {y1, y2, ...}, {file=, title=, log=, style=, names=, equal=, ...}) "
   .. "-> file name or nothing\n" .. [[
 Plot columns of a path: names ("t", "q1", "p1", "energy" ...) or vectors of #path numbers. With no
-arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
-in the terminal, with it to a .png, .svg or .pdf.
-Two positions of one unit get equal axes unless equal = false; where one range is 4 times the other
-or more they do not, which is written below the plot: equal = true makes them equal all the same.]]
+arguments every q (or all that was watched) against t; path:plot("q1") is q1 against t. Options as
+in dm.plot: without `file` in the terminal, with it to a .png, .svg or .pdf.
+Two positions of one unit, or two entries of rotations, get equal axes unless equal = false; where
+one range is 4 times the other or more they do not, which is written below the plot: equal = true
+makes them equal all the same.]]
 
 M.plot = blame.caller(function(path, x, y, options)
   if type(x) == "table" and next(x) and not x[1] then x, options = nil, x end

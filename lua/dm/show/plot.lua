@@ -164,7 +164,8 @@ local function decide_equal(panel, list, options)
     return false
   end
   if options.equal ~= nil then return options.equal and true or false end
-  if not (shared(list, "xplace") and shared(list, "yplace") and panel.xunit == panel.yunit) then
+  local place = shared(list, "xplace")
+  if not (place and place == shared(list, "yplace") and panel.xunit == panel.yunit) then
     return false
   end
   local x, y = panel.xrange, panel.yrange

@@ -85,6 +85,15 @@ dml_frame *dml_findframe(lua_State *L, uint32_t serial) {
     return frame;
 }
 
+int dml_refusesymbol(lua_State *L, const char *how, uint32_t serial) {
+    const dml_frame *frame = dml_findframe(L, serial);
+    return luaL_error(L,
+                      "%s met a symbol while %s is traced, when its arguments have no values: use "
+                      "dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max or dm.min%s",
+                      how, frame ? frame->what : "a function",
+                      frame && frame->may_branch ? ", or derivatives = \"hyperdual\"" : "");
+}
+
 void dml_checkgraph(lua_State *L, const dml_frame *frame) {
     if (dm_graph_status(frame->graph) == DM_NO_MEMORY) luaL_error(L, "not enough memory");
 }

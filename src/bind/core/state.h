@@ -46,8 +46,8 @@ typedef struct dml_frame {
     dml_symbols *symbols;              /* of its log, or NULL */
     const char *what;                  /* "L": the function as messages name it */
     uint32_t serial;
-    int keeps_sums; /* as its signature says */
-    uint32_t sums;  /* calls of dm.sum_over so far */
+    int keeps_sums, may_branch; /* as its signature says */
+    uint32_t sums;              /* calls of dm.sum_over so far */
     /* of the term of a sum over cells: what a scalar of the trace around it is inside, where it
      * becomes one more input; NULL elsewhere: symbols of two traces do not meet */
     dm_node (*capture)(lua_State *L, struct dml_frame *f, uint32_t serial, dm_node node);
@@ -96,6 +96,10 @@ void *dml_newvalue(lua_State *L, int class, size_t size, int uservalues);
 
 /* The trace with this number, NULL when it has ended. */
 dml_frame *dml_findframe(lua_State *L, uint32_t serial);
+
+/* Raise "`how` met a symbol": what needs a value in the trace with this number, and what to use
+ * instead. */
+int dml_refusesymbol(lua_State *L, const char *how, uint32_t serial);
 
 /* Push what keeps the memory of an arena of dml_pusharena alive. */
 void dml_pushkeeper(lua_State *L, const dm_arena *arena);

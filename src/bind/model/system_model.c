@@ -24,13 +24,16 @@ static double now_ms(clockid_t by) {
 }
 
 /* How L or Ld is called when it is traced. */
-static dml_signature signature(const dml_system *s) {
+static dml_signature signature(lua_State *L, int arg) {
+    const dml_system *s = dml_checksystem(L, arg);
     const int n = (int)s->n;
+    const int may_branch = !s->placed && !s->hamiltonian && !s->field && !dml_isconstrained(L, arg);
     if (s->pair)
         return (dml_signature){.what = "Ld",
                                .arguments = 2,
                                .length = {n, n},
                                .outputs = DML_SCALAR_ARGUMENT,
+                               .may_branch = may_branch,
                                .may_grow = 1};
     return (dml_signature){.what = s->hamiltonian ? "H" : "L",
                            .arguments = 3,
@@ -38,17 +41,15 @@ static dml_signature signature(const dml_system *s) {
                            .outputs = DML_SCALAR_ARGUMENT,
                            .keeps_sums = !s->hamiltonian,
                            .lazy = s->field,
+                           .may_branch = may_branch,
                            .may_grow = 1};
 }
 
 /* push the function of the system at arg, its constant arguments bound */
 static void push_function(lua_State *L, int arg, const dml_system *s) {
     arg = lua_absindex(L, arg);
-    if (!s->pair) {
-        dml_pushbound(L, arg, s->hamiltonian ? "H" : "L");
-        return;
-    }
-    dml_pushboundpair(L, arg, "Ld");
+    if (s->pair) return dml_pushboundpair(L, arg, "Ld");
+    dml_pushbound(L, arg, s->hamiltonian ? "H" : "L");
 }
 
 /* Raises where no kernel could be made. */
@@ -191,7 +192,7 @@ static dml_model *new_model(lua_State *L, int arg, int fn, dm_arena *arena) {
 static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *cached,
                               dm_compile *compile) {
     const dml_system *s = dml_checksystem(L, arg);
-    const dml_signature sig = signature(s);
+    const dml_signature sig = signature(L, arg);
     const dml_traced *last = cached ? &cached->trace : NULL;
     dml_traced traced;
     dm_arena *arena = dml_pusharena(L);
@@ -226,7 +227,7 @@ static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *cached,
 /* from the trace of a new model on top to its structure */
 static void build_model(lua_State *L, int arg, int fn, dml_model *m) {
     dml_system *s = dml_checksystem(L, arg);
-    const dml_signature sig = signature(s);
+    const dml_signature sig = signature(L, arg);
     if (!s->hyperdual) {
         read_constraints(L, m);
         if (s->pair) dml_checkpairconstraints(L, m);
@@ -366,7 +367,7 @@ static void check_model(lua_State *L, int arg, dml_model *m, const double *x, in
         return;
     }
     const dml_system *s = dml_checksystem(L, arg);
-    dml_signature sig = signature(s);
+    dml_signature sig = signature(L, arg);
     sig.may_be_outside = may_be_outside;
     push_function(L, arg, s);
     const int fn = lua_gettop(L);

@@ -137,6 +137,7 @@ static dml_frame *begin_trace(lua_State *L, dm_arena *arena, const dml_signature
     *frame = (dml_frame){.arena = arena,
                          .what = s->what,
                          .keeps_sums = s->keeps_sums,
+                         .may_branch = s->may_branch,
                          .capture = s->capture,
                          .request = s->request};
     dml_pushkeeper(L, arena);
@@ -217,8 +218,9 @@ static int is_too_large(lua_State *L, const dml_frame *frame, int may_grow) {
     if (!may_grow)
         luaL_error(L,
                    "%s: %s (more than %d nodes): is there a loop with very many rounds? make it "
-                   "shorter, or use derivatives = \"hyperdual\"",
-                   frame->what, dm_status_text(dm_graph_status(frame->graph)), DM_GRAPH_LIMIT);
+                   "shorter%s",
+                   frame->what, dm_status_text(dm_graph_status(frame->graph)), DM_GRAPH_LIMIT,
+                   frame->may_branch ? ", or use derivatives = \"hyperdual\"" : "");
     return 1;
 }
 

@@ -18,6 +18,7 @@ typedef struct {
     int length[DML_MAX_ARGUMENTS]; /* entries of each vector, or DML_SCALAR_ARGUMENT */
     int outputs;    /* DML_SCALAR_ARGUMENT: a number; n: that many; 0: any number of them */
     int keeps_sums; /* dm.sum_over may stay a loop in the graph (algebra/body_sum.h) */
+    int may_branch; /* derivatives = "hyperdual" is a way out for one that branches */
     int may_grow;   /* a graph that grows too large is no error: dml_traced.graph is then NULL */
     /* vectors of very many entries: symbols are not made, nil stands in their place, and the graph
      * has nodes for scalars alone. Such a trace has no log */

@@ -165,16 +165,16 @@ static void call_plain(lua_State *L, check *c, int fn) {
 }
 
 /* `point`: the arguments as a call shows them. */
-static void raise_difference(lua_State *L, const char *what, double plain, double traced,
-                             const char *point) {
+static void raise_difference(lua_State *L, const check *c, const char *what, double plain,
+                             double traced, const char *point) {
     luaL_error(L,
                "%s is not what its trace says: %f when called, %f when traced, at %s. Likely "
                "causes: == or ~= between a number and an argument, a truth test, type() or "
                "tostring() of an argument (these see a symbol while tracing), random numbers, a "
                "global that changes, or a difference in which nearly all digits cancel "
-               "(simplifying then changes the rest). Use dm.where(c, a, b), dm.abs, dm.max, or "
-               "derivatives = \"hyperdual\"",
-               what, plain, traced, point);
+               "(simplifying then changes the rest). Use dm.where(c, a, b), dm.abs or dm.max%s",
+               what, plain, traced, point,
+               c->s->may_branch ? ", or derivatives = \"hyperdual\"" : "");
 }
 
 /* The function is called once more: one that gives another value now is told apart. */
@@ -187,7 +187,7 @@ static void raise_mismatch(lua_State *L, check *c, long k) {
                    "%s gives different values for the same arguments: %f and then %f at %s; it "
                    "must not use random numbers or the time, nor change globals or upvalues",
                    what, plain, c->plain[k], point);
-    raise_difference(L, what, plain, traced, point);
+    raise_difference(L, c, what, plain, traced, point);
 }
 
 /* Only at the start, which the user gave. */
@@ -211,7 +211,7 @@ static void check_terms(lua_State *L, check *c) {
     const char *what = lua_pushfstring(L, "the function of %s", g->what);
     const char *point = lua_pushfstring(L, "%s, term %I of %I", push_point(L, c),
                                         (lua_Integer)g->round + 1, (lua_Integer)g->rounds);
-    raise_difference(L, what, g->plain, g->traced, point);
+    raise_difference(L, c, what, g->plain, g->traced, point);
 }
 
 /* is output k the same when the function is called again? */

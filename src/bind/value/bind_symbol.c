@@ -7,25 +7,23 @@
 
 #define TNAME "dm.symbol"
 
-/* the symbol among the operands, for the name of its trace */
-static const char *traced_function(lua_State *L) {
+/* the trace of the symbol among the operands */
+static uint32_t serial_of(lua_State *L) {
     dml_scalar x;
-    for (int arg = 1; arg <= 2; arg++) {
-        if (!dml_toscalar(L, arg, &x) || x.kind != DML_SYMBOL) continue;
-        const dml_frame *frame = dml_findframe(L, x.serial);
-        if (frame) return frame->what;
-    }
-    return "the function";
+    for (int arg = 1; arg <= 2; arg++)
+        if (dml_toscalar(L, arg, &x) && x.kind == DML_SYMBOL) return x.serial;
+    return 0;
 }
 
-/* What needs a value cannot be recorded: the message says what to use in its place. */
-static int refuse(lua_State *L, const char *what) {
+static const char *traced_function(lua_State *L) {
+    const dml_frame *frame = dml_findframe(L, serial_of(L));
+    return frame ? frame->what : "the function";
+}
+
+/* What needs a value cannot be recorded. */
+static int refuse(lua_State *L, const char *how) {
     lua_settop(L, 2);
-    return luaL_error(L,
-                      "%s met a symbol while %s is traced, when its arguments have no values: use "
-                      "dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max or dm.min, or "
-                      "derivatives = \"hyperdual\"",
-                      what, traced_function(L));
+    return dml_refusesymbol(L, how, serial_of(L));
 }
 
 static int refuse_lt(lua_State *L) {

@@ -1,5 +1,6 @@
 /* math_special.c - functions of math where an argument is no plain number. */
 #include "bind/value/math_special.h"
+#include "bind/core/state.h"
 
 #include <math.h>
 
@@ -66,11 +67,7 @@ int dml_math_extremum(lua_State *L, const dml_scalar *x, int n, const dml_math *
 static void need_value(lua_State *L, const dml_scalar *x, int n, const char *name) {
     for (int k = 0; k < n; k++)
         if (x[k].kind == DML_SYMBOL)
-            luaL_error(L,
-                       "math.%s met a symbol while a function is traced, when its arguments have "
-                       "no values: use dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max "
-                       "or dm.min, or derivatives = \"hyperdual\"",
-                       name);
+            dml_refusesymbol(L, lua_pushfstring(L, "math.%s", name), x[k].serial);
 }
 
 /* Of a hyper-dual number without its derivatives. */

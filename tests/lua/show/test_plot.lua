@@ -159,6 +159,27 @@ ok(s.name == "mine" and s.xunit == "d" and s.yunit == "J" and s.ylabel == "energ
   "path:series brings labels and units")
 ok(path:series("q1", "p1").yunit == nil and path:series("q1", "q2").yunit == "AU",
   "units by kind of column; none given, none shown")
+do
+  local G = dm.SO(3)
+  local body = dm.system { Q = dm.product(G, dm.R(2)), L = function(_, v) return v:dot(v) / 2 end }
+  local run = body:solver { rule = "gauss(1)", h = 0.1 }
+    :run { q = { G:identity(), { 0, 0 } }, v = { 1, 0, 2, 1, 1 }, steps = 20 }
+  local place = function(x) return run:series("t", x).yplace end
+  ok(place "q4" == "q" and place "q6" == "q" and not place "p1", "an element has more columns than entries")
+  ok(place "R11_1" == "rotation" and place "q1" ~= place "R11_1", "entries of rotations have a place of their own")
+  local columns = {}
+  local of = require "dm.show.plot"
+  local plot = of.plot
+  of.plot = function(list) for i, one in ipairs(list) do columns[i] = one.name end end
+  run:plot()
+  ok(table.concat(columns, " ") == "q1 q2 q3 q4 q5 q6", "every q against t, of a group, too", table.concat(columns, " "))
+  local watched = body:solver { rule = "gauss(1)", h = 0.1 }:run { q = { G:identity(), { 0, 0 } }, v = { 1, 0, 2, 1, 1 },
+    steps = 3, watch = { "q5", "energy", rate = function(_, v) return v[1] end } }
+  columns = {}
+  watched:plot()
+  ok(table.concat(columns, " ") == "q5 energy rate", "all that was watched", table.concat(columns, " "))
+  of.plot = plot
+end
 local base = os.tmpname()
 local function slurp(file)
   local f = io.open(file, "rb")
@@ -188,6 +209,21 @@ dm.plot({ 1, 2, 3 }, { 0.8, 0.8 + 1e-16, 0.8 }, { file = base .. ".png" })
 ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "a column that wanders by round-off can be drawn")
 local script = gnuplot.script({ panels = {}, columns = 1, rows = 1, look = require "dm.show.look".of({}, 99, 99) }, "|rm -rf x.png")
 ok(script:find('set output "./|rm -rf x.png"', 1, true) ~= nil, "a name is never a command")
+
+---- maps of colours ----
+
+do
+  local axes = require "dm.show.raster".axes
+  local function margins(t, u)
+    local text = axes({}, 800, 600, { x = { 0, 1, "x" }, y = { 0, t, "t" }, cb = { -u, u, "u" } })
+    return tonumber(text:match "lmargin at screen (%S+)"), tonumber(text:match "rmargin at screen (%S+)"), text
+  end
+  local l, r, text = margins(10, 1)
+  local wide, narrow = margins(0.002, 0.002)
+  ok(wide > l and narrow < r, "margins as the ticks need them", wide .. " " .. narrow)
+  ok(text:find 'set ytics %("0" 0, "2" 2' and text:find 'cblabel "u"', "ticks of axes, names", text)
+  ok(select(3, margins(2e-5, 1)):find 'set ylabel "t %(10' ~= nil, "tiny times have a power beside their name")
+end
 
 ---- text of a user is text: no command of a shell or of gnuplot, no element of a page ----
 

@@ -183,6 +183,23 @@ ok((last(L) - last(L, "hyperdual")):norm() < 1e-13, "traced and hyper-dual runs 
 local function branching(q, v) local r = q:norm() if r > 0.1 then return v:dot(v) / 2 + 1 / r end return v:dot(v) / 2 end
 ok((last(branching, "hyperdual") - last(L)):norm() < 1e-13, "a function that branches runs on hyper-dual numbers")
 raises("dm.where", last, branching)
+raises("or dm.min, or derivatives", last, branching)
+-- a way out is named where it is one
+local function advice(options)
+  options.Q, options.L = options.Q or dm.R(1), not options.H and (options.L or function(_, v) return v[1] ^ 2 / 2 end) or nil
+  return (select(2, pcall(dm.system, options)))
+end
+local function side(q, v) return v[1] ^ 2 / 2 - (q[1] > 0 and 1 or 0) end
+local function whole(q, v) return v[1] ^ 2 / 2 - math.floor(q[1]) end
+for what, said in pairs {
+  ["a force"] = advice { force = function(_, v) return v[1] > 0 and -1 or 1 end },
+  ["L beside a force"] = advice { L = side, force = function(_, v) return -v[1] end },
+  ["H"] = advice { H = side },
+  ["math.floor beside a constraint"] = advice { Q = dm.R(2), L = whole, constraint = function(q) return q[2] end },
+} do
+  ok(said:find("dm.max or dm.min", 1, true) and not said:find "hyperdual", "advice that can be followed: " .. what, said)
+end
+ok(advice { L = whole }:find "met a symbol while L is traced.*hyperdual", "math.floor in L")
 local calls = 0
 raises("oops 40", last, function(q, v) calls = calls + 1 if calls == 40 then error("oops " .. calls) end return L(q, v) end, "hyperdual")
 

@@ -33,6 +33,8 @@ local shape = polar:routh { mu = 0.01 }:solver { rule = "verlet", h = 1 }
 told(here(), "verlet: ", function() local _ = shape:run { q = { 1 }, v = { -3 }, t = 10 } end, "a reduced run")
 told(here(), "field 'q' must have 1 entries (got 2): this system is reduced", function() local _ = shape:run { q = { 1, 0 }, v = { 0, 0 }, t = 1 } end, "a reduced start")
 raises("a method is called with a colon, x:run(...)", function() local _ = solver.run { q = { 1, 0 } } end)
+raises("x:solver(...)", function() local _ = kepler.solver { rule = "verlet", h = 1 } end)
+ok(not select(2, pcall(kepler.solver, { h = 1 })):find "colon.*colon", "the colon is told once")
 raises("bad argument #1 to 'solver'", function() local _ = kepler.solver { rule = "verlet", h = 1 } end)
 
 -- what is wrong, not what follows from it

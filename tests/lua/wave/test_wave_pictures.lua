@@ -42,7 +42,7 @@ if is_there then
       ok(read(still:plot("density", { file = name })):find "<svg", "  and where V is 0")
     end
     if what == "spacetime" then ok(text:find 'width="321" height="227"', "  in centimetres") end
-    if what == "phases" then ok(text:find "turning" and text:find "arg psi", "  title and colour scale") end
+    if what == "phases" then ok(text:find "turning" and text:find "arg ψ", "  title and colour scale") end
   end
 else
   print "# gnuplot is not installed: files are not drawn"

@@ -5,6 +5,7 @@ local lists = require "dm.base.lists"
 local look = require "dm.show.look"
 local option = require "dm.base.options"
 local plot = require "dm.show.plot"
+local raster = require "dm.show.raster"
 
 local M = {}
 
@@ -135,16 +136,18 @@ local function script(path, options, of, file)
   end
   add "EOD"
   add("set title " .. gnuplot.caption(options.title or path.title))
-  add "set xlabel 'x'\nset ylabel 't' norotate\nset pm3d map corners2color c1"
-  add(gnuplot.map(options, 800, 560))
-  add(("set xrange [%.9g:%.9g]"):format(path.wave.x[1], path.wave.x[points[#points]]))
-  add(("set yrange [%.9g:%.9g]"):format(path.t[1], path.t[rows[#rows]]))
+  local x0, x1 = path.wave.x[1], path.wave.x[points[#points]]
+  local t0, t1 = path.t[1], path.t[rows[#rows]]
+  add "set pm3d map corners2color c1"
+  add(raster.axes(options, 800, 560, { x = { x0, x1, "x" }, y = { t0, t1, "t" },
+    cb = of == "density" and { 0, most > 0 and most or 1, "|psi|^2" } or nil }))
+  add(("set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]"):format(x0, x1, t0, t1))
   if of == "density" then
     add("set palette defined (" .. VIRIDIS .. ")")
-    add(("set cbrange [0:%.9g]\nset cblabel '|psi|^2'"):format(most > 0 and most or 1))
   else
     add "set palette model HSV functions gray, 0.75, 0.95"
-    add "set cbrange [-pi:pi]\nset cbtics ('-pi' -pi, '0' 0, 'pi' pi)\nset cblabel 'arg psi'"
+    add "set cbrange [-pi:pi]\nset cbtics ('-π' -pi, '0' 0, 'π' pi)"
+    add("set cblabel " .. gnuplot.caption "arg psi")
   end
   add "splot $data nonuniform matrix with pm3d\nunset output"
   return table.concat(lines, "\n") .. "\n"
