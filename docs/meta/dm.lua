@@ -3019,8 +3019,8 @@ function dm_mesh_class:quality() end
 ---
 ---The mesh as .off or .obj (surfaces and lines, read back with the same bits) or .vtk (dimension 1 to
 ---3) with forms = {name = form}: those of degree 0 at the points, those of the highest degree as
----densities, others of degree 1 as vectors in the cells. Cells are written in their coherent
----orientation.
+---densities, others of degree 1, and of degree 2 in space (those that flow through the faces), as
+---vectors in the cells. Cells are written in their coherent orientation.
 ---@param file? string
 ---@param options? table
 ---@return string
@@ -3525,8 +3525,8 @@ function dm_path_class:velocity(row) end
 ---path:vtk(file) -> list of file names
 ---
 ---Of a field on a mesh: file_00001.vtk, ... for every row with q and p (q1, q2, ... of several
----values), forms of degree 1 as vectors in the cells, and as the last one file.vtk.series, which
----gives ParaView their times.
+---values), forms of degree 1, and of degree 2 in space, as vectors in the cells, and as the last one
+---file.vtk.series, which gives ParaView their times.
 ---@param file? string
 ---@return table
 function dm_path_class:vtk(file) end

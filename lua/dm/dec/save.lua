@@ -101,8 +101,8 @@ local function flux_vectors(K, a)
   return out
 end
 
--- forms of degree 0 at points, of degree n as densities of cells, others of degree 1 and of degree 2
--- in space as vectors
+-- forms of degree 0 at points, of degree n as densities of cells, others of degree 1 and of degree
+-- 2 in space as vectors
 local function split(K, forms)
   local at_points, at_cells = {}, {}
   for name, a in pairs(forms) do
