@@ -41,24 +41,20 @@ static int is_positive(const dm_form *f) {
     return !m || dm_surely_positive(centre, radius, m);
 }
 
-/* In the box of r->in? */
-static int is_convex_in(reading *r) {
-    r->credit -= (long)dm_graph_size(r->form.g);
-    dm_bounds(r->form.g, r->in, r->form.value);
-    return dm_form_read(&r->form) && is_positive(&r->form);
-}
-
-/* With cosines of differences of angles apart? */
-static int is_convex_in_turns(reading *r) {
-    r->form.turning = 1;
-    const int out = is_convex_in(r) && dm_form_turns(&r->form);
-    r->form.turning = 0;
+/* In the box of r->in? So much is tried to be taken apart. */
+static int is_convex_in(reading *r, int most) {
+    dm_form *f = &r->form;
+    int out = 0;
+    r->credit -= (long)dm_graph_size(f->g);
+    dm_bounds(f->g, r->in, f->value);
+    for (f->apart = DM_FORM_PLAIN; f->apart <= most && !out; f->apart++)
+        out = dm_form_read(f) && is_positive(f) && dm_form_turns(f);
     return out;
 }
 
 /* In it or in its parts, angles halved in turn? */
 static int is_convex_in_parts(reading *r, uint32_t halved) {
-    if (is_convex_in(r)) return 1;
+    if (is_convex_in(r, DM_FORM_FACTORS)) return 1;
     if (r->credit <= 0 || halved == HALVINGS * r->angles) return 0;
     dm_interval *angle = r->in + r->angle[halved % r->angles], whole = *angle;
     const double middle = 0.5 * (whole.lo + whole.hi);
@@ -96,7 +92,7 @@ static int is_convex(dm_graph *g, dm_node L, uint32_t first, uint32_t velocities
     r->in = f->value + size;
     for (uint32_t i = 0; i < inputs; i++) r->in[i] = (dm_interval)DM_ANYWHERE;
     dm_form_degrees(f);
-    if (is_convex_in(r) || is_convex_in_turns(r)) return 1;
+    if (is_convex_in(r, DM_FORM_COSINES)) return 1;
     find_angles(r, scratch);
     for (uint32_t k = 0; k < r->angles; k++)
         r->in[r->angle[k]] = (dm_interval){-PI_AND_MORE, PI_AND_MORE};

@@ -1,6 +1,7 @@
 #include "mech/mass_form.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { MOST_DEGREE = 3, VISITS = 20000 };
 
@@ -11,7 +12,7 @@ typedef struct {
     dm_interval c;
     dm_node turn;
     uint32_t count;
-    dm_node part[DM_FORM_PARTS];
+    dm_node part[2 * DM_FORM_PARTS]; /* so many while they are compared */
 } coefficient;
 
 /* ---- degrees ---- */
@@ -70,41 +71,55 @@ void dm_form_factors(const dm_form *f, unsigned char *marks) {
 
 /* ---- factors ---- */
 
-static int is_square(const dm_form *f, const dm_expr *e) {
-    if (e->op == DM_OP_MUL) return e->as.arg[0] == e->as.arg[1];
-    const dm_expr *k = e->op == DM_OP_POW ? dm_graph_at(f->g, e->as.arg[1]) : NULL;
-    return k && k->op == DM_OP_CONSTANT && k->as.value == 2.0;
+/* The node whose square it is; 0: none. */
+static dm_node root_of(const dm_form *f, const dm_expr *e) {
+    const dm_node a = e->as.arg[0], b = e->as.arg[1];
+    if (e->op == DM_OP_MUL) return a == b ? a : 0;
+    const dm_expr *k = e->op == DM_OP_POW ? dm_graph_at(f->g, b) : NULL;
+    return k && k->op == DM_OP_CONSTANT && k->as.value == 2.0 ? a : 0;
 }
 
 static void scale(coefficient *x, dm_interval by) {
     x->c = dm_interval_multiply(x->c, by);
 }
 
+/* Do bounds tell enough of it, or is there no room for factors? */
+static int is_bounded(const dm_form *f, const coefficient *x, dm_node at) {
+    const dm_interval value = f->value[at];
+    const int finite = isfinite(value.lo) && isfinite(value.hi);
+    return finite || f->apart == DM_FORM_PLAIN || x->count + 2 > DM_FORM_PARTS;
+}
+
 static void add_part(coefficient *x, dm_node part) {
     x->part[x->count++] = part;
 }
 
-/* Do its bounds tell enough of it, not those of its factors? */
-static int is_bounded(const dm_form *f, const coefficient *x, dm_node at) {
-    const dm_expr *e = dm_graph_at(f->g, at);
-    const dm_interval value = f->value[at];
-    const int is_product = e->op == DM_OP_NEG || (e->op == DM_OP_MUL && !is_square(f, e));
-    if (x->count + 2 > DM_FORM_PARTS) return 1;
-    return isfinite(value.lo) && isfinite(value.hi) && !(f->turning && is_product);
+/* Times the square of a node that is free of v. */
+static void multiply_square(const dm_form *f, coefficient *x, dm_node root) {
+    const dm_expr *e = dm_graph_at(f->g, root);
+    if (is_bounded(f, x, root))
+        scale(x, dm_interval_square(f->value[root]));
+    else if (e->op == DM_OP_NEG)
+        multiply_square(f, x, e->as.arg[0]);
+    else if (e->op == DM_OP_MUL)
+        multiply_square(f, x, e->as.arg[0]), multiply_square(f, x, e->as.arg[1]);
+    else
+        add_part(x, root), add_part(x, root);
 }
 
-/* Times a node that is free of v: a factor apart, or into the bounds. */
+/* Times a node that is free of v: factors apart, or into the bounds. */
 static void multiply(const dm_form *f, coefficient *x, dm_node by) {
     const dm_expr *e = dm_graph_at(f->g, by);
-    const dm_node a = e->as.arg[0], b = e->as.arg[1];
-    if (f->turning && !x->turn && e->op == DM_OP_COS)
+    const dm_node a = e->as.arg[0], b = e->as.arg[1], root = root_of(f, e);
+    const int looks = f->apart == DM_FORM_COSINES && !root;
+    if (looks && e->op == DM_OP_COS && !x->turn)
         x->turn = by;
-    else if (is_bounded(f, x, by))
+    else if (is_bounded(f, x, by) && !(looks && (e->op == DM_OP_NEG || e->op == DM_OP_MUL)))
         scale(x, f->value[by]);
+    else if (root)
+        multiply_square(f, x, root);
     else if (e->op == DM_OP_NEG)
         scale(x, (dm_interval){-1.0, -1.0}), multiply(f, x, a);
-    else if (is_square(f, e))
-        add_part(x, a), add_part(x, a);
     else if (e->op == DM_OP_MUL)
         multiply(f, x, a), multiply(f, x, b);
     else
@@ -138,12 +153,6 @@ static int take(coefficient *x, dm_node part) {
     return 1;
 }
 
-static int take_all(coefficient *x, const dm_form_w *w) {
-    int out = 1;
-    for (uint32_t k = 0; k < w->count; k++) out = out && take(x, w->part[k]);
-    return out;
-}
-
 /* ---- the form ---- */
 
 /* A w with that node; count: there is none. */
@@ -153,21 +162,31 @@ static uint32_t find_node(const dm_form *f, dm_node node) {
     return i;
 }
 
-/* Do both have the same factors, whatever their order? */
-static int is_same(const dm_form_w *a, const dm_form_w *b) {
+/* Are some factors those, whatever their order? */
+static int is_same(const dm_node *a, uint32_t many, const dm_node *b, uint32_t count) {
     coefficient left = {.c = ONE};
-    for (uint32_t k = 0; k < b->count; k++) add_part(&left, b->part[k]);
-    return a->node == b->node && a->count == b->count && take_all(&left, a);
+    int out = many == count;
+    for (uint32_t k = 0; k < many; k++) add_part(&left, a[k]);
+    for (uint32_t k = 0; out && k < count; k++) out = take(&left, b[k]);
+    return out;
+}
+
+/* The w that is that one; count: there is none. */
+static uint32_t find_w(const dm_form *f, const dm_form_w *w) {
+    uint32_t i = 0;
+    while (i < f->count && (f->w[i].node != w->node ||
+                            !is_same(f->w[i].square, f->w[i].count, w->square, w->count)))
+        i++;
+    return i;
 }
 
 static void add_to(dm_interval *sum, dm_interval c) {
     *sum = dm_interval_add(*sum, c);
 }
 
-/* x w w, where the factors in x are squares; 0: there are too many w */
+/* c w w; 0: there are too many w */
 static int add_square(dm_form *f, const dm_form_w *w, dm_interval c) {
-    uint32_t i = 0;
-    while (i < f->count && !is_same(&f->w[i], w)) i++;
+    uint32_t i = find_w(f, w);
     if (i == DM_FORM_MOST) return 0;
     if (i == f->count) {
         f->w[f->count++] = *w;
@@ -180,14 +199,14 @@ static int add_square(dm_form *f, const dm_form_w *w, dm_interval c) {
     return 1;
 }
 
-/* The w whose square is *x times that of a node, but for its bounds; 0: factors are left that are
- * no squares. */
-static int root_of(coefficient x, dm_node node, dm_form_w *w) {
-    *w = (dm_form_w){.node = node};
+/* The w whose square is *x times that of a node, but for its bounds; 0: factors are left without a
+ * root. */
+static int find_root(const dm_form *f, coefficient x, dm_node node, dm_form_w *w) {
+    *w = (dm_form_w){.node = node, .count = x.count};
+    memcpy(w->square, x.part, sizeof w->square);
     while (x.count) {
         const dm_node part = x.part[--x.count];
-        if (!take(&x, part)) return 0;
-        w->part[w->count++] = part;
+        if (!take(&x, part) && !(f->value[part].lo >= 0.0)) return 0;
     }
     return 1;
 }
@@ -209,7 +228,7 @@ static int add_square_of(dm_form *f, dm_node node, coefficient x) {
     const int is_plain = own.c.lo == own.c.hi && x.count + 2 * own.count <= DM_FORM_PARTS;
     for (uint32_t k = 0; is_plain && k < own.count; k++)
         add_part(&x, own.part[k]), add_part(&x, own.part[k]);
-    if (!root_of(x, is_plain ? inside : node, &w)) return 0;
+    if (!find_root(f, x, is_plain ? inside : node, &w)) return 0;
     const dm_interval squared = dm_interval_square(own.c);
     return add_square(f, &w, is_plain ? dm_interval_multiply(x.c, squared) : x.c);
 }
@@ -234,15 +253,22 @@ static int add_entry(dm_form *f, uint32_t i, uint32_t j, const coefficient *x) {
     return 1;
 }
 
+/* Is the square of the factors in *x those of two squares? */
+static int has_factors(const coefficient *x, const dm_form_w *a, const dm_form_w *b) {
+    dm_node twice[2 * DM_FORM_PARTS], squares[2 * DM_FORM_PARTS];
+    memcpy(twice, x->part, sizeof a->square);
+    memcpy(twice + x->count, x->part, sizeof a->square);
+    memcpy(squares, a->square, sizeof a->square);
+    memcpy(squares + a->count, b->square, sizeof b->square);
+    return is_same(twice, 2 * x->count, squares, a->count + b->count);
+}
+
 /* x w_i w_j of the pair with these nodes that has its factors; 0: there is none */
 static int add_pair(dm_form *f, dm_node one, dm_node other, const coefficient *x) {
     for (uint32_t i = 0; i < f->count; i++)
-        for (uint32_t j = 0; j < f->count; j++) {
-            coefficient left = *x;
-            if (f->w[i].node != one || f->w[j].node != other) continue;
-            if (!take_all(&left, &f->w[i]) || !take_all(&left, &f->w[j]) || left.count) continue;
-            return add_entry(f, i, j, x);
-        }
+        for (uint32_t j = 0; j < f->count; j++)
+            if (f->w[i].node == one && f->w[j].node == other && has_factors(x, &f->w[i], &f->w[j]))
+                return add_entry(f, i, j, x);
     return 0;
 }
 
@@ -255,7 +281,7 @@ static int add_product(dm_form *f, dm_node a, dm_node b, coefficient x, int pass
     if (a == b) return pass ? 1 : add_square_of(f, a, x);
     while (strip(f, &one, &whole)) continue;
     while (strip(f, &other, &whole)) continue;
-    if (one == other && root_of(whole, one, &w)) {
+    if (one == other && find_root(f, whole, one, &w)) {
         settle(f, &whole);
         return pass ? 1 : add_square(f, &w, whole.c);
     }
