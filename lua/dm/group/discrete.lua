@@ -1,6 +1,7 @@
 --- Discrete Lagrangians Ld(g0, g1) on groups: a formula of a script, or the action of lie(s)
 -- between two elements (Leok 5.3). Momenta are body covectors: p0 = -D1 Ld, p1 = D2 Ld along
 -- g exp(e).
+local actions = require "dm.group.discrete_action"
 local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
@@ -100,161 +101,24 @@ end
 
 ---- the action of lie(s) ----
 
--- The approximant pade(k) is cay(z(xi)). xi of z, by Newton's method with z' as a matrix, is there
--- for steps that are short enough for their rule.
-local NEWTON = 8
-
-local function of_pade(kit, k)
-  local d = kit.dimension
-  local function slope(xi)
-    return linear.matrix_of(function(x)
-      local _, dz = kit.pade(k, xi, x)
-      return dz
-    end, d)
-  end
-  local function back(g)
-    local z, last = core.vector(kits.list_of(kit.cayleyinv(g))), nil
-    local xi = z
-    for _ = 1, NEWTON do
-      last = slope(xi):solve(z - kit.pade(k, xi))
-      xi = xi + last
-    end
-    local size = last:norm()
-    if type(size) == "number" and not (size <= 1e-9 * (1 + xi:norm())) then
-      error("no curve of this rule was found from g0 to g1: are they one step apart?", 0)
-    end
-    return xi
-  end
-  local function inverse(xi, eta)
-    return slope(xi):solve(core.vector(kit.dcayinv((kit.pade(k, xi)), eta)))
-  end
-  return back, inverse, function(xi) return kit.cayley((kit.pade(k, xi))) end
-end
-
---- xi of tau(xi), the inverse of the right-trivialized differential of tau, and tau itself.
-function M.map(kit, tau)
-  if tau == "exp" then return kit.log, kit.dexpinv, kit.exp end
-  local k = tonumber(tau:match "^pade%((%d)%)$")
-  if k then return of_pade(kit, k) end
-  return kit.cayleyinv, kit.dcayinv, kit.cayley
-end
-
--- degree, map, and a, d, b, beta of the curves: those of galerkin on R^n
-local function curves_of(rule)
-  local inside = tostring(rule):match "^lie%s*%((.*)%)$"
-  if not inside then
-    error(("%s: on groups rule must be lie(s [, quadrature] [, exp | cayley | pade(k)]) (got %s)")
-      :format(WHERE, tostring(rule)), 0)
-  end
-  local cut, tau = inside:match "^(.*),%s*(%a+)%s*$"
-  if not tau then cut, tau = inside:match "^(.*),%s*(pade%(%s*%d%s*%))%s*$" end
-  inside, tau = cut or inside, tau and tau:gsub("%s", "") or "exp"
-  local s, quadrature = inside:match "^%s*(%d+)%s*,%s*(.-)%s*$"
-  s = s or inside:match "^%s*(%d+)%s*$"
-  local line = core.system { Q = core.R(1), L = function(_, v) return v[1] * v[1] / 2 end }
-  local text = ("galerkin(%s, %s)"):format(s, quadrature or "gauss(" .. s .. ")")
-  local c = core.discrete_lagrangian(line, { rule = text, h = 1 })
-  return math.tointeger(tonumber(s)), tau == "pade(1)" and "cayley" or tau, c
-end
-
--- S(q0, e, V, t) = h sum_i b_i L(g0 near(e) tau(xi_i), dtau_L(xi_i) xi'_i, t + c_i h)
-local function action(Ld, L, s, tau, c)
-  local P, N, d, h = Ld.place, Ld.place.size, Ld.place.dimension, Ld.h
-  local chart = place.chart(P, tau)
-  if not chart then error(("%s: %s has no map '%s'"):format(WHERE, tostring(Ld.Q), tau), 0) end
-  local function combined(row, V, factor)
-    local sum = core.zeros(d)
-    for j = 1, s do sum = sum + part(V, (j - 1) * d, d) * (factor * row[j]) end
-    return sum
-  end
-  return function(q0, e, V, t)
-    local sum = 0
-    for i = 1, #c.b do
-      local y = chart(q0, e, combined(c.a[i], V, h), combined(c.d[i], V, 1))
-      sum = sum + h * c.b[i] * L(P.element(part(y, 0, N)), part(y, N, d), t + c.c[i] * h)
-    end
-    return sum
-  end
-end
-
---- The action S(q0, e, V) of a step of Ld, of a rule lie(s), from the time 0: what solves for its
--- ends otherwise (reduce/mechanical) differentiates `value`. inverse: that of the right-trivialized
--- differential of tau.
-function M.action(Ld)
-  local kit, given = kits.of(Ld.Q), Ld.system.given
-  local s, tau, line = curves_of(Ld.rule)
-  local c = line:coefficients()
-  local _, inverse = M.map(kit, tau)
-  local S = action(Ld, bound(given.L, given.params), s, tau, c)
-  return { value = function(q0, e, V) return S(q0, e, V, 0) end, coefficients = c,
-    stages = #c.beta, tau = tau, inverse = inverse }
-end
-
--- the matrix of the equations below for (V, S_1), of the second derivatives of S
-local function slope_of_stationary(H, c, h, N, d)
-  local m = #c.beta * d
-  local J = core.zeros(m + d, m + d):totable()
-  for k = 1, m do
-    local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
-    for l = 1, m do J[k][l] = H[N + d + k][N + d + l] end
-    J[k][m + a], J[m + a][k] = -hb, hb
-  end
-  return core.matrix(J)
-end
-
--- V and S_1 with dS/dV_j = h beta_j S_1 and h sum_j beta_j V_j = xi, by Newton's method
-local function stationary(S, c, h, q0, xi, t)
-  local d, N = #xi, #q0
-  local m, zero, last = #c.beta * d, core.zeros(d), math.huge
-  local z = core.zeros(m + d)
-  for k = 1, m do z[k] = xi[(k - 1) % d + 1] / h end
-  local function equation()
-    local V = part(z, 0, m)
-    local G, R = S:gradient(q0, zero, V, t), core.zeros(m + d)
-    for a = 1, d do R[m + a] = -xi[a] end
-    for k = 1, m do
-      local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
-      R[k], R[m + a] = G[N + d + k] - hb * z[m + a], R[m + a] + hb * V[k]
-    end
-    return R, slope_of_stationary(S:hessian(q0, zero, V, t), c, h, N, d)
-  end
-  for _ = 1, 30 do
-    local R, J = equation()
-    local change = J:solve(R)
-    z = z - change
-    local size = change:norm()
-    if size ~= size or size >= last and size < 1e-9 * (1 + z:norm()) then break end
-    last = size
-    if size == 0 then break end
-  end
-  if not (last < 1e-9 * (1 + z:norm())) then
-    error("no curve of this rule was found from g0 to g1: are they one step apart?", 0)
-  end
-  return part(z, 0, m), part(z, m, d)
-end
-
--- the action as a traced function, the same as long as L is
-local function traced_action(Ld, s, tau, c)
+-- the action with its derivatives, the same as long as L is
+local function traced_action(Ld, tau, c)
   local P, given = Ld.place, Ld.system.given
-  local N, d = P.size, P.dimension
   local function L(g, xi, t) return bound(given.L, given.params)(g, xi, t) end
-  local f = action(Ld, L, s, tau, c)
-  return while_same(place.of_velocity(P, L), { N, d, "number" }, function()
-    return core.trace(f, N, d, s * d, "number")
+  return while_same(place.of_velocity(P, L), { P.size, P.dimension, "number" }, function()
+    return actions.derived(Ld, L, tau, c)
   end)
 end
 
 local function by_rule(Ld)
-  local kit, P, N, d = kits.of(Ld.Q), Ld.place, Ld.place.size, Ld.place.dimension
-  local s, tau, of_line = curves_of(Ld.rule)
-  local c = of_line:coefficients()
-  local action_now = traced_action(Ld, s, tau, c)
-  local back, inverse = M.map(kit, tau)
-  local zero = core.zeros(d)
+  local kit, P, d = kits.of(Ld.Q), Ld.place, Ld.place.dimension
+  local tau, c = actions.curves(Ld.rule)
+  local action_now = traced_action(Ld, tau, c)
+  local back, inverse = actions.map(kit, tau)
   local function between(q0, q1, t)
     local S, g0, g1 = action_now(), P.element(q0), P.element(q1)
     local xi = back(kit.compose(kit.inverse(g0), g1))
-    local V, S1 = stationary(S, c, Ld.h, q0, xi, t)
+    local V, S1 = actions.stationary(S, c, Ld.h, q0, xi, t)
     return S, V, S1, xi
   end
   local function transposed(xi, mu)
@@ -263,24 +127,24 @@ local function by_rule(Ld)
   local way = {}
   function way.value(q0, q1, t)
     local S, V = between(q0, q1, t)
-    return S(q0, zero, V, t)
+    return S.value(q0, V, t)
   end
   function way.momenta(q0, q1, t)
     local S, V, S1, xi = between(q0, q1, t)
-    return transposed(xi, S1) - part(S:gradient(q0, zero, V, t), N, d), transposed(-xi, S1)
+    return transposed(xi, S1) - part(S.gradient(q0, V, t), 0, d), transposed(-xi, S1)
   end
   -- dp0 = Omega u1 at u0 = 0: xi moves by dtau_L^-1 u1, V and S1 by the equations that they solve
-  local turned = core.derivative(transposed, d, d)
+  local turned = actions.slope_of_transport(inverse, d)
   function way.two_form(q0, q1, t)
     local S, V, S1, xi = between(q0, q1, t)
-    local H, m = S:hessian(q0, zero, V, t), s * d
-    local J, slope = slope_of_stationary(H, c, Ld.h, N, d), turned(xi, S1)
+    local H, m, slope = S.hessian(q0, V, t), #c.beta * d, turned(xi, S1)
+    local J = actions.slope_of_stationary(H, c, Ld.h, d)
     return linear.matrix_of(function(u)
       local dxi = core.vector(inverse(-xi, u))
       local dz = J:solve(lists.joined(core.zeros(m), dxi))
-      local out = slope * lists.joined(dxi, part(dz, m, d))
+      local out = slope * dxi + transposed(xi, part(dz, m, d))
       for i = 1, d do
-        for k = 1, m do out[i] = out[i] - H[N + i][N + d + k] * dz[k] end
+        for k = 1, m do out[i] = out[i] - H[i][d + k] * dz[k] end
       end
       return out
     end, d)

@@ -21,7 +21,7 @@ local flats = require "dm.group.flat"
 local hamiltonians = require "dm.base.hamiltonian"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
-local spheres = require "dm.group.spheres"
+local spheres = require "dm.group.sphere"
 local wanted = require "dm.base.options"
 
 local M = {}

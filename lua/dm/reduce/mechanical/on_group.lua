@@ -1,13 +1,14 @@
 --- The mechanical connection of an invariant system on S x G (Leok 4.6.4): of the rule lie(s), with
--- the action S(q0, e, V) of a step from q0 near(e) with the velocities V (group/discrete.lua), from
--- (x0, e) to the fibre of x1 with the body momentum 0 along the group,
+-- the action S(q0, e, V) of a step from q0 near(e) with the velocities V
+-- (group/discrete_action.lua), from (x0, e) to the fibre of x1 with the body momentum 0 along the
+-- group,
 --   S_(V_j) = h beta_j S1,  h sum_j beta_j V_j = xi, its shape part that of x1,
 --   p0 = dtau^-1(xi)^T S1 - S_e = 0 along G,   A(x0, x1) = tau(xi)^-1.
 -- Coordinates of S are those of the other factors of Q, one after the other.
+local actions = require "dm.group.discrete_action"
 local bundles = require "dm.connection.bundle"
 local connections = require "dm.connection"
 local core = require "dm.core"
-local discrete = require "dm.group.discrete"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
@@ -25,7 +26,7 @@ local function shape_step(S, tau, x0, x1)
   for _, part in ipairs(S.rest) do
     local kit, d = kits.of(part), part.dimension
     local dx = lists.part(x1, first, d) - lists.part(x0, first, d)
-    local step = tau == "exp" and dx or discrete.map(kit, tau)(kit.unflat(lists.entries(dx)))
+    local step = tau == "exp" and dx or actions.map(kit, tau)(kit.unflat(lists.entries(dx)))
     for j = 1, d do out[#out + 1] = step[j] end
     first = first + d
   end
@@ -45,7 +46,7 @@ end
 
 -- what a step of Ld solves, as a function of y = (V, S1): equations and xi
 local function equations_of(Ld, S)
-  local way = discrete.action(Ld)
+  local way = actions.action(Ld)
   local h, s, c, P = Ld.h, way.stages, way.coefficients, Ld.place
   local D = P.dimension
   local slope = core.derivative(way.value, P.size, D, s * D)
@@ -73,7 +74,7 @@ end
 local function local_form_of(Ld, S)
   local equations, step_of, way, D = equations_of(Ld, S)
   local s, kit = way.stages, S.kit
-  local _, _, map = discrete.map(kit, way.tau)
+  local _, _, map = actions.map(kit, way.tau)
   local root = core.root { name = "the discrete mechanical connection", unknowns = (s + 1) * D,
     failure = FAILURE,
     start = function(x0, x1)
