@@ -244,7 +244,7 @@ local function with_steps(system, options, clock, known)
   for key, value in pairs(options) do out[key] = value end
   out.rules = given_steps.list(options, "rules", "rules")
   if options.h or options.steps or known then
-    out.h = known and known.h or given_steps.sizes(options)
+    out.h = (options.h or options.steps) and given_steps.sizes(options) or known.h
     return out
   end
   local fine, found = clock:call(SHARE_OF_STEPS, function()

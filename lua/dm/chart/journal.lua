@@ -71,14 +71,15 @@ local function head_of(system, options, members)
   return head
 end
 
--- members: what is shared, and a point for every rule, the rival too, at every step
+-- members: what is shared, and a point for every rule, the rival too, at every step; and the steps
 local function count_members(system, options, default_steps)
   local function name(rule) return (tostring(rule):gsub("^rule ", "")) end
   local rules = type(options.rules) == "table" and options.rules or { options.rules }
   local h = options.h or options.steps
   local count = #measures.entries(rules, options.tolerances, name)
   if options.rivals ~= false and measures.rival(system, rules, name) then count = count + 1 end
-  return 1 + count * (h == nil and default_steps or type(h) == "table" and #h or 1)
+  local steps = h == nil and default_steps or type(h) == "table" and #h or 1
+  return 1 + count * steps, steps
 end
 
 ---- member 1 ----
@@ -88,30 +89,54 @@ local function shared_of(chart)
     load = chart.load }
 end
 
-local function read_shared(found)
+-- what a value of a member must be: a finite number >= 0, a whole one, a text, a truth
+local function amount(x) return type(x) == "number" and x >= 0 and x < math.huge end
+local function whole(x) return math.type(x) == "integer" and x >= 0 end
+local function text(x) return type(x) == "string" end
+local function truth(x) return type(x) == "boolean" end
+local function maybe(is) return function(x) return x == nil or is(x) end end
+
+-- has a table these values?
+local function has(found, values)
+  for key, is in pairs(values) do
+    if not is(found[key]) then return false end
+  end
+  return true
+end
+
+local SHARED = { h = text, floor = amount, text = text, load = amount }
+
+-- member 1 with its steps as a list, so many; or nothing
+local function read_shared(found, steps)
+  if not has(found, SHARED) then return false end
   local h = {}
-  for number in found.h:gmatch "%S+" do h[#h + 1] = tonumber(number) end
+  for word in found.h:gmatch "%S+" do h[#h + 1] = tonumber(word) or 0 / 0 end
+  for _, x in ipairs(h) do
+    if not (amount(x) and x > 0) then return false end
+  end
   found.h = h
-  return #h > 0 and found
+  return #h == steps and found
 end
 
 ---- the other members ----
 
-local function is_point(found)
-  local numbers = found.why and { "h" } or { "h", "error", "ns", "steps" }
-  for _, key in ipairs(numbers) do
-    if type(found[key]) ~= "number" then return false end
-  end
-  return type(found.rule) == "string" and found
+local POINT = { rule = text, h = amount, error = amount, ns = amount, steps = whole,
+  setup = maybe(amount), evaluations = maybe(whole), newton = maybe(whole), below = maybe(truth),
+  far = maybe(truth) }
+local NO_POINT = { rule = text, h = amount, why = text }
+
+local function fail_member(i, file)
+  error(("%s: %s: member %d is none of this chart: remove the file"):format(WHERE, file, i), 0)
 end
 
 -- member i of a file; raises where the bytes are none of a chart
-local function read_member(i, bytes, file)
+local function read_member(i, bytes, file, steps)
   local fine, found = blame.try(function()
-    return (i == 1 and read_shared or is_point)(fields.unpack(bytes))
+    local that = fields.unpack(bytes)
+    if i == 1 then return read_shared(that, steps) end
+    return has(that, that.why ~= nil and NO_POINT or POINT) and that
   end)
-  if fine and found then return found end
-  error(("%s: %s: member %d is none of a chart: remove the file"):format(WHERE, file, i), 0)
+  return fine and found or fail_member(i, file)
 end
 
 ---- the chart ----
@@ -119,7 +144,7 @@ end
 --- A chart with a journal, or of ranks. how: { default_steps, new(known) -> chart, tasks;
 -- measure(chart, task) -> point or { why }; enter(chart, task, that) }.
 function M.chart(system, options, how)
-  local members = count_members(system, options, how.default_steps)
+  local members, steps = count_members(system, options, how.default_steps)
   local c = carrier.open(WHERE, options.journal, head_of(system, options, members), members, true)
   local found, chart, tasks = {}, nil, nil
   local function need()
@@ -136,13 +161,15 @@ function M.chart(system, options, how)
   end
   local function put(first, count, bytes)
     for i, one in journal.members({ first = first, count = count }, bytes) do
-      found[i] = read_member(i, one, options.journal)
+      found[i] = read_member(i, one, options.journal, steps)
     end
   end
   -- what is there, into the chart
   local function fill()
     for i, task in ipairs(need() and tasks) do
-      if found[i + 1] then how.enter(chart, task, found[i + 1]) end
+      local that = found[i + 1]
+      if that and that.rule ~= task.entry.name then fail_member(i + 1, options.journal) end
+      if that then how.enter(chart, task, that) end
     end
     chart.journal = carrier.result(c)
   end

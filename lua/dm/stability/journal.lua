@@ -73,10 +73,32 @@ local function bytes_of(map, cell)
   return fields.pack(out)
 end
 
-local function read_cell(cell, bytes, file)
-  local found = fields.unpack(bytes)
-  local class = cells.NUMBER[found.class]
-  if not class then fail("%s has cells of another kind: remove the file", file) end
+local TEXTS = { code = true, reason = true, cause = true, unresolved = true }
+local TRUTHS = { is_right = true, is_close = true, loose = true, sized = true }
+
+-- are these values of a cell, which is at its rule, step and parameters? An observable is a column.
+local function is_of_cell(map, cell, found)
+  if found.rule ~= map.rules[cell.row.number] or found.h ~= cell.h then return false end
+  for _, name in ipairs(map.names) do
+    if found[name] ~= nil and found[name] ~= cell[name] then return false end
+  end
+  for name, x in pairs(found) do
+    local kind = TEXTS[name] and "string" or TRUTHS[name] and "boolean" or "number"
+    if name ~= "rule" and name ~= "class" and type(x) ~= kind then return false end
+  end
+  local columns = map.beside and #map.beside.observed.columns or 0
+  local k = found.observable
+  return math.type(found.steps) == "integer" and found.steps >= 0 and type(found.code) == "string"
+    and (k == nil or math.type(k) == "integer" and k >= 1 and k <= columns and type(found.off)
+      == "number" and type(found.range) == "number")
+end
+
+local function read_cell(map, cell, bytes, file)
+  local fine, found = blame.try(fields.unpack, bytes)
+  local class = fine and cells.NUMBER[found.class]
+  if not class or not is_of_cell(map, cell, found) then
+    fail("%s: cell %d is none of this map: remove the file", file, cell.number)
+  end
   for name, x in pairs(found) do
     if not name:find "^value " then cell[name] = x end
   end
@@ -138,7 +160,7 @@ function M.run(map, all)
   end
   local function put(first, count, bytes)
     for i, one in journal.members({ first = first, count = count }, bytes) do
-      read_cell(all[i], one, file)
+      read_cell(map, all[i], one, file)
     end
   end
   map.started = true

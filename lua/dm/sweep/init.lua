@@ -98,7 +98,8 @@ local function read_member(bytes)
   end
   local names
   names, at = ("<s2"):unpack(bytes, at)
-  if (#bytes - at + 1) % 8 ~= 0 then error "a number is cut" end
+  local count = select(2, names:gsub("\t", "")) + 1
+  if #bytes - at + 1 ~= 8 * count then error "not as many numbers as names" end
   return { code = code, names = names, at = at, bytes = bytes }
 end
 
