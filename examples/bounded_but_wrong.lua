@@ -13,7 +13,8 @@ local map = kepler:stability { rules = { "verlet", "blanes-moan(6)", "gauss(4)" 
 print(map)
 for i, rule in ipairs(map.rules) do
   local right, bounded = map:limit(i, "right"), map:limit(i)
-  print(("%-15s right up to h = %-8.4g bounded up to h = %.4g"):format(rule, right, bounded))
+  print(("%-15s right up to h = %-8.4g bounded %s"):format(rule, right,
+    bounded < math.huge and ("up to h = %.4g"):format(bounded) or "on the whole map"))
   assert(right < bounded)
 end
 

@@ -3428,7 +3428,7 @@ function dm_path_class:mass(q, t) end
 
 ---path:momentum(group [, {block=, side=, action=}]) -> dm.vector   or   (generator) -> dm.vector   or   path:momentum(action)
 ---
----Noether's momentum map at every row: of a group by its standard action on blocks of coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. On a group G, of G itself the spatial momentum ({ side = "right" }: the body momentum), of SO(3), SO(2) and R(n) that of rotations and translations of space, of any group that of its action on elements, { action = function(k, g) ... end }; a generator returns the body velocity of its field.
+---Noether's momentum map at every row: of a group by its standard action on blocks of coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. Of coordinates that are angles (dm.T) groups that act on vectors are refused. On a group G, of G itself the spatial momentum ({ side = "right" }: the body momentum), of SO(3), SO(2) and R(n) that of rotations and translations of space, of any group that of its action on elements, { action = function(k, g) ... end }; a generator returns the body velocity of its field.
 ---@param group? any
 ---@param options? table
 ---@return dm.vector

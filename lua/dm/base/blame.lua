@@ -91,8 +91,12 @@ function M.stopped(failure)
   return setmetatable({ code = "stopped", message = failure }, debug.getregistry()["dm.failure"])
 end
 
--- the signature that begins a doc, without results
-local function signature(doc) return (doc:match("^[^\n]*"):gsub(" %->.*", "")) end
+-- the signature that begins a doc, without results; a long one has a second line
+local function signature(doc)
+  local line = doc:match "^[^\n]*"
+  if not line:find " %->" then line = doc:match("^[^\n]*\n[^\n]*"):gsub("\n%s*", " ") end
+  return (line:gsub(" %->.*", ""))
+end
 
 -- A check of how many arguments `call` is given: as many as its doc allows, or that of the method
 -- that stands for it; nil behind them is no argument. The doc is there when it is first called.

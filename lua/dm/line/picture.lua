@@ -30,8 +30,9 @@ local function quantity(run, name, where)
   local n = run.field.values
   local v = number == "" and 1 or math.tointeger(tonumber(number))
   if (stem ~= "u" and stem ~= "p") or v < 1 or v > n then
-    option.fail(where, "takes \"u\" or \"p\"%s (got %s)",
-      n > 1 and (", \"u1\" to \"p%d\""):format(n) or "", option.got(name))
+    option.fail(where, "takes \"u\" or \"p\"%s (got %s); numbers of rows: dm.plot(run.t, "
+      .. "run:column \"energy\")", n > 1 and (", \"u1\" to \"p%d\""):format(n) or "",
+      option.got(name))
   end
   return { levels = run[stem], first = v, step = n, name = n > 1 and stem .. v or stem }
 end

@@ -228,7 +228,11 @@ function look_for(word)
   local function has(what) return what:lower():find(plain, 1, true) end
   if mentions(has) > 0 then return end
   local other = OTHER_WORDS[plain] or OTHER_WORDS[plain:match "^(.-)s?$"]
-  write(("nothing mentions %q; ?topics lists where to look"):format(word))
+  local name, names = word:match "^dm%.([%w_]+)$", {}
+  for key in pairs(name and require "dm" or {}) do names[#names + 1] = key end
+  local near = name and core.nearest(name, names)
+  write(("nothing mentions %q; %s"):format(word, near and ("did you mean dm.%s?"):format(near)
+    or "?topics lists where to look"))
   if other then
     write(("but %q is spoken of:"):format(other))
     mentions(function(what) return what:lower():find(other, 1, true) end)

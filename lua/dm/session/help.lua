@@ -35,12 +35,18 @@ end
 
 ---- help on a value ----
 
+-- those of every object of the class first, then those of some: field:modes of a dm.system
 local function list_methods(class, methods)
-  local lines = {}
+  local own, some = {}, {}
+  local object = "^" .. class:match "[%w_]+$" .. ":"
   for name, f in pairs(methods) do
-    lines[#lines + 1] = "  " .. (docs[f] and first_line(docs[f]) or class .. ":" .. name)
+    local line = docs[f] and first_line(docs[f]) or class .. ":" .. name
+    local lines = (line:find(object) or not docs[f]) and own or some
+    lines[#lines + 1] = "  " .. line
   end
-  if #lines > 0 then write("methods:\n", table.concat(sorted(lines), "\n")) end
+  own, some = sorted(own), sorted(some)
+  table.move(some, 1, #some, #own + 1, own)
+  if #own > 0 then write("methods:\n", table.concat(own, "\n")) end
 end
 
 local function help_class(class)

@@ -236,6 +236,7 @@ static const char *other_name(const char *key, const char *const *known) {
                                            {"space", "Q"},
                                            {"constraints", "constraint"},
                                            {"parameters", "params"},
+                                           {"params", "vary"},
                                            {"forces", "force"},
                                            {"tol", "tolerance"},
                                            {"output", "file"},

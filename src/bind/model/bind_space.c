@@ -12,7 +12,37 @@ const dml_space *dml_checkspace(lua_State *L, int arg) {
     return luaL_checkudata(L, arg, TNAME);
 }
 
-dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
+/* Are coordinates of the space at `arg` angles? A torus has free coordinates and no vectors. */
+static int has_angles(lua_State *L, int arg) {
+    const int top = lua_gettop(L);
+    const dml_space *s = dml_checkspace(L, arg);
+    int any = s->row->chart && !s->row->vectors;
+    if (lua_getiuservalue(L, arg, DML_SPACE_PARTS) == LUA_TTABLE) {
+        any = 0;
+        for (lua_Integer i = 1; !any && i <= luaL_len(L, top + 1); i++) {
+            lua_geti(L, top + 1, i);
+            any = has_angles(L, lua_gettop(L));
+        }
+    }
+    lua_settop(L, top);
+    return any;
+}
+
+/* Raise where a group that acts on vectors would turn angles of the system at `system`. */
+static void check_angles(lua_State *L, int arg, int system) {
+    if (dml_checkspace(L, arg)->row->chart) return; /* shifts */
+    dml_systemfield(L, system, "Q");
+    const int space = lua_gettop(L);
+    if (has_angles(L, space))
+        luaL_error(L,
+                   "%s acts on vectors, and coordinates of %s are angles: give dm.R(n) for shifts, "
+                   "or a generator, as function(q) return {-q[2], q[1], 1} end for x, y and a "
+                   "heading",
+                   luaL_tolstring(L, arg, NULL), luaL_tolstring(L, space, NULL));
+    lua_settop(L, space - 1);
+}
+
+dm_action dml_standard_action(lua_State *L, int arg, int options, int system, uint32_t n) {
     static const char *const known[] = {"block", NULL};
     const dml_space *s = dml_checkspace(L, arg);
     uint32_t other;
@@ -24,6 +54,7 @@ dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
         other = 0;
         if (block && (n % block || !s->row->acts(s->n, block))) block = 0;
     }
+    check_angles(L, arg, system);
     if (!block)
         luaL_error(L,
                    "%s has no standard action on %d coordinates: give a dm.action, or the "

@@ -31,10 +31,9 @@ void dml_unfold_spheres(lua_State *L);
 /* Push a space with no parts yet. */
 dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n);
 
-/* The standard action of the group at `arg` on n coordinates; the block may be given by
- * field
- * `block` of the options table at `options` (0: none). Raises when there is no such
- * action. */
-dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n);
+/* The standard action of the group at `arg` on the n coordinates of the system at `system`; the
+ * block may be given by field `block` of the options table at `options` (0: none). Raises when
+ * there is no such action. */
+dm_action dml_standard_action(lua_State *L, int arg, int options, int system, uint32_t n);
 
 #endif

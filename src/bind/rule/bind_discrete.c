@@ -117,7 +117,7 @@ static int discrete_momentum(lua_State *L) {
     const uint32_t n = check(L)->n;
     lua_settop(L, 5);
     push_time(L, 5);
-    const dm_action action = dml_standard_action(L, 2, 5, n);
+    const dm_action action = dml_standard_action(L, 2, 5, 1, n);
     double *q1 = lua_newuserdatauv(L, n * sizeof *q1, 0);
     dml_vectorarg(L, 4, "q1", q1, n);
     lua_pushvalue(L, 6);

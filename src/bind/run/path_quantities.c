@@ -224,13 +224,12 @@ static int path_momentum(lua_State *L) {
     lua_settop(L, 3);
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     if (dml_placed(L, -1)) return dml_place_momentum(L, -1);
-    lua_settop(L, 3);
     if (lua_isfunction(L, 2)) {
         if (!lua_isnil(L, 3))
             luaL_error(L, "momentum: a surplus argument: path:momentum(generator)");
         return momentum_of_generator(L, p);
     }
-    const dm_action action = dml_standard_action(L, 2, 3, p->n);
+    const dm_action action = dml_standard_action(L, 2, 3, 4, p->n);
     const uint32_t d = action.group->dimension(action.k), rows = (uint32_t)p->rows;
     double *J = d == 1 ? dml_pushvector(L, rows) : dml_pushmatrix(L, rows, d);
     for (long i = 0; i < p->rows; i++) {
@@ -365,8 +364,9 @@ const dml_row dml_path_quantities[] =
       "dm.vector\n"
       "Noether's momentum map at every row: of a group by its standard action on blocks of "
       "coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . "
-      "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. On a group G, of G "
-      "itself the spatial momentum ({ side = \"right\" }: the body momentum), of SO(3), SO(2) and "
+      "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. Of coordinates that "
+      "are angles (dm.T) groups that act on vectors are refused. On a group G, of G itself the "
+      "spatial momentum ({ side = \"right\" }: the body momentum), of SO(3), SO(2) and "
       "R(n) that of rotations and translations of space, of any group that of its action on "
       "elements, { action = function(k, g) ... end }; a generator returns the body velocity of its "
       "field."},

@@ -160,7 +160,7 @@ has(text, "x  4", "who")
 has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
-text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergence", "?soliton_of_nothing", "?noether", "?henon_heiles", "?examples",
+text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergence", "?soliton_of_nothing", "?dm.systm", "?noether", "?henon_heiles", "?examples",
   "apropos 'damping'", "apropos 'Poincaré'", "apropos 'eccentric'" }
 has(text, "  chain  Chains: a soliton", "apropos finds demonstrations")
 has(text, 'demo "name" runs one', "and says how to open them")
@@ -169,6 +169,7 @@ has(text, "/examples/name.lua . runs one", "with their files")
 has(text, "  no_convergence  the step equation did not converge", "and codes of failures")
 has(text, "Take a smaller h; solver:fold says", "?code says what to try")
 has(text, 'nothing mentions "soliton_of_nothing"', "and where nothing is found it says so")
+has(text, 'nothing mentions "dm.systm"; did you mean dm.system?', "a name that is nearly one")
 has(text, 'demo "noether" runs it', "?name of a demonstration")
 local asked = session { "?v" }
 local said = asked:match "> %?v\n(.-)\n> " or asked

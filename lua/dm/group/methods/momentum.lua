@@ -12,9 +12,9 @@ local function also_of_actions(class, other, signature)
   local momentum, doc = core.method(class, "momentum")
   doc = doc:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
   core.method(class, "momentum", blame.relay(function(object, action, ...)
-    if type(action) == "string" then
-      error("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got a "
-        .. "string)", 0)
+    if action == nil and kits.class_of(object) == class or type(action) == "string" then
+      error(("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got %s)")
+        :format(action and "a string" or "nil"), 0)
     end
     local meta = type(action) == "table" and getmetatable(action)
     if not meta or meta.__name ~= "dm.action" or kits.class_of(object) ~= class then
