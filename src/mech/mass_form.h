@@ -37,8 +37,8 @@ typedef struct {
 /* The degrees of all nodes, f->degree[]. */
 void dm_form_degrees(dm_form *f);
 
-/* w and bounds c of the coefficients, from those of the nodes, f->value[], and f->apart. 0: L is not
- * written so, as sums of squares and of products of what is squared elsewhere. */
+/* w and bounds c of the coefficients, from those of the nodes, f->value[], and f->apart. 0: L is
+ * not written so, as sums of squares and of products of what is squared elsewhere. */
 int dm_form_read(dm_form *f);
 
 /* Are cosines that stand apart those of differences x_i - x_j, of an x_i for every w_i, as

@@ -311,29 +311,6 @@ near((dm.SE(2):left_tangent({ 1, 2, pi / 2 }, { 0, 0, 0 }, { 1, 0, 1 })
 near((dm.Heisenberg():right_tangent({ 1, 0, 0 }, { 0, 0, 0 }, { 0, 1, 0 })
   - dm.vector { 0, 1, -0.5 }):norm(), 0, 1e-15, "T R_g of Heisenberg")
 
----- angles are no vectors ----
-
-do
-  local function along(Q)
-    local n = Q.dimension
-    local q, v = {}, {}
-    for i = 1, n do q[i], v[i] = i, 1 end
-    return dm.system { Q = Q, L = function(_, u) return u:dot(u) / 2 end }
-      :solver { rule = "verlet", h = 0.1 }:run { q = q, v = v, steps = 3 }
-  end
-  local heading = dm.product(dm.R(2), dm.T(1))
-  raises("coordinates of T^2 are angles", function() along(dm.T(2)):momentum(dm.SO(2)) end)
-  raises("coordinates of R^2 x T^1 are angles", function() along(heading):momentum(dm.SO(2)) end)
-  raises("are angles", function() along(dm.product(dm.T(1), heading)):momentum(dm.SO(2), { block = 2 }) end)
-  raises("are angles", function()
-    dm.discrete_lagrangian { Q = dm.T(3), h = 1, Ld = function(a, b) return (b - a):dot(b - a) / 2 end }
-      :momentum(dm.SO(3), { 1, 2, 3 }, { 1, 2, 4 })
-  end)
-  ok(along(dm.T(2)):momentum(dm.R(2))[4][2] == 1 and along(dm.R(2)):momentum(dm.SO(2))[1] == -1,
-    "shifts of angles, turns of vectors")
-  raises("of what? a group", function() along(dm.R(2)):momentum() end)
-end
-
 ---- the same generators in C (momentum maps of standard actions) and in Lua ----
 
 for _, row in ipairs { { dm.SE(2), 2 }, { dm.SE(3), 3 }, { dm.SL(2), 2 }, { dm.SL(3), 3 },
