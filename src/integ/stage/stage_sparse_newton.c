@@ -95,6 +95,18 @@ static uint32_t shares(const dm_stage_sparse *l, double *share) {
     return c;
 }
 
+/* Is every row of the residual round-off of the positions and Z that it sees? Values of a cell may
+ * have unlike units. */
+static int is_rounding(const dm_stepper *s, double part) {
+    const dm_stage_sparse *l = dm_stage_sparse_of(s);
+    const size_t n = s->model->n, k = l->solved;
+    double *size = l->cg + n * k;
+    for (size_t a = 0; a < k; a++)
+        for (size_t j = 0; j < n; j++)
+            size[j * k + a] = fabs(l->x[j]) + fabs(l->Z[l->at[a] * n + j]);
+    return dm_sparse_is_within(&l->S, l->R, size, part, size + n * k);
+}
+
 /* Is the residual no more than its own rounding? Forces of all points are rounded by |S - M| |x|,
  * the rest by |S| |Z|, of which the diagonal stands for a row; another solve would only bring other
  * noise. size: the largest |Z|. A residual that is noise says that forces are numbers. */
@@ -115,7 +127,7 @@ static int is_noise(const dm_stepper *s, double size) {
             if (!(fabs(R[a]) <= NOISE * DBL_EPSILON * noise)) return 0;
         }
     }
-    return 1;
+    return l->constant || is_rounding(s, NOISE * DBL_EPSILON);
 }
 
 /* Z += dx; the largest change, and the largest Z. DM_NOT_FINITE: one of them is not */
@@ -157,7 +169,8 @@ static dm_status iterate(dm_stepper *s, const double *q, double t, double h, int
         s->report.residual = step;
         if (step <= s->tolerance * size || (step >= 0.5 * last && step <= 1e-12 * size)) break;
         if (pass >= DM_NEWTON_STALLED && step > SLOW * last &&
-            step <= DM_NEWTON_UNSEEN * largest(l->x, s->model->n))
+            step <= DM_NEWTON_UNSEEN * largest(l->x, s->model->n) &&
+            (l->constant || is_rounding(s, DM_NEWTON_UNSEEN)))
             break; /* what no position shows */
         if (pass >= s->max_iterations || pass >= MOST) return DM_NO_CONVERGENCE;
         if (kept && step > DM_PLACE_SLOW * last) return DM_NO_CONVERGENCE;

@@ -34,11 +34,6 @@ typedef struct {
     double *scratch, *begin; /* of the forces; the table */
 } layout;
 
-/* In doubles. */
-static size_t head(void) {
-    return dm_doubles(sizeof(layout));
-}
-
 /* entries of S at most: those of L_qq, and the blocks of the forces */
 static size_t entries(const dm_model *m, size_t r) {
     return ((size_t)m->curvature->A.start[m->n] + (size_t)m->n * m->work->values) * r * r;
@@ -56,9 +51,9 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_stage_basis(&g, rule, m);
     const size_t n = m->n, r = (size_t)g.q.r, v = m->work ? m->work->values : 1;
     const size_t all = m->curvature && m->work ? entries(m, r) : 0;
-    return head() + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 + 2 * r * n + n +
-           2 * r * n * v + 7 * r * n + (m->work ? m->work->room : 0) + all + (all + r * n + 4) / 2 +
-           8 + dm_stage_place_room(place_of(m));
+    return dm_doubles(sizeof(layout)) + dm_stage_table_size((size_t)g.s, r) + 2 * n + 1 +
+           2 * r * n + n + 2 * r * n * v + 7 * r * n + (m->work ? m->work->room : 0) + all +
+           (all + r * n + 4) / 2 + 8 + dm_stage_place_room(place_of(m));
 }
 
 /* ---- the pattern of S ---- */
@@ -107,7 +102,7 @@ static dm_status open(dm_stepper *s) {
     const size_t n = m->n, v = m->work->values;
     dm_galerkin g;
     dm_stage_basis(&g, s->rule, m);
-    *l = (layout){.begin = s->work + head()};
+    *l = (layout){.begin = s->work + dm_doubles(sizeof(layout))};
     dm_stage_table_fill(&l->table, &g, l->begin);
     const size_t r = l->table.r, all = entries(m, r);
     l->x = l->begin + dm_stage_table_size(l->table.s, r);
@@ -248,18 +243,19 @@ static void residual(dm_stepper *s, layout *l, const double *q, const double *p,
     }
 }
 
-/* Does no position show the last change of the accelerations? */
+/* Does no position show the last change of the accelerations, and was every row round-off? */
 static int is_unseen(const layout *l, uint32_t n, double h) {
     const uint32_t r = l->table.r;
-    double most = 0.0, position = 0.0;
+    double most = 0.0, position = 0.0, *size = l->cg;
     for (uint32_t k = 0; k < n * r; k++) {
+        const dm_weight *A = l->table.A + k % r * r;
         double moved = 0.0;
-        for (uint32_t i = 0; i < r; i++)
-            moved += dm_weight_double(l->table.A[k % r * r + i]) * l->dx[k / r * (size_t)r + i];
-        most = fmax(most, fabs(moved));
-        position = fmax(position, fabs(l->x[k / r]));
+        for (uint32_t i = 0; i < r; i++) moved += dm_weighted(A[i], l->dx[k / r * (size_t)r + i]);
+        most = fmax(most, fabs(moved)), position = fmax(position, fabs(l->x[k / r]));
+        size[k] = fabs(l->x[k / r]) / (h * h) + fabs(l->u[k % r * (size_t)n + k / r]);
     }
-    return h * h * most <= DM_NEWTON_UNSEEN * position;
+    if (!(h * h * most <= DM_NEWTON_UNSEEN * position)) return 0;
+    return dm_sparse_is_within(&l->S, l->R, size, DM_NEWTON_UNSEEN, size + n * (size_t)r);
 }
 
 /* Accelerations from those in u on, until a change is below the tolerance or no longer gets

@@ -124,17 +124,48 @@ static dm_status search(solver *s) {
     return DM_NO_CONVERGENCE;
 }
 
+/* |J_ij|, J as `equation` has left it */
+static double entry(const solver *s, uint32_t i, uint32_t j) {
+    const dm_band *b = s->p->band;
+    if (!b) return fabs(s->J[(size_t)i * s->p->m + j]);
+    const uint32_t from = b->order[i], to = b->order[j];
+    const uint32_t apart = from > to ? from - to : to - from;
+    return apart > b->width ? 0.0 : fabs(s->J[dm_band_row(b, i) + dm_band_column(b, j)]);
+}
+
+/* Is every row of r no more than what it moves by where all places, and the unknowns that are no
+ * displacements, are rounded? Row by row, since coordinates may have unlike units. */
+static int is_rounding(solver *s) {
+    const dm_newton_problem *p = s->p;
+    const double *x = s->it.x;
+    if (p->equation(p->ctx, s->it.r, s->J, x) != DM_OK) return 0;
+    for (uint32_t i = 0; i < p->m; i++) {
+        double terms = 0.0;
+        for (uint32_t j = 0; j < p->m; j++) {
+            const int moves = j + p->shared < p->m;
+            const double place = moves ? p->place[j % p->places] / p->over : 0.0;
+            terms += entry(s, i, j) * (fabs(x[j]) + fabs(place));
+        }
+        if (!(fabs(s->it.r[i]) <= DM_NEWTON_UNSEEN * terms)) return 0;
+    }
+    return 1;
+}
+
+/* Are displacements that no place shows left, as of a body that friction has brought to rest away
+ * from 0? A constant J leaves nothing else. */
+static int is_unseen(solver *s) {
+    const dm_newton_problem *p = s->p;
+    if (!p->place) return 0;
+    const double most = DM_NEWTON_UNSEEN * norm_of(p->place, p->places);
+    return s->it.all.step * fabs(p->over) <= most && (p->constant || is_rounding(s));
+}
+
 /* No part of a Newton step makes the residual smaller, and the step is small: what is left is
  * the noise of the residual, which cancellation inside L (a stiff k (r - 1)) makes larger than
- * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had.
- * Displacements that a place does not show are noise, too, as of a body that friction has brought
- * to rest away from 0. */
+ * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had. */
 static int is_floor(const solver *s) {
     const chord *it = &s->it;
-    const dm_newton_problem *p = s->p;
-    if (it->all.step <= DM_NEWTON_FLOOR * (norm_of(it->x, p->m) + it->all.step)) return 1;
-    return p->place &&
-           it->all.step * fabs(p->over) <= DM_NEWTON_UNSEEN * norm_of(p->place, p->places);
+    return it->all.step <= DM_NEWTON_FLOOR * (norm_of(it->x, s->p->m) + it->all.step);
 }
 
 /* A start outside of the domain: half of the way to where r has a value, and half of that. */
@@ -170,7 +201,7 @@ static dm_status damped(solver *s) {
         find_increment(it, solve, s, m);
         if (!isfinite(it->all.step)) return DM_NOT_FINITE;
         int waits;
-        const int last = is_last(it, &w, m, &waits);
+        const int last = is_last(it, &w, m, &waits) || (!waits && is_unseen(s));
         if (last || waits) advance_iterates(it, m);
         if (last) return DM_OK;
         status = waits ? DM_OK : search(s);
@@ -184,6 +215,7 @@ static dm_status damped(solver *s) {
 static dm_status attempt(solver *s) {
     if (chord_iterations(s)) return DM_OK;
     if (s->status == DM_CALLBACK) return DM_CALLBACK;
+    if (s->status == DM_OK && is_unseen(s)) return DM_OK;
     memcpy(s->it.x, s->start, s->p->m * sizeof *s->start);
     return damped(s);
 }

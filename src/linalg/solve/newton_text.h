@@ -158,22 +158,11 @@ HOW static __attribute__((noinline)) I find_waiting(chord it, waiting *w, uint32
     return waits;
 }
 
-/* The lanes whose increments shrink slowly and are displacements that the place does not show:
- * the round-off of forces at a rest away from 0, which their own terms do not tell. */
-INLINE I is_unseen(const chord *it) {
-    const own_sizes *own = &it->own;
-    const I stalled = it->todo & WHERE(it->all.step > DM_NEWTON_SLOW * it->all.last);
-    if (it->count < DM_NEWTON_STALLED || !own->place || !some(stalled)) return mask_of(0);
-    return stalled & WHERE(it->all.step * magnitude(own->over) <=
-                           DM_NEWTON_UNSEEN * norm_of(own->place, own->places));
-}
-
 /* The lanes where all unknowns have settled; waits: where the largest has. */
 INLINE I is_last(chord *it, waiting *w, uint32_t m, I *waits) {
     const V size = norm_of(it->x, m) + it->all.step;
     const V noise = DM_NEWTON_NOISE * it->terms;
-    const I last =
-        it->todo & (has_settled(it, &it->all, size, it->residual, noise) | is_unseen(it));
+    const I last = it->todo & has_settled(it, &it->all, size, it->residual, noise);
     *waits = mask_of(0);
     if (!some(last)) return last;
     const I apart = last & has_small_unknowns(it, m, size);

@@ -199,3 +199,14 @@ double dm_sparse_asymmetry(const dm_sparse *A, const dm_sparse *T) {
     }
     return largest > 0.0 ? worst / largest : 0.0;
 }
+
+int dm_sparse_is_within(const dm_sparse *A, const double *r, const double *size, double part,
+                        double *terms) {
+    memset(terms, 0, (size_t)A->rows * sizeof *terms);
+    for (int32_t j = 0; j < A->columns; j++)
+        for (int32_t p = A->start[j]; p < A->start[j + 1]; p++)
+            terms[A->row[p]] += fabs(A->value[p]) * size[j];
+    for (int32_t i = 0; i < A->rows; i++)
+        if (!(fabs(r[i]) <= part * terms[i])) return 0;
+    return 1;
+}

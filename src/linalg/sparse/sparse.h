@@ -66,4 +66,8 @@ void dm_sparse_diagonal(double *diagonal, const dm_sparse *A);
 /* The largest |A - A^T| of a square matrix over its largest |entry|; T is dm_sparse_transpose. */
 double dm_sparse_asymmetry(const dm_sparse *A, const dm_sparse *T);
 
+/* Is every |r_i| <= part * sum_j |A_ij| size_j? terms[rows] is scratch. */
+int dm_sparse_is_within(const dm_sparse *A, const double *r, const double *size, double part,
+                        double *terms);
+
 #endif

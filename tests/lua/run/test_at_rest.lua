@@ -42,4 +42,31 @@ for name, kind in pairs(kinds) do
     ok(name == "free" and still > 1e-11 and still < 1e-8 or still < 1e-14, ("%s, by %s"):format(name, rule), still)
   end
 end
+
+-- coordinates of unlike units: beside one at 1e8 another of 1e-6 is no noise. A stiff spring that bends, in units of its size
+local function bent(w, k, c) return k * w ^ 2 / 2 + c * w ^ 4 end
+local function beside(place, size, k, c, rule)
+  local system = dm.system { Q = dm.R(2), force = function(_, v) return -0.1 * v end,
+    L = function(q, v) return v:dot(v) / 2 - size ^ 2 * bent(q[2] / size, k, c) end }
+  local run = system:solver { rule = rule, h = 0.3 }:run { q = { place, size }, v = { 0, 0.3 * size }, steps = 40 }
+  return run.q[41][2] / size
+end
+local function field_beside(place, size, k, c, rule, friction)
+  local field = K:field { values = 2, force = friction or nil, L = function(u, v)
+    return v:dot(v) / 2 - u:d():dot(u:d()) / 2 - K:sum(0, function(x) return size ^ 2 * bent(x[2] / size, k, c) end, u) end }
+  local run = field:solver { rule = rule, h = 0.3 }:run { q = function(x) return { place, size * (1 + 0.1 * x) } end,
+    v = function() return { 0, 0.3 * size } end, steps = 20 }
+  return run.q[21][2] / size
+end
+for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(3)" } do
+  for _, spring in ipairs { { 1, 0.3 }, { 1e2, 1 } } do
+    local k, c = spring[1], spring[2]
+    local what = ("by %s, k = %g"):format(rule, k)
+    near(beside(1e8, 2 ^ -20, k, 1e2 * c, rule), beside(0, 1, k, 1e2 * c, rule), 1e-9, "a coordinate beside a large one, " .. what)
+    for name, friction in pairs { free = false, friction = function(_, v) return -0.1 * v end } do
+      near(field_beside(1e8, 2 ^ -20, k, c, rule, friction), field_beside(0, 1, k, c, rule, friction), 1e-9,
+        ("a value of a field, %s, %s"):format(name, what))
+    end
+  end
+end
 tap.done()
