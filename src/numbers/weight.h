@@ -16,8 +16,7 @@ typedef struct {
  * rest is what a double holds of the remainder */
 static inline dm_weight dm_weight_of(long double w) {
     int power;
-    frexp((double)w, &power);
-    const float digits = (float)(w * (long double)ldexp(1.0, -power));
+    const float digits = (float)frexpl(w, &power);
     const double top = ldexp((double)digits, power);
     return (dm_weight){top, (double)(w - (long double)top)};
 }
