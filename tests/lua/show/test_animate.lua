@@ -66,6 +66,12 @@ local data = text:match '<script type="application/json" id="data">(.-)</script>
 ok(data and not data:find "[<&]", "nor can data end the script")
 ok(#text < 21500 + 1001 * (8 + 4 * 2) * 4 / 3 + 2 * 1001 * 12 * 4 / 3, "a double and floats in base64 for each row, no more", #text)
 
+local polar = dm.system { Q = dm.R(2), coordinates = { "r", "phi" },
+  L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }
+polar:solver({ rule = "gauss(2)", h = 0.05 }):run({ q = { 0.4, 0 }, v = { 0, 5 }, steps = 20 }):animate(html)
+ok(not slurp(html):find "momentum of SO", "r and phi are not turned as if they were x and y")
+orbit:animate(html)
+
 if node then
   local seen = watch(html, 0, 5, 1e9)
   ok(seen.text:find "drawn yes", "its script plays, stops and draws, with finite numbers only", seen.text)

@@ -40,6 +40,14 @@ local function quantity(path, what)
   return "momentum of " .. tostring(what), lines
 end
 
+-- may everything be turned? Coordinates of other names than x, y, z are no places: r, theta
+local function can_turn(path)
+  for _, name in ipairs(path.system.coordinates or {}) do
+    if not name:find "^[xyz][_%d]*$" then return false end
+  end
+  return true
+end
+
 -- without being told: the energy, and the momentum of turning everything
 local function default_plots(path, dim)
   local out = {}
@@ -50,7 +58,7 @@ local function default_plots(path, dim)
     return out
   end
   if type(path.energy) == "function" and blame.try(path.energy, path) then out[1] = "energy" end
-  local fine = blame.try(function() return path:momentum(core.SO(dim))[1] end)
+  local fine = can_turn(path) and blame.try(function() return path:momentum(core.SO(dim))[1] end)
   if fine then out[#out + 1] = core.SO(dim) end
   return out
 end
