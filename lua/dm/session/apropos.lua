@@ -185,7 +185,7 @@ end
 
 -- what others call it -> what the docs say
 local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "friction",
-  dissipative = "friction", drag = "friction",
+  dissipative = "friction", drag = "friction", coulomb = "friction",
   adaptive = "eccentric", ["variable step"] = "eccentric", ["step size"] = "step h",
   ["time step"] = "step h", timestep = "step h",
   animation = "animate", movie = "animate", video = "animate", parallel = "threads",

@@ -1,12 +1,22 @@
 /* solver_fail.c - what a run ended with, as an error. */
 #include "bind/core/bind_failure.h"
 #include "bind/run/stepping.h"
+#include "graph/analyse.h"
 
 #include <math.h>
 
 /* a step that failed since d2L/dv2 was about to lose a value, not its constraints */
 static int fades(const dml_stepping *r, dm_status status) {
     return !r->stepper.report.dependent && dml_failure_fades(r->fading, status);
+}
+
+/* is there a branch in the force? It may jump there, as dry friction does */
+static int branches(const dml_model *m) {
+    const dml_traced *force = &m->constraint[DML_FORCE];
+    uint32_t counts[DM_OP_COUNT];
+    if (!force->graph) return 0;
+    dm_operation_counts(force->graph, force->out, force->outputs, counts);
+    return counts[DM_OP_WHERE] > 0;
 }
 
 /* what the method itself knows of it, or NULL */
@@ -24,6 +34,10 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
         return "Newton's method was stopped at the edge of the domain of L (a root of a negative "
                "number, a logarithm, a speed limit): the step has no solution inside, or none that "
                "a shorter step leads to";
+    if (status == DM_NO_CONVERGENCE && branches(r->model))
+        return "the force has a branch (dm.where): where it jumps, a step may have no solution, "
+               "however short; make the jump steep, as dm.tanh(v/eps) for a sign, or take an "
+               "explicit rule such as rk4";
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 

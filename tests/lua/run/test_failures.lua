@@ -238,4 +238,19 @@ raises("even", function()
     S = function(z) return z.v ^ 2 / 2 - z.w ^ 2 / 2 + z.u ^ 2 / 2 end }):solver { h = 0.1 }
 end)
 tap.near(string_of({ x = { 0, 1, 40 }, absorbing = 2 }):reflection().left, -1 / 3, 1e-15, "ends for twice the impedance")
+
+---- dry friction: a force that jumps ----
+
+local function rubbed(force) return dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end, force = force } end
+local function at_rest(force, rule, h)
+  local path = rubbed(force):solver { rule = rule, h = h }:run { q = { 1.05 }, v = { 0 }, t = 25 }
+  return path.q[#path][1]
+end
+local function jump(_, v) return dm.where(v[1], -0.1, 0.1) end
+local function steep(_, v) return -0.1 * dm.tanh(v[1] / 1e-3) end
+for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(3)", "lobatto(3)" } do
+  raises("the force has a branch (dm.where): where it jumps", at_rest, jump, rule, 0.01)
+  tap.near(at_rest(steep, rule, 0.01), -0.0452, 5e-5, rule .. " takes a steep force, and creeps")
+end
+tap.near(at_rest(jump, "rk4", 0.01), -0.05, 1.2e-3, "rk4 takes the jump")
 tap.done()
