@@ -8,7 +8,7 @@ local tree = require "tree"
 local allowed = {}
 for name in ([[
   sin cos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log1p log10 log2 sqrt cbrt pow fabs fmax fmin
-  fmod floor ceil round trunc lround copysign ldexp frexp hypot fma nextafter sincos modf
+  fmod floor ceil round trunc lround copysign ldexp frexp frexpl hypot fma nextafter sincos modf
   memcpy memset memmove memcmp bcmp strcmp strncmp strlen strchr strcpy strstr qsort snprintf vsnprintf strtod strtol
   memchr sinl cosl sincosl fabsl sqrtl fmaxl cabsl __mulxc3 __divxc3 __isoc99_sscanf __ctype_b_loc __ctype_tolower_loc
   __assert_fail __stack_chk_fail _GLOBAL_OFFSET_TABLE_ clock_gettime
