@@ -112,7 +112,7 @@ static dm_status search(solver *s) {
         if (status != DM_OK && status != DM_NOT_FINITE) return status;
         if (status == DM_OK && it->residual <= (1.0 - 0.25 * part) * before) {
             memcpy(it->x, s->trial, m * sizeof *it->x);
-            if (part < 1.0) it->all.step = INFINITY; /* not taken: the next one tells no rate */
+            it->all.step *= part; /* what was taken of it */
             return DM_OK;
         }
         larger += status == DM_OK;

@@ -63,4 +63,15 @@ for _, rule in ipairs { "gauss(2)", "gauss(3)", "gauss(5)", "gauss(8)", "lobatto
   end
 end
 ok(apart < 1e-11, "two coordinates, five rules", apart)
+
+-- the search along an increment goes on at the residual's noise, where small parts of it win a little: it has to end there
+local driven = dm.system { Q = dm.R(3), L = function(q, v, t)
+  q, v = q / 2 ^ 20, v / 2 ^ 20
+  local V = 0.3 * (q[1] - q[2]) ^ 2 + 0.1 * q[1] * dm.cos(t)
+  for i = 1, 3 do V = V + (i == 1 and 174175.64054266943 or 1) * (q[i] - 3) ^ 2 / 2 + 2.2501139147529949 * (q[i] - 3) ^ 4 end
+  return 2 ^ 90 * (v:dot(v) / 2 - V)
+end }
+local path = driven:solver { rule = "midpoint", h = 2.0762368933224891 }:run { steps = 100,
+  q = { 3824168.6391113, 3927238.1997559, 3651478.5174316 }, v = { -474973.06054688, 46084.454101562, -454715.0078125 } }
+ok(#path == 101, "100 steps of a driven one", #path)
 tap.done()
