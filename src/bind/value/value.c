@@ -225,7 +225,9 @@ dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
     dml_scalar x;
     const char *type;
     if (!read_entry(L, arg, i, &x, &type))
-        luaL_error(L, "entry %d must be a number, got %s", (int)i + 1, type);
+        luaL_error(L, "entry %d must be a number, got %s%s", (int)i + 1, type,
+                   i == 0 && strcmp(type, "table") == 0 ? ": rows make a dm.matrix {{1, 2}, {3, 4}}"
+                                                        : "");
     return x;
 }
 

@@ -37,6 +37,8 @@ raises("x:solver(...)", function() local _ = kepler.solver { rule = "verlet", h 
 ok(not select(2, pcall(kepler.solver, { h = 1 })):find "colon.*colon", "the colon is told once")
 raises("bad argument #1 to 'solver'", function() local _ = kepler.solver { rule = "verlet", h = 1 } end)
 
+raises("got table: rows make a dm.matrix", function() return { { 1, 0 }, { 0, 2 } } * dm.vector { 1, 2 } end)
+
 -- what is wrong, not what follows from it
 raises("test_misuse.lua:" .. here() .. ": oops", function() kepler:routh { mu = 1, action = function() error "oops" end } end)
 raises("attempt to index a number value", function() kepler:routh { mu = 1, action = function(th, q) return { q[1] + th[1], q[2] } end } end)
