@@ -6394,7 +6394,8 @@ function dm.scaling(options) end
 ---a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 ---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 ---seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
----(scene.best.worst_step; with a tolerance: both, or it raises). On a group entries of the element are
+---(scene.best.worst_step; with a tolerance: both, or it raises; without one a plain run has a row a
+---frame, whose error_estimate knows of no lines between them). On a group entries of the element are
 ---watched (R31, of factor k R31_k), body momenta (p1), "energy" and functions (g, xi, t, mu); the
 ---model is the system as given, as it is of an H without a Lagrangian; one that is reduced
 ---(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(), scene:animate(file);

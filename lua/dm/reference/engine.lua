@@ -189,8 +189,8 @@ end
 
 --- The reference of a job { system =, start =, t0 =, T =, watch =, goal =, seconds =,
 -- tolerance = { column = }, distance = function(path, path) -> number, except = { rule = true } }:
--- distance <= goal or, where no more is had in the seconds, enough, with rule, distance, text and
--- path(times); or nil and why there is none. With tolerances nothing hidden in what is watched is
+-- distance <= goal or, where no more is had in the seconds, enough, with rule, distance, noise (what
+-- shorter steps brought no nearer), text and path(times); or nil and why there is none. With tolerances nothing hidden in what is watched is
 -- jumped over either.
 function M.find(job)
   local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
@@ -223,8 +223,10 @@ function M:refine(job)
       if distance ~= distance then return nil, "it has no value at some of the samples" end
       if distance < self.distance then
         self.distance, self.absolute, self.tolerance = distance, absolute, TOLERANCES[k]
-        self.paths, self.at = paths, at
+        self.paths, self.at, self.noise = paths, at, nil
       end
+      -- the first that comes no closer: how near two of them are by chance of rounding
+      if distance > self.distance then self.noise = self.noise or distance end
       if distance <= job.goal then break end
     elseif self.distance < huge then
       break
@@ -232,6 +234,7 @@ function M:refine(job)
       return nil, why
     end
   end
+  self.noise = self.noise or self.distance
   self.text = ("%s and %s with controlled steps (%d of the first)"):format(self.first, self.rule,
     #self.times - 1)
   if self.distance <= max(job.goal, job.enough or 0) or job.best then return self end

@@ -69,12 +69,17 @@ local function error_behind(scene, c, N)
   return (error_beside(scene, c, N, times, pilot.record(scene.problem, path)))
 end
 
--- what a candidate errs by at the times of the check and between them
+--- What a candidate errs by at the times of the check and between them, in tolerances. With a
+-- deadline, whose tolerance is not known, that may be any number.
 local function check_error(scene, c, N)
   local err, record = error_beside(scene, c, N, scene.check_times, scene.checked)
-  if err > 1 then return err end
-  return max(error_in_peaks(scene, c, N, record, err), error_behind(scene, c, N))
+  if err > 1 and not c.per_frame or not record then return err end
+  local peaks, behind = error_in_peaks(scene, c, N, record, err), error_behind(scene, c, N)
+  -- a jump has no width to look into; around it the times of the check are close
+  if behind == math.huge and c.per_frame then return UNSEEN * peaks end
+  return max(peaks, behind)
 end
+M.check_error = check_error
 
 local TRIES = 6
 

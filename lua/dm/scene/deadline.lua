@@ -1,6 +1,7 @@
 --- A deadline: every frame of model time costs at most so many seconds, by rules of fixed work, as
 -- accurately as that allows.
 local blame = require "dm.base.blame"
+local choice = require "dm.scene.choice"
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
 local report = require "dm.scene.report"
@@ -14,12 +15,15 @@ local fail = require "dm.base.options".failing "dm.scene"
 -- explicit, or with so many sweeps and no more: what a step costs does not depend on the state
 local RULES = { "verlet", "blanes-moan(4)", "blanes-moan(6)", "blanes-moan(6, 14)", "kahan-li(6)",
   "kahan-li(8)", "sofroniou-spaletta(10)", "rk4", "rk8", "gauss(2, 4)", "gauss(4, 6)" }
+local SWEEPS = { ["gauss(2, 4)"] = true, ["gauss(4, 6)"] = true }
 -- with constraints: two or three small iterations in each step
 local BOUND = { "rattle", "suzuki(4, rattle)", "kahan-li(6, rattle)", "kahan-li(8, rattle)" }
 local PARTS = 0.5     -- of the deadline that the steps of a frame may take as they are first timed
 local MOST = 4096     -- steps of a frame
 local REPLAYS, FRAMES = 3, 1e5
-local TIMED = 64      -- frames that a first timing goes over
+local RULES_TIME = 0.8  -- of the seconds, when all rules are to be done; the rest is for the frames
+local TIMED = 64      -- steps that a first timing goes over
+local SHORTER = 8     -- so many times, where such steps fail
 
 --- frame and per_step of the options: both or neither.
 function M.check(options, option, where)
@@ -31,43 +35,70 @@ function M.check(options, option, where)
   if not options.per_step then
     fail("option 'per_step' is missing: how many seconds may a frame of %g cost?", options.frame)
   end
+  for _, rule in ipairs(options.rules or {}) do
+    if not pilot.is_even(rule) then
+      fail("option 'rules': steps of %s end at no frame, since they choose their length; with a "
+        .. "deadline take rules of even steps, or leave 'rules' out", rule)
+    end
+  end
 end
 
--- s of a step: the least of several runs of some frames
-local function step_seconds(model, solver, steps)
-  local best = huge
+-- s of a step of length h, the least of several runs; whether it iterates
+local function step_seconds(model, rule, h, steps)
+  local solver, best = model.system:solver { rule = rule, h = h }, huge
   for _ = 1, REPLAYS do
     solver:run(pilot.options_of(model, { steps = steps, every = steps }))
     best = min(best, 1e-9 * solver:report().ns_per_step)
   end
-  return best
+  return best, solver:report().newton_per_step > 0
 end
 
--- so many steps of a rule in a frame as the deadline has room for; nil: not even one
-local function steps_of(scene, model, rule)
-  local options = scene.options
-  local solver = model.system:solver { rule = rule, h = options.frame }
-  local seconds = step_seconds(model, solver, min(TIMED, scene.frames))
-  local fits = PARTS * options.per_step / seconds
+-- so many steps of a rule in a frame as the deadline has room for; nil: not even one. Where steps as
+-- long as a frame run away from what is stiff, shorter ones are timed
+local function steps_of(scene, model, rule, explicit)
+  local frame, steps, parts = scene.problem.T / scene.frames, min(TIMED, scene.frames), 1
+  local fine, seconds, iterates
+  repeat
+    fine, seconds, iterates = blame.try(step_seconds, model, rule, frame / parts, steps)
+    parts = SHORTER * parts
+  until fine or parts > MOST or pilot.is_refusal(pilot.first_line(seconds))
+  if not fine then error(seconds, 0) end
+  if iterates and explicit then
+    error("its steps iterate for this L: their work is not fixed", 0)
+  end
+  local fits = PARTS * scene.options.per_step / seconds
   return fits >= 1 and min(MOST, floor(fits)) or nil
 end
+
+-- an error as far as the reference tells it: what is nearer than that is so by chance
+local function seen(scene, err) return max(err, scene.uncertainty) end
 
 -- every rule of fixed work that has room, with what it errs by
 local function candidates(scene, model)
   local out, refused = {}, {}
   local bound = model.system:structure().constraints > 0
-  for _, rule in ipairs(scene.options.rules or bound and BOUND or RULES) do
-    local fine, steps = blame.try(steps_of, scene, model, rule)
+  local named = scene.options.rules
+  for _, rule in ipairs(named or bound and BOUND or RULES) do
+    if #out > 0 and core.cpu() > scene.began + RULES_TIME * scene.allowed then
+      scene.search.cut = true
+      break
+    end
+    local fine, steps = blame.try(steps_of, scene, model, rule,
+      not (named or bound or SWEEPS[rule]))
     if fine and steps then
       -- fewer steps may be more accurate: round-off
       for _, fewer in ipairs { 1, 4, 16 } do
         local per_frame = max(1, steps // fewer)
         local N = per_frame * scene.frames
-        local record = pilot.run(model, rule, N, scene.check_times)
-        local err = record and pilot.apart_between(scene.problem, record, scene.checked) or huge
+        local record, why = pilot.run(model, rule, N, scene.check_times)
+        local err = record and seen(scene, pilot.apart_between(scene.problem, record,
+          scene.checked)) or huge
         out[#out + 1] = { model = model, rule = rule, N = N, h = scene.problem.T / N, error = err,
           per_frame = per_frame, kept = err < huge, n = model.system.Q.dimension,
           order = 1, cost = N }
+        if not record then
+          refused[#refused + 1] = ("%s, %d steps a frame: %s"):format(rule, per_frame, why)
+        end
         if per_frame == 1 then break end
       end
     else
@@ -97,16 +128,34 @@ local function worst_frame(scene, c)
   return worst, frames
 end
 
+local function sort(list)
+  table.sort(list, function(a, b)
+    return a.error < b.error or (a.error == b.error and a.N < b.N)
+  end)
+end
+
+-- put what errs least of number `at` and those after it there, with what it errs by between the
+-- times of the check, too
+local function most_exact(scene, list, at)
+  local rest = table.move(list, at, #list, 1, {})
+  sort(rest)
+  while rest[1].error < huge and not rest[1].sure do
+    rest[1].error = seen(scene, choice.check_error(scene, rest[1], rest[1].N))
+    rest[1].sure = true
+    sort(rest)
+  end
+  table.move(rest, 1, #rest, at, list)
+  return list[at]
+end
+
 --- The choice of a scene with a deadline: among rules of fixed work the one that errs least, whose
 -- slowest frame keeps it. `tolerant`: it must deliver the tolerance, too.
 function M.choose(scene, model, tolerant)
   local options = scene.options
   scene.frames = max(1, math.ceil(scene.problem.T / options.frame - 1e-9))
   local list, refused = candidates(scene, model)
-  table.sort(list, function(a, b)
-    return a.error < b.error or (a.error == b.error and a.N < b.N)
-  end)
-  for _, c in ipairs(list) do
+  for at, c in ipairs(list) do
+    c = most_exact(scene, list, at)
     if c.error < huge then
       c.worst_step, c.frames = worst_frame(scene, c)
       if c.worst_step <= options.per_step then

@@ -72,7 +72,6 @@ local function check_options(options)
   if options.watch == nil then
     fail("nothing is watched: say in option 'watch' what is looked at")
   end
-  deadline.check(options, option, WHERE)
   if options.tolerance == nil and options.watch ~= "picture" and not options.frame then
     fail("option 'tolerance' is missing: how well is it to be known?")
   end
@@ -87,6 +86,7 @@ local function check_options(options)
       option.got(options.costs))
   end
   check_rules(option.list(options, "rules", WHERE, "rules", {}), system)
+  deadline.check(options, option, WHERE)
   return system
 end
 
@@ -182,11 +182,11 @@ end
 
 local function start_search(scene, given)
   local reference = pilot.reference(given, scene.allowed * REFERENCE_TIME, named_rules(scene),
-    scene.options.frame and not scene.tolerant)
+    scene.options.frame and (scene.tolerant and "best" or "best, or any"))
   local times, problem = mesh(reference, PILOT_TIMES), scene.problem
   scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference
   scene.checked = pilot.record(problem, reference:path(scene.check_times))
-  scene.uncertainty = 2 * reference.distance
+  scene.uncertainty = 2 * (scene.options.frame and reference.noise or reference.distance)
   scene.reference_text = ("%s agree to %.1e of the tolerance"):format(reference.text,
     reference.distance)
   return search.prepare({ times = times, reference = pilot.record(problem, reference:path(times)),
@@ -235,6 +235,7 @@ local function keep_deadline(scene, given)
   scene.search.candidates = scene.candidates
   pilot.allow(scene.problem, nil)
   scene.checked_error = scene.best.error
+  note_cut(scene)
   return conclude(scene)
 end
 
@@ -334,7 +335,8 @@ operations (scene.best.work), so that two scenes choose alike; costs = "clock" m
 a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
 seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
-(scene.best.worst_step; with a tolerance: both, or it raises). On a group entries of the element are
+(scene.best.worst_step; with a tolerance: both, or it raises; without one a plain run has a row a
+frame, whose error_estimate knows of no lines between them). On a group entries of the element are
 watched (R31, of factor k R31_k), body momenta (p1), "energy" and functions (g, xi, t, mu); the
 model is the system as given, as it is of an H without a Lagrangian; one that is reduced
 (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(), scene:animate(file);

@@ -321,14 +321,15 @@ end
 local AGREED, ENOUGH = 0.02, 0.1
 
 --- The reference of a scene: two unlike methods on the system as given that agree
--- (dm.reference.engine), `best`: as closely as they can. Raises what was measured.
+-- (dm.reference.engine), `best`: as closely as they can; "best, or any": whatever that is. Raises
+-- what was measured.
 function M.reference(model, seconds, except, best)
   local problem = model:ready().problem
   local found, why = engine.find { system = model.system, start = { q = model.start.q,
     v = model.start.v, p = model.start.p, project = model.start.project },
     t0 = problem.t0, T = problem.T,
     watch = model.watch, tolerance = problem.tolerance, goal = best and 0 or AGREED,
-    enough = ENOUGH, best = best, seconds = seconds, except = except,
+    enough = ENOUGH, best = best == "best, or any", seconds = seconds, except = except,
     distance = function(a, b)
       return M.apart(problem, M.record(problem, a), M.record(problem, b))
     end }

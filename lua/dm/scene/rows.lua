@@ -48,13 +48,13 @@ local function bend(scene, H)
 end
 
 --- every, the error of straight lines between rows so many steps apart, in tolerances: as few rows
--- as err by `room` at most. nil where steps are too long for it, or not even.
-function M.every(scene, room)
-  local c, every = scene.best, 1
+-- as err by `room` at most, but one a frame. nil where steps are too long for it, or not even.
+function M.every(scene, room, per_frame)
+  local c, every = scene.best, per_frame or 1
   if not pilot.is_even(c.rule) then return nil, huge end
   local h = scene.problem.T / c.N
-  local err = bend(scene, h)
-  if err > room then return nil, err end
+  local err = bend(scene, every * h)
+  if err > room or per_frame then return every, err end
   while 8 * every < c.N do
     local more = bend(scene, 2 * every * h)
     if more > room then break end
@@ -74,13 +74,13 @@ local FIRST, MOST = 256, 1e6
 
 --- How many rows, evenly spaced, straight lines need to err by `room` at most, and what they err
 -- by. Lines err by the square of their length, so that a number that is too small tells a better
--- one. nil: more than 10^6.
-function M.lines(scene, room)
-  local count = FIRST
+-- one; so many of them in each of `frames`, where these are given. nil: more than 10^6.
+function M.lines(scene, room, frames)
+  local unit, count = frames or 1, frames or FIRST
   while count <= MOST do
     local err = bend(scene, scene.problem.T / count)
     if err <= room then return count, err end
-    count = math.ceil(count * min(64, max(1.2, 1.1 * math.sqrt(err / room))))
+    count = unit * math.ceil(count / unit * min(64, max(1.2, 1.1 * math.sqrt(err / room))))
   end
   return nil
 end

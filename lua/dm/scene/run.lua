@@ -17,12 +17,13 @@ local ROW_ROOM = 0.1  -- of the tolerance, for straight lines between rows
 --- How many rows straight lines need, once; of even steps so many of these apart
 function M.space(scene)
   if scene.row_error then return end
-  choice.leave(scene, ROW_ROOM)
+  local per_frame = scene.best.per_frame
+  if not per_frame then choice.leave(scene, ROW_ROOM) end
   local room = 1 - scene.checked_error - scene.uncertainty
-  local every, err = rows.every(scene, room)
+  local every, err = rows.every(scene, room, per_frame)
   if not (err <= room) then
     every = nil
-    scene.lines, err = rows.lines(scene, room)
+    scene.lines, err = rows.lines(scene, room, per_frame and scene.frames)
     if not scene.lines then
       fail("scene:run(): straight lines between rows err by more than the tolerance leaves, %s, "
         .. "with 10^6 of them: give the times, scene:run { at = { ... } }",
@@ -65,7 +66,7 @@ local function rows_of(scene, options)
   if options.every and pilot.is_even(scene.best.rule) then
     return { steps = scene.best.N, every = options.every, file = options.file }, 0
   end
-  if scene.best.per_frame then
+  if scene.best.per_frame and not scene.tolerant then
     return { steps = scene.best.N, every = scene.best.per_frame, file = options.file }, 0
   end
   M.space(scene)
