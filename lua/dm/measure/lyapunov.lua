@@ -18,6 +18,7 @@ local abs, log, max, min = math.abs, math.log, math.max, math.min
 
 local WHERE = "solver:lyapunov"
 local LARGEST = 200  -- growth of ln |tangent vector| within a block: far from overflow
+local SAME = 1e-6    -- of the largest entry of q, of p: ends of one orbit beside unlike vectors
 local SPREAD = 10    -- of ln |w_1| - ln |w_k|: what is orthogonal to the first still has digits
 
 ---- tangent vectors (u, dp): lists of 2 n numbers ----
@@ -148,14 +149,27 @@ local function run_beside(lifted, s, j, steps, every)
     vector = lists.joined(lists.part(x, n, n), lists.part(p, 0, n)):totable() }
 end
 
--- All vectors over a block. Nothing where they grow too far, or too far apart: a shorter one is
--- then to be taken. s is changed only where it succeeds.
+-- Do two ends of a block belong to one orbit? Implicit steps solve for orbit and vector together:
+-- orbits beside unlike vectors differ by rounding, and chaos makes much of that.
+local function is_same_orbit(s, a, b)
+  for _, name in ipairs { "q", "p" } do
+    local size = max(largest(s[name]), largest(a[name]))
+    for i = 1, s.n do
+      if abs(a[name][i] - b[name][i]) > SAME * size then return false end
+    end
+  end
+  return true
+end
+
+-- All vectors over a block. Nothing where they grow too far, or too far apart, or their orbits do:
+-- a shorter one is then to be taken. s is changed only where it succeeds.
 local function advance(lifted, s, steps, every)
   local vectors, path, finish = {}, nil, nil
   for j = 1, #s.vectors do
     local its_path, its_end = run_beside(lifted, s, j, steps, j == 1 and min(every, steps) or steps)
     if not its_path then return nil end
     if j == 1 then path, finish = its_path, its_end end
+    if steps > 1 and not is_same_orbit(s, finish, its_end) then return nil end
     vectors[j] = its_end.vector
   end
   local next_ones, growth = orthonormal(vectors)

@@ -189,9 +189,9 @@ end
 
 --- The reference of a job { system =, start =, t0 =, T =, watch =, goal =, seconds =,
 -- tolerance = { column = }, distance = function(path, path) -> number, except = { rule = true } }:
--- distance <= goal or, where no more is had in the seconds, enough, with rule, distance, noise (what
--- shorter steps brought no nearer), text and path(times); or nil and why there is none. With tolerances nothing hidden in what is watched is
--- jumped over either.
+-- distance <= goal or, where no more is had in the seconds, enough, with rule, distance, noise
+-- (what shorter steps brought no nearer), text and path(times); or nil and why there is none. With
+-- tolerances nothing hidden in what is watched is jumped over either.
 function M.find(job)
   local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
     start = job.start, t0 = job.t0 or 0, T = job.T, watch = job.watch, ends = job.ends,

@@ -53,8 +53,8 @@ local function step_seconds(model, rule, h, steps)
   return best, solver:report().newton_per_step > 0
 end
 
--- so many steps of a rule in a frame as the deadline has room for; nil: not even one. Where steps as
--- long as a frame run away from what is stiff, shorter ones are timed
+-- so many steps of a rule in a frame as the deadline has room for; nil: not even one. Where steps
+-- as long as a frame run away from what is stiff, shorter ones are timed
 local function steps_of(scene, model, rule, explicit)
   local frame, steps, parts = scene.problem.T / scene.frames, min(TIMED, scene.frames), 1
   local fine, seconds, iterates
