@@ -112,9 +112,9 @@ end
 -- residuals below it, beside |S| |x|, are of round-off once they no longer fall; and a step that is
 -- longer than SHORT |x| has not arrived
 local ROUNDING, SHORT = 1e-9, 1e-3
--- A residual that has not halved for so many steps is of round-off, too, where it is small beside
--- |S|: of numbers that x does not show, as displacements near 0 of a body under stress.
-local STALLED = 4
+-- A residual that has not halved for so many steps is of round-off, too, where the value does not
+-- show what a step could gain: of displacements near 0 of a body under stress, say.
+local STALLED, UNSEEN = 4, 1e-14
 local FLAT = 1e-9 -- curvatures below it, beside the largest, are none
 
 local TEXT = { ok = "stationary", limit = "the iterations were not enough: give more of them",
@@ -140,9 +140,14 @@ local function look(problem, x)
   return s
 end
 
--- Is the residual of round-off, once it no longer falls, of an x that is so large?
+-- Is the residual of round-off, once it no longer falls?
 local function is_small(s, step, size)
   return s.residual <= ROUNDING * size_of(s.S) * size and step <= SHORT * size
+end
+
+-- Is it, once it stays?
+local function is_unseen(s, step)
+  return s.residual * step <= UNSEEN * math.abs(s.value)
 end
 
 -- the better of a point and its successor, if there is one
@@ -164,11 +169,12 @@ function M.solve(problem, x, most)
     local now = to and look(problem, to)
     if now then now.step = (to - s.x):norm() end
     local step = now and now.step or iterations >= most and s.step or 0
-    local small, among_ones = is_small(s, step, size), is_small(s, step, math.max(1, size))
+    local small = is_small(s, step, size)
     if s.residual <= 0.5 * best then best, stalled = s.residual, 0 else stalled = stalled + 1 end
-    if not to or small and now.residual > 0.5 * s.residual or among_ones and stalled >= STALLED then
+    local rests = now and stalled >= STALLED and is_unseen(s, step)
+    if not to or rests or small and now.residual > 0.5 * s.residual then
       local last, more = better(s, now)
-      if among_ones then return last.x, report_of(last, "ok", iterations + more) end
+      if small or rests then return last.x, report_of(last, "ok", iterations + more) end
       local why = iterations >= most and "limit" or nil
       return last.x, report_of(last, "no_convergence", iterations + more, why)
     end

@@ -134,4 +134,11 @@ ok(told.code == "ok" and told.iterations < 10 and u[1]:max() < 1e-15, "a net und
 _, told = free:stationary { iterations = 3, x = function() return 300 end, term = function(a)
   return free:sum(0, function(x, cell) return cell.star * dm.cosh(x) end, a) end }
 ok(told.code == "no_convergence" and told.text:find "iterations were not enough", "few iterations are told", told.text)
+
+-- a cubic that is stationary nowhere, in units of any size
+for _, size in ipairs { 1, 2 ^ -40, 2 ^ -80 } do
+  _, told = free:stationary { x = function(x) return size * (0.5 + 0.1 * x) end, term = function(a)
+    return size ^ 2 * free:sum(0, function(x) return (x / size) ^ 3 / 3 + x / size end, a) end }
+  ok(told.code == "no_convergence", ("nowhere stationary, in units of %g"):format(size), told.iterations)
+end
 tap.done()
