@@ -143,13 +143,20 @@ See solver, stability_limit, resume.]]
 
 ---- what it says of itself ----
 
+-- an end that absorbs; c that is not the impedance of the line sends a part back
+local function absorbing_text(c, back)
+  local part = back and math.abs(back) or 0
+  return ("absorbing (c = %g%s)"):format(c, part > 0.005
+    and (", %.2g of a wave comes back"):format(part) or "")
+end
+
 local function ends_text(field)
   if field.periodic then return "a ring" end
-  local out = {}
+  local out, known, back = {}, blame.try(solver.reflection, field)
   for _, side in ipairs { "left", "right" } do
     local c = field.absorbing[side]
-    out[#out + 1] = field.fixed[side] and "fixed" or c and ("absorbing (c = %g)"):format(c)
-      or "natural"
+    out[#out + 1] = field.fixed[side] and "fixed"
+      or c and absorbing_text(c, known and back[side] or nil) or "natural"
   end
   return out[1] == out[2] and out[1] .. " ends" or out[1] .. " and " .. out[2] .. " end"
 end

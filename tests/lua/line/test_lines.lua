@@ -93,6 +93,9 @@ ok(largest(out.u[#out]) < 8e-4, "absorbing ends let a wave out", largest(out.u[#
 ok(#out == 2 and out.t[2] == 1.5, "the first row and the last")
 local half = dm.field { x = { 0, 1, 200 }, absorbing = { left = 3, right = 1 / 3 }, L = linear }
 local echo = half:reflection()
+local function told(c, Z) return tostring(dm.field { x = { 0, 1, 10 }, absorbing = c, L = function(_, ut, ux) return (ut ^ 2 - Z ^ 2 * ux ^ 2) / 2 end }) end
+ok(told("ends", 2):find("absorbing (c = 1, 0.33 of a wave comes back) ends", 1, true), "a field says that its ends reflect", told("ends", 2))
+ok(told(2, 2):find("absorbing (c = 2) ends", 1, true), "not of ends that fit", told(2, 2))
 near(echo.left, -0.5, 1e-14, "c = 3 against an impedance of 1 reflects -1/2")
 near(echo.right, 0.5, 1e-14, "c = 1/3: 1/2")
 local back = half:solver { h = 1 / 400 }:run { u = bump, ut = zero, t = 1, every = 400 }
