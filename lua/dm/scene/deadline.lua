@@ -35,7 +35,11 @@ function M.check(options, option, where)
   if not options.per_step then
     fail("option 'per_step' is missing: how many seconds may a frame of %g cost?", options.frame)
   end
-  for _, rule in ipairs(options.rules or {}) do
+end
+
+--- Rules that are named end their steps at the frames.
+function M.check_rules(options)
+  for _, rule in ipairs(options.frame and options.rules or {}) do
     if not pilot.is_even(rule) then
       fail("option 'rules': steps of %s end at no frame, since they choose their length; with a "
         .. "deadline take rules of even steps, or leave 'rules' out", rule)

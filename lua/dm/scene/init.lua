@@ -72,6 +72,7 @@ local function check_options(options)
   if options.watch == nil then
     fail("nothing is watched: say in option 'watch' what is looked at")
   end
+  deadline.check(options, option, WHERE)
   if options.tolerance == nil and options.watch ~= "picture" and not options.frame then
     fail("option 'tolerance' is missing: how well is it to be known?")
   end
@@ -86,7 +87,7 @@ local function check_options(options)
       option.got(options.costs))
   end
   check_rules(option.list(options, "rules", WHERE, "rules", {}), system)
-  deadline.check(options, option, WHERE)
+  deadline.check_rules(options)
   return system
 end
 

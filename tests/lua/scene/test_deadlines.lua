@@ -85,6 +85,9 @@ end
 raises("end at no frame", try { rules = { "log-hamiltonian(verlet)" } }, "steps of their own length")
 raises("end at no frame", try { rules = { "controlled(rk8)" } }, "steps of their own length")
 raises("steps a frame: ", try { frame = 1e-9 }, "more frames than can be run: why")
+raises("option 'frame' is missing", function()
+  dm.scene { far, q = { 1, 0 }, v = { 0, 1 }, watch = { "q1" }, until_t = 1, per_step = 1 }
+end)
 raises("per_step = 1e-12", try { per_step = 1e-12 }, "no room for a step")
 
 tap.done()
