@@ -276,6 +276,7 @@ static void keep_memory(void) {
 /* Everything else runs protected: what is raised ends in a message and a status. */
 int main(int argc, char **argv) {
     keep_memory();
+    signal(SIGXFSZ, SIG_IGN); /* behind ulimit -f writing fails, and a run keeps its rows */
     lua_State *L = luaL_newstate();
     if (!L) {
         dml_message(argv[0], "cannot create state: not enough memory");

@@ -36,6 +36,7 @@ static int push_element(lua_State *L, const double *q) {
     lua_getiuservalue(L, 1, 1);
     lua_getiuservalue(L, -1, DML_PATH_SYSTEM);
     dml_pushposition(L, -1, q);
+    dml_mark_copy(L);
     return 1;
 }
 
@@ -57,7 +58,7 @@ static int columns_index(lua_State *L) {
     if (c->count == 1 && c->first == 0) return lua_pushnumber(L, *row), 1;
     if (p->placed && strcmp(c->name, "q") == 0) return push_element(L, row);
     memcpy(dml_pushvector(L, c->count), row, c->count * sizeof *row);
-    dml_toarray(L, -1, 1)->is_copy = 1;
+    dml_mark_copy(L);
     return 1;
 }
 

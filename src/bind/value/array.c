@@ -75,12 +75,32 @@ void dml_pushrow(lua_State *L, int arg, uint32_t i) {
                      .columns = 1,
                      .rank = 1,
                      .offset = i * m->columns,
+                     .is_copy = m->is_copy,
                      .owner = m};
     lua_pushvalue(L, arg);
     lua_setiuservalue(L, -2, 1);
 }
 
 /* ---- entries ---- */
+
+void dml_mark_copy(lua_State *L) {
+    if (lua_istable(L, -1)) /* an element of a product */
+        for (lua_Integer i = luaL_len(L, -1); i > 0; i--, lua_pop(L, 1))
+            lua_geti(L, -1, i), dml_mark_copy(L);
+    for (int rank = 1; rank <= 2; rank++) {
+        dml_array *a = dml_toarray(L, -1, rank);
+        if (a) a->is_copy = 1;
+    }
+}
+
+void dml_check_own(lua_State *L, const dml_array *a) {
+    const char *kind = a->rank == 2 || a->owner ? "matrix" : "vector";
+    if (a->is_copy)
+        luaL_error(L,
+                   "a row of a path cannot be set, since it is a copy: change a %s of its own, "
+                   "local %c = dm.%s(row)",
+                   kind, *kind, kind);
+}
 
 static const dml_array *holder(const dml_array *a) {
     return a->owner ? a->owner : a;

@@ -41,6 +41,12 @@ const dml_array *dml_vectorat(lua_State *L, int arg);
 /* Push a vector that reads and writes row i of the matrix at arg. */
 void dml_pushrow(lua_State *L, int arg, uint32_t i);
 
+/* What is on top is a copy: a vector, a matrix, or a table of them. */
+void dml_mark_copy(lua_State *L);
+
+/* Raise where an entry that is set would be lost. */
+void dml_check_own(lua_State *L, const dml_array *a);
+
 static inline uint32_t dml_size(const dml_array *a) {
     return a->rows * a->columns;
 }

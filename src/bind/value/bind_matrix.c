@@ -140,6 +140,7 @@ static int matrix_field(lua_State *L) {
 static int matrix_set(lua_State *L) {
     const dml_array *m = check(L);
     const uint32_t i = check_index(L, 2, m->rows, "row");
+    dml_check_own(L, m);
     lua_settop(L, 3);
     set_row(L, 1, i);
     return 0;

@@ -117,9 +117,7 @@ static int vector_set(lua_State *L) {
     const uint32_t i = check_index(L, 2, a->rows);
     if (!dml_toscalar(L, 3, &x))
         return luaL_error(L, "an entry must be a number, got %s", luaL_typename(L, 3));
-    if (a->is_copy)
-        return luaL_error(L, "a row of a path cannot be set, since it is a copy: change a vector "
-                             "of its own, local v = dm.vector(row)");
+    dml_check_own(L, a);
     dml_assign(L, 1, i, &x);
     return 0;
 }

@@ -51,7 +51,7 @@ local function lines_of(script, blocks)
   local handle = assert(io.open(source, "w"))
   handle:write(script)
   handle:close()
-  local command = ("sh -c \"trap '' XFSZ; ulimit -f %s; %s %s %s 2>&1\""):format(blocks, os.getenv "DMLUA" or "build/dmlua",
+  local command = ("sh -c \"ulimit -f %s; %s %s %s 2>&1\""):format(blocks, os.getenv "DMLUA" or "build/dmlua",
     source, file)
   local pipe = assert(io.popen(command))
   local out = {}

@@ -53,6 +53,15 @@ local osc = dm.system { Q = dm.R(1), L = function(q, w) return w[1] ^ 2 / 2 - q[
 local solver = osc:solver { rule = "verlet", h = 0.3 }
 local path = solver:run { q = { 1 }, v = { 0 }, steps = 5, every = 100 }
 raises("local v = dm.vector(row)", function() path.q[2][1] = 9 end)
+local G = dm.product(dm.SO(3), dm.R(2))
+local turned = dm.system({ Q = G, L = function(_, xi) return xi:dot(xi) / 2 end }):solver({ rule = "lie(1)", h = 0.1 })
+  :run { q = G:identity(), v = { 0, 1, 0.4, 1, 1 }, steps = 2 }
+raises("local m = dm.matrix(row)", function() turned.q[2][1][1][2] = 9 end)
+raises("local m = dm.matrix(row)", function() turned.q[2][1][1] = { 1, 0, 0 } end)
+raises("local v = dm.vector(row)", function() turned.q[2][2][1] = 9 end)
+local own = dm.matrix(turned.q[2][1])
+own[1][2] = 9
+ok(own[1][2] == 9 and turned.q[2][1][1][2] ~= 9, "a copy of an element of a group can be changed")
 local row = dm.vector(path.q[2])
 row[1] = 9
 ok(row[1] == 9 and path.q[2][1] ~= 9, "a copy of a row can be changed")
