@@ -5496,8 +5496,8 @@ function dm.action(options) end
 ---alike (Leok 5.6). W(s), f(x): functions; ends: u at both ends, a number or "free". x, u: knots and
 ---values; force: the derivative of the energy by each knot, 0 inside to round-off of those at the
 ---ends, so that without f W - s W_s is equal on all elements; frozen: numbers of the knots beside
----which u is affine, which nothing moves; exact: f is integrated to round-off (by 10 to 80 points an
----element); iterations. Knots stay where all that they could gain is below rounding of the energy, as
+---which u is affine, which nothing moves; exact: f is integrated to round-off (over up to 8192
+---panels); iterations. Knots stay where all that they could gain is below rounding of the energy, as
 ---along very steep lines. A minimum near the one on equal elements: energies with several are not
 ---searched. Raises where none is found.
 ---@param options? table

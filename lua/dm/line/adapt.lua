@@ -3,8 +3,8 @@
 local blame = require "dm.base.blame"
 local blocks = require "dm.line.blocks"
 local core = require "dm.core"
+local loads = require "dm.line.load"
 local option = require "dm.base.options"
-local rules = require "dm.line.rule"
 local units = require "dm.line.adapt_units"
 
 local M = {}
@@ -12,7 +12,6 @@ local M = {}
 local fail = option.failing "dm.adapt"
 local KNOWN = { "W", "f", "x", "ends" }
 local MOST = 400          -- iterations
-local POINTS = { 10, 20, 40, 80, 160 } -- of Gauss's rule, until f is integrated to round-off
 local SMALL = 1e-7        -- beside the energy: a gradient that rounding may leave
 local NEAR = 1e-9         -- of the knots and values: a step as short is near the end
 local ROUNDING = 1e-15    -- of an energy
@@ -21,27 +20,18 @@ local LEAST = 0.2         -- of its length an element keeps in one iteration
 
 ---- the energy of an element ----
 
--- e(X0, v0, X1, v1) with r points for f; u = v + the line: knots that go along a steep line then
--- change X alone, and the Hessian does not hide their own equation behind that of the line
-local function element(W, f, r, line)
-  local points, weights = rules.gauss(r)
+-- e(X0, v0, X1, v1) of W; u = v + the line: knots that go along a steep line then change X alone,
+-- and the Hessian does not hide their own equation behind that of the line
+local function element(W, line)
   return function(w)
     local length = w[3] - w[1]
-    local energy = length * W(line.slope + (w[4] - w[2]) / length)
-    if not f then return energy end
-    local load = 0
-    for q, xi in ipairs(points) do
-      local x = w[1] + xi * length
-      local u = line.value + line.slope * (x - line.from) + w[2] + xi * (w[4] - w[2])
-      load = load + weights[q] * f(x) * u
-    end
-    return energy - length * load
+    return length * W(line.slope + (w[4] - w[2]) / length)
   end
 end
 
 -- { value, slope, hessian } of it
-local function derivatives(W, f, r, line)
-  local e = element(W, f, r, line)
+local function derivatives(W, line)
+  local e = element(W, line)
   local slope = core.derivative(e, 4)
   return { value = core.trace(e, 4), slope = slope,
     hessian = core.derivative(function(w) return slope(w) end, 4) }
@@ -56,7 +46,10 @@ end
 
 local function energy_of(p, z)
   local sum = 0
-  for e = 1, p.elements do sum = sum + p.of.value(part(z, e)) end
+  for e = 1, p.elements do
+    local w = part(z, e)
+    sum = sum + p.of.value(w) - (p.load and loads.value(p.load, p.line, w) or 0)
+  end
   return sum
 end
 
@@ -66,21 +59,31 @@ local function tried(p, z)
   return fine and energy or 0 / 0
 end
 
-local function slope_of(p, z)
-  local out = {}
+local NONE = { 0, 0, 0, 0 }
+local ZEROS = { NONE, NONE, NONE, NONE }
+
+-- the gradient, and the blocks of the Hessian
+local function derivatives_of(p, z)
+  local out, H = {}, blocks.zeros(p.elements + 1)
   for k = 1, 2 * p.elements + 2 do out[k] = 0 end
   for e = 1, p.elements do
-    local slope = p.of.slope(part(z, e))
-    for k = 1, 4 do out[2 * e - 2 + k] = out[2 * e - 2 + k] + slope[k] end
+    local w, pull, bend = part(z, e), NONE, ZEROS
+    if p.load then pull, bend = loads.derivatives(p.load, p.line, w) end
+    local slope, own = p.of.slope(w), p.of.hessian(w)
+    local h = { {}, {}, {}, {} }
+    for k = 1, 4 do
+      local at = 2 * e - 2 + k
+      out[at] = out[at] + slope[k] - pull[k]
+      for l = 1, 4 do h[k][l] = own[k][l] - bend[k][l] end
+    end
+    blocks.add(H, e, h)
   end
-  return out
+  return out, H
 end
 
 -- the gradient without what is held, and the blocks of the Hessian, the rows of 1 there
 local function system_of(p, z, held)
-  local slope = slope_of(p, z)
-  local H = blocks.zeros(p.elements + 1)
-  for e = 1, p.elements do blocks.add(H, e, p.of.hessian(part(z, e))) end
+  local slope, H = derivatives_of(p, z)
   for k = 1, #slope do
     if held[k] then
       slope[k] = 0
@@ -196,7 +199,7 @@ local function check(p, z, held)
         .. "convex? Fewer elements may have one", e, e + 1, z[2 * e - 1])
     end
   end
-  local all, inside, energy = slope_of(p, z), system_of(p, z, held), energy_of(p, z)
+  local all, inside, energy = derivatives_of(p, z), system_of(p, z, held), energy_of(p, z)
   if not (norm(inside) <= FLAT * (norm(all) + math.abs(energy) / length)) then
     fail("the energy has no least value that is found: is W convex and f finite? (largest "
       .. "derivative left %.2g)", norm(inside))
@@ -262,19 +265,6 @@ local function solve(p, z, ends)
   return move_knots(p, (minimize(p, z, marks(p, ends, true))), ends)
 end
 
--- Do r points integrate f times a line to round-off on these elements, as `finer` do?
-local function is_exact(p, f, z, r, finer)
-  local off, terms = 0, 0
-  for e = 1, p.elements do
-    local a, b = z[2 * e - 1], z[2 * e + 1]
-    local sum, moment = units.moments(f, r, a, b)
-    local sum2, moment2, size = units.moments(f, finer, a, b)
-    off = off + math.abs(sum - sum2) + math.abs(moment - moment2)
-    terms = terms + size
-  end
-  return off <= 1e-13 * terms
-end
-
 local function read_ends(ends)
   local list = type(ends) == "table"
   for side = 1, 2 do
@@ -322,7 +312,7 @@ end
 local function result_of(p, z, iterations, exact)
   local n, line = p.elements + 1, p.line
   local x, u, force = core.zeros(n), core.zeros(n), core.zeros(n)
-  local slope = slope_of(p, z)
+  local slope = derivatives_of(p, z)
   for i = 1, n do
     x[i] = z[2 * i - 1]
     u[i] = z[2 * i] + line.value + line.slope * (x[i] - line.from)
@@ -336,20 +326,11 @@ M.adapt = blame.caller(function(options)
   local own, own_ends = read(options)
   local unit, W, f, grid, ends = units.of(option.numeric(options.W, "dm.adapt: W"),
     options.f and option.numeric(options.f, "dm.adapt: f"), own, own_ends)
-  local p, iterations = { elements = grid.cells, line = units.line(grid, ends) }, 0
-  local z, exact, last = first_guess(grid), false, options.f and #POINTS - 1 or 1
-  for level = 1, last do -- points that miss a part of f would tell knots to go where they miss it
-    local r, finer = POINTS[level], POINTS[level + 1]
-    if level == last or not f or is_exact(p, f, z, r, finer) then
-      p.of = derivatives(W, f, r, p.line)
-      local count
-      z, count = solve(p, z, ends)
-      iterations = iterations + count
-      exact = not f or is_exact(p, f, z, r, finer)
-      if exact then break end
-    end
-  end
-  return units.back(result_of(p, z, iterations, exact), unit, own, own_ends)
+  local p = { elements = grid.cells, line = units.line(grid, ends) }
+  p.of = derivatives(W, p.line)
+  p.load = f and loads.new(f, grid.from, grid.to, grid.cells)
+  local z, iterations = solve(p, first_guess(grid), ends)
+  return units.back(result_of(p, z, iterations, not f or p.load.exact), unit, own, own_ends)
 end)
 
 core.docs[M.adapt] = [[
@@ -358,8 +339,8 @@ The least integral of W(u') - f u over broken lines u with that many elements, o
 alike (Leok 5.6). W(s), f(x): functions; ends: u at both ends, a number or "free". x, u: knots and
 values; force: the derivative of the energy by each knot, 0 inside to round-off of those at the
 ends, so that without f W - s W_s is equal on all elements; frozen: numbers of the knots beside
-which u is affine, which nothing moves; exact: f is integrated to round-off (by 10 to 80 points an
-element); iterations. Knots stay where all that they could gain is below rounding of the energy, as
+which u is affine, which nothing moves; exact: f is integrated to round-off (over up to 8192
+panels); iterations. Knots stay where all that they could gain is below rounding of the energy, as
 along very steep lines. A minimum near the one on equal elements: energies with several are not
 searched. Raises where none is found.]]
 

@@ -1,22 +1,9 @@
 --- Units of dm.adapt: energies, knots and values are near 1 in what is solved, by powers of 2.
 local blame = require "dm.base.blame"
-local rules = require "dm.line.rule"
+local loads = require "dm.line.load"
 local sample = require "dm.line.sample"
 
 local M = {}
-
-local FEW = 10 -- points an element for the size of f
-
---- The integral of f over [a, b], its moment, and that of |f|, by r points
-function M.moments(f, r, a, b)
-  local points, weights = rules.gauss(r)
-  local sum, moment, size = 0, 0, 0
-  for q, xi in ipairs(points) do
-    local y = weights[q] * (b - a) * f(a + xi * (b - a))
-    sum, moment, size = sum + y, moment + xi * y, size + math.abs(y)
-  end
-  return sum, moment, size
-end
 
 --- The line from end to end
 function M.line(grid, ends)
@@ -46,11 +33,8 @@ end
 
 --- Units of x, u and the energy, and what W, f, x and the ends are in them.
 function M.of(W, f, grid, ends)
-  local line, load = M.line(grid, ends), 0
-  for e = 1, f and grid.cells or 0 do
-    local _, _, size = M.moments(f, FEW, grid.from + (e - 1) * grid.dx, grid.from + e * grid.dx)
-    load = load + size
-  end
+  local line = M.line(grid, ends)
+  local load = f and loads.size(f, grid.from, grid.to, grid.cells) or 0
   local length = power_of_2(grid.to - grid.from)
   local bend = load > 0 and load < math.huge and bend_of(W, line.slope, load)
     or math.abs(line.slope)

@@ -88,6 +88,27 @@ do
   end
   ok(narrow.exact and most < 1e-13, "a narrow load is integrated to round-off", most)
 end
+-- narrow loads on few or many elements: u solves -u'' = f at the knots, and no knot gains by moving
+for _, case in ipairs { { 0.7316, 0.0027, 15, 5, -0.15 }, { 0.2206, 0.044, 0.106, 8, 0.39 }, { 0.5, 1e-4, 1, 3, 0 }, { 0.853, 0.003, 9, 20, 0 } } do
+  local c, width, top, n, first = table.unpack(case)
+  local r = dm.adapt { W = half, f = function(x) return top * exp(-((x - c) / width) ^ 2) end, x = { 0, 1, n }, ends = { first, "free" } }
+  local off, force = 0, 0
+  for i = 2, n + 1 do
+    local sum, steps = 0, 40000 -- u(X) = first + integral of min(s, X) f(s) by the midpoint rule, where f is not 0
+    for k = 1, steps do
+      local y = c + (k - 0.5 - steps / 2) / steps * 16 * width
+      if y < 1 then sum = sum + 16 * width / steps * math.min(y, r.x[i]) * top * exp(-((y - c) / width) ^ 2) end
+    end
+    off = math.max(off, abs(r.u[i] - first - sum) / (top * width))
+    force = i <= n and math.max(force, abs(r.force[i])) or force
+  end
+  ok(r.exact and off < 1e-6 and force < 1e-11 * (top * width) ^ 2, ("a load of width %g on %d elements"):format(width, n), force / (top * width) ^ 2)
+end
+-- a load that jumps, one that grows beyond all bounds at an end
+local jump = dm.adapt { W = half, f = function(x) return dm.where(x - 0.37, 1, 0) end, x = { 0, 1, 5 }, ends = { 0, 0 } }
+ok(jump.exact and abs(jump.force[2]) + abs(jump.force[3]) + abs(jump.force[4]) + abs(jump.force[5]) < 1e-14, "a load that jumps")
+local root = dm.adapt { W = half, f = function(x) return x ^ -0.5 end, x = { 0, 1, 3 }, ends = { 0, 0 } }
+near(root.u[2], 4 / 3 * (root.x[2] - root.x[2] ^ 1.5), 1e-9, "a load with a pole at an end")
 -- any units of x, u and the energy: the same knots
 do
   local function in_units(x, u, e)

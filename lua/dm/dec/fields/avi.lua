@@ -269,7 +269,9 @@ least h would have made, over events), beyond (cells whose step is beyond their 
 as first_beyond), resonances (pairs of cells with a common entry of which one kicks the other near a
 multiple of its half period, by 0.05 of it, or whose kicks would make one oscillator that both drive
 grow round their common period, at most 32 of one step and 256 of the other: the motion may grow
-although each step is within its limit; take another step for one of them).]])
+although each step is within its limit; take another step for one of them). Pairs alone are looked
+at: growth that takes three cells or more is not counted, so 0 is no promise; the energy of the rows
+shows it.]])
 
 function Solver.__tostring(s)
   return ("solver 'avi' for %s"):format(tostring(s.system))
