@@ -7,6 +7,7 @@
 
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
+#include "linalg/solve/newton_limits.h"
 #include "numbers/compensated.h"
 
 #include <math.h>
@@ -86,8 +87,8 @@ static void add_forces(const dm_stage *g, double *out, uint32_t i, uint32_t kind
     }
 }
 
-/* r_i = Z_i - base_i - h^2 sum_m A_im f_m over the points to solve for */
-static void residual(dm_stage *g, double *R, const double *Z) {
+/* r_i = Z_i - base_i - h^2 sum_m A_im f_m over the points to solve for; returns behind the last */
+static const double *residual(dm_stage *g, double *R, const double *Z) {
     const uint32_t n = g->n;
     for (uint32_t i = 0; i < g->table.r; i++) {
         if (g->points.kind[i] != DM_POINT_SOLVED) continue;
@@ -97,6 +98,19 @@ static void residual(dm_stage *g, double *R, const double *Z) {
         R += n;
         Z += n;
     }
+    return R;
+}
+
+/* Displacements are rounded as positions are: the largest one, where each row of R is noise beside
+ * its own, since coordinates may have unlike units; else 0. */
+static double size_of_terms(const dm_stage *g, const double *R, const double *end) {
+    double most = 0.0;
+    for (uint32_t k = 0; R < end; R++, k = k + 1 < g->n ? k + 1 : 0) {
+        const double own = fabs(g->group.state[k]);
+        if (!(fabs(*R) <= DM_NEWTON_NOISE * own)) return 0.0;
+        most = fmax(most, own);
+    }
+    return most;
 }
 
 /* block (i, m) = delta_im - h^2 A_im M^-1 L_qq(m) */
@@ -148,7 +162,7 @@ static void evaluate_all(dm_stage *g, const double *Z, int with_curve) {
 static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
     dm_stage *g = ctx;
     evaluate_all(g, Z, J != NULL);
-    residual(g, R, Z);
+    g->size = size_of_terms(g, R, residual(g, R, Z));
     if (J) dm_stage_matrix(g, J);
     return DM_OK;
 }
@@ -322,15 +336,12 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
 }
 
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper) {
-    const uint32_t n = g->n;
-    dm_status status = dm_legendre_inverse(g->m, g->points.v0, g->group.state, g->group.state + n,
-                                           g->group.t, g->scratch);
+    dm_status status = dm_legendre_inverse(g->m, g->points.v0, g->group.state,
+                                           g->group.state + g->n, g->group.t, g->scratch);
     if (status != DM_OK) return status;
     stepper->report.iterations = 0;
     stepper->report.residual = 0.0;
     first_points(g);
-    g->size = 0.0;
-    for (uint32_t k = 0; k < n; k++) g->size = fmax(g->size, fabs(g->group.state[k]));
     const uint32_t unknowns = guess(g);
     for (uint32_t k = 0; g->before.ratio > 0.0 && k < unknowns; k++)
         g->newton.root[k] = g->before.ratio * g->before.root[k];
