@@ -158,8 +158,8 @@ function M.choose(scene, model, tolerant)
   local options = scene.options
   scene.frames = max(1, math.ceil(scene.problem.T / options.frame - 1e-9))
   local list, refused = candidates(scene, model)
-  for at, c in ipairs(list) do
-    c = most_exact(scene, list, at)
+  for at in ipairs(list) do
+    local c = most_exact(scene, list, at)
     if c.error < huge then
       c.worst_step, c.frames = worst_frame(scene, c)
       if c.worst_step <= options.per_step then
