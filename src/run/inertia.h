@@ -20,9 +20,10 @@ typedef struct {
     double shift_anywhere, shift; /* how much it can move in a unit of time, alike */
     long wide;                    /* steps that a region is made for */
     int wait;                     /* looks until the next one is tried */
-    double credit; /* nodes whose bounds may be found yet: looks cost a part of the steps */
-    double at;     /* the time of the last look */
-    int open;      /* the next step may go over a place that looks do not see */
+    double credit;  /* nodes whose bounds may be found yet: looks cost a part of the steps */
+    double at;      /* the time of the last look */
+    int degenerate; /* d2L/dv2 is singular to round-off at the start */
+    int open;       /* the next step may go over a place that looks do not see */
 } dm_inertia_seen;
 
 typedef struct {
@@ -57,8 +58,13 @@ void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *ro
 /* Whose turn it is, and what was seen of it. */
 void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen);
 
-/* The state of a start, from which the first step is h long. */
-void dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
+/* The state of a start, from which the first step is h long. DM_SINGULAR: d2L/dv2 is singular to
+ * round-off there, and a value is about to vanish. */
+dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
+
+/* v[n], the largest entry 1, with d2L/dv2 v zero to round-off at a start that is degenerate; 0:
+ * nothing is known of it, as under constraints. */
+int dm_inertia_direction(const dm_inertia *x, const double *state, double t, double *v);
 
 /* Has it changed since? */
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);

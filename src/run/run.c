@@ -411,7 +411,7 @@ static dm_status begin(loop *l) {
         dm_control_begin(l->plan->control, l->s, l->state, l->plan->t0, l->plan->h);
     if (l->plan->inertia) l->plan->inertia->own = l->own;
     if (status == DM_OK && l->plan->inertia)
-        dm_inertia_begin(l->plan->inertia, l->state, time_now(l), l->plan->h);
+        status = dm_inertia_begin(l->plan->inertia, l->state, time_now(l), l->plan->h);
     if (status == DM_OK && l->plan->events)
         status = dm_events_begin(l->plan->events, l->state, time_now(l), l->plan->h);
     return status;

@@ -23,6 +23,7 @@ static int branches(const dml_model *m) {
 static const char *why_of(const dml_stepping *r, dm_status status) {
     dm_stepper s = r->stepper;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
+    if (r->degenerate) return r->degenerate;
     if (fades(r, status)) return dml_failure_fading;
     if (status == DM_TOO_SHORT)
         return isnan(r->control->place)
@@ -39,6 +40,28 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
                "however short; make the jump steep, as dm.tanh(v/eps) for a sign, or take an "
                "explicit rule such as rk4";
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
+}
+
+void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x) {
+    enum { FEW = 8 };
+    const dm_model *m = &r->model->model;
+    const uint32_t n = dm_momenta(m);
+    double *v = lua_newuserdatauv(L, m->n * sizeof *v, 0);
+    luaL_Buffer b;
+    const int found = dm_inertia_direction(x, r->state, r->t0, v) && n <= FEW;
+    luaL_buffinit(L, &b);
+    luaL_addstring(&b, "L is degenerate at the start: d2L/dv2 is zero to round-off");
+    for (uint32_t i = 0; i < n && found; i++) {
+        char text[40];
+        snprintf(text, sizeof text, "%s%.3g", i ? ", " : " along v = (",
+                 fabs(v[i]) < 1e-6 ? 0.0 : v[i]);
+        luaL_addstring(&b, text);
+    }
+    luaL_addstring(&b, found ? ")" : " in some direction");
+    luaL_addstring(&b, " (system:mass(q, v) shows it), and the momentum does not determine the "
+                       "velocity there");
+    luaL_pushresult(&b);
+    r->degenerate = lua_tostring(L, -1);
 }
 
 /* the time of the state after `done` steps; a rule with a time of its own has it in the state */

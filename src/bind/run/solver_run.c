@@ -383,6 +383,8 @@ int dml_solver_run(lua_State *L) {
     const double seconds = now() - u.began;
     u.r.control = u.plan.control;
     u.r.fading = u.plan.inertia && dm_inertia_is_fading(u.plan.inertia);
+    if (status == DM_SINGULAR && u.plan.inertia && u.plan.inertia->seen.degenerate)
+        dml_note_degenerate(L, &u.r, u.plan.inertia);
     keep_end(&u, done);
     dml_stepping_end(&u.r);
     if (status == DM_STOPPED) dml_stop = 0;

@@ -5,6 +5,7 @@
 #include "bind/run/bind_path.h"
 #include "integ/method/method.h"
 #include "run/control.h"
+#include "run/inertia.h"
 
 /* what the last run of a solver cost */
 typedef struct {
@@ -63,6 +64,7 @@ typedef struct {
     double *work;              /* for the Legendre transform */
     const char *unwritten;     /* the file that ended the run, "name: why", or NULL */
     int fading;                /* d2L/dv2 was about to lose a value where the run failed */
+    const char *degenerate;    /* where d2L/dv2 has no inverse at the start, or NULL */
     const dm_control *control; /* of a run whose steps are chosen; NULL: all are h long */
     double *metric;            /* with constraints: inverse mass [n, n], then scratch */
 } dml_stepping;
@@ -70,6 +72,10 @@ typedef struct {
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the
  * stack. */
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0);
+
+/* Say where d2L/dv2 is singular to round-off, at the start of a run that failed for it; the text stays
+ * on the stack. */
+void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x);
 
 /* Fill in what a path says of itself; it is on top of the stack. */
 void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);

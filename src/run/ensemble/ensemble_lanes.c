@@ -77,8 +77,11 @@ static void begin(dm_hand *x) {
         *m = (dm_member){.status = dm_stepper_start(s, dm_hand_state(x, i), x->e->t0, x->b->h[i])};
         if (m->status != DM_OK) continue;
         if (x->b->inertia) {
-            dm_inertia_begin(inertia_of(x, i), dm_hand_state(x, i), x->e->t0, x->b->h[i]);
+            m->status =
+                dm_inertia_begin(inertia_of(x, i), dm_hand_state(x, i), x->e->t0, x->b->h[i]);
             x->seen[i] = x->b->inertia->seen;
+            m->fading = m->status != DM_OK;
+            if (m->fading) continue;
         }
         dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
         put_params(x, i, (uint32_t)i);
