@@ -78,6 +78,28 @@ static void set_number(lua_State *L, const char *key, double x) {
     lua_setfield(L, -2, key);
 }
 
+/* rule, what happened, when, and why or what to try */
+static void push_message(lua_State *L, const dml_failure *f) {
+    const LUAI_UACINT step = (LUAI_UACINT)f->step;
+    luaL_where(L, 1);
+    if (f->turned) {
+        lua_pushfstring(L, "%s: %s (step %I, t = %f)", f->rule, f->root, step, f->time);
+        lua_concat(L, 2);
+        return;
+    }
+    lua_pushfstring(L, "%s: %s at step %I (t = %f", f->rule, dm_status_text(f->status), step,
+                    f->time);
+    if (f->status == DM_NO_CONVERGENCE)
+        lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual, f->iterations);
+    else
+        lua_pushstring(L, "); ");
+    if (f->root && *f->root)
+        lua_pushstring(L, f->root + strspn(f->root, "; "));
+    else
+        push_advice(L, f);
+    lua_concat(L, 4);
+}
+
 void dml_fail(lua_State *L, const dml_failure *f, int path) {
     if (path) path = lua_absindex(L, path);
     lua_createtable(L, 0, 8);
@@ -95,18 +117,7 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     if (f->constraint) set_number(L, "constraint", f->constraint);
     if (f->rolling) set_number(L, "rolling", f->rolling);
     if (path) lua_pushvalue(L, path), lua_setfield(L, -2, "path");
-    luaL_where(L, 1);
-    lua_pushfstring(L, "%s: %s at step %I (t = %f", f->rule, dm_status_text(f->status),
-                    (LUAI_UACINT)f->step, f->time);
-    if (f->status == DM_NO_CONVERGENCE)
-        lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual, f->iterations);
-    else
-        lua_pushstring(L, "); ");
-    if (f->root && *f->root)
-        lua_pushstring(L, f->root + strspn(f->root, "; "));
-    else
-        push_advice(L, f);
-    lua_concat(L, 4);
+    push_message(L, f);
     lua_setfield(L, -2, "message");
     luaL_setmetatable(L, TNAME);
     lua_error(L);

@@ -19,9 +19,11 @@ static int branches(const dml_model *m) {
     return counts[DM_OP_WHERE] > 0;
 }
 
-/* what the method itself knows of it, or NULL */
-static const char *why_of(const dml_stepping *r, dm_status status) {
+/* what the method itself knows of it, or NULL; *turned: and that is all there is to say */
+static const char *why_of(const dml_stepping *r, dm_status status, int *turned) {
     dm_stepper s = r->stepper;
+    const char *why = NULL;
+    s.report.turned = 0;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
     if (r->degenerate) return r->degenerate;
     if (fades(r, status)) return dml_failure_fading;
@@ -35,11 +37,13 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
         return "Newton's method was stopped at the edge of the domain of L (a root of a negative "
                "number, a logarithm, a speed limit): the step has no solution inside, or none that "
                "a shorter step leads to";
-    if (status == DM_NO_CONVERGENCE && branches(r->model))
+    if (s.engine && s.engine->why) why = s.engine->why(&s, r->state, status);
+    *turned = s.report.turned && (status == DM_NO_CONVERGENCE || status == DM_NOT_FINITE);
+    if (!*turned && status == DM_NO_CONVERGENCE && branches(r->model))
         return "the force has a branch (dm.where): where it jumps, a step may have no solution, "
                "however short; make the jump steep, as dm.tanh(v/eps) for a sign, or take an "
                "explicit rule such as rk4";
-    return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
+    return why;
 }
 
 void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x) {
@@ -53,7 +57,10 @@ void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x) {
     luaL_addstring(&b, "L is degenerate at the start: d2L/dv2 is zero to round-off");
     for (uint32_t i = 0; i < n && found; i++) {
         char text[40];
-        snprintf(text, sizeof text, "%s%.3g", i ? ", " : " along v = (",
+        snprintf(text, sizeof text, "%s%.3g",
+                 i          ? ", "
+                 : m->group ? " along xi = ("
+                            : " along v = (",
                  fabs(v[i]) < 1e-6 ? 0.0 : v[i]);
         luaL_addstring(&b, text);
     }
@@ -80,6 +87,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     const char *rule = lua_tostring(L, -1);
     const dm_constraints *constraints = r->model->model.constraints;
     const char *trouble = dml_modeltrouble(L, r->model);
+    int turned = 0;
+    const char *why = *trouble ? trouble : why_of(r, status, &turned);
     const int constraint = r->stepper.report.dependent,
               rolls = constraints && constraint > (int)constraints->holonomic;
     const dml_failure f = {.constraint = rolls ? 0 : constraint,
@@ -94,7 +103,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
                            .h = s->h,
                            .residual = r->stepper.report.residual,
                            .iterations = r->stepper.report.iterations,
-                           .root = *trouble ? trouble : why_of(r, status),
+                           .root = why,
+                           .turned = turned,
                            .rule = rule};
     dml_fail(L, &f, path);
 }

@@ -73,8 +73,8 @@ typedef struct {
  * stack. */
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0);
 
-/* Say where d2L/dv2 is singular to round-off, at the start of a run that failed for it; the text stays
- * on the stack. */
+/* Say where d2L/dv2 is singular to round-off, at the start of a run that failed for it; the text
+ * stays on the stack. */
 void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x);
 
 /* Fill in what a path says of itself; it is on top of the stack. */

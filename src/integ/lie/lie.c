@@ -253,7 +253,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 const char *dm_lie_why(char *text, size_t size, double turn, dm_tau tau, dm_status status) {
     if (status == DM_SINGULAR)
         return "is L degenerate in the velocity there, d2L/dxi2 without an inverse?";
-    if (!(turn > 0.0)) return NULL;
+    if (!(turn > 0.0) || status == DM_INERTIA) return NULL;
     snprintf(text, size,
              tau == DM_TAU_EXP
                  ? "h turns the body by %.1f rad; the chart ends at pi: take a smaller step"
@@ -267,6 +267,7 @@ const char *dm_lie_why(char *text, size_t size, double turn, dm_tau tau, dm_stat
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie *e = dm_lie_of(s);
     (void)state;
+    s->report.turned = e->turn > 0.0;
     return dm_lie_why(e->text, sizeof e->text, e->turn, e->group->tau, status);
 }
 

@@ -267,6 +267,7 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie_joints *e = dm_lie_joints_of(s);
     (void)state;
     if (status == DM_SINGULAR && e->m) return NULL;
+    s->report.turned = e->turn > 0.0;
     return dm_lie_why(e->text, sizeof e->text, e->turn, e->joints->tau, status);
 }
 

@@ -100,8 +100,10 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 
 /* Of the last step. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
+    dm_group_field *f = &layout_of(s)->field;
     (void)state, (void)status;
-    return dm_group_field_why(&layout_of(s)->field);
+    s->report.turned = f->turn > 0.0;
+    return dm_group_field_why(f);
 }
 
 static const dm_engine engine = {

@@ -29,6 +29,7 @@ typedef struct {
     long operations;            /* of a step, where the engine makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
     int outside; /* Newton's method met the edge of the domain of L in the last step */
+    int turned;  /* `why` says all: the step left a chart */
     dm_energy_report sem;
     double condition; /* number of the step equation, where it is worth telling; 0: not */
     double defect;    /* largest |p1 - L_v| at the ends of curves, over |L_v|, where it is told */
