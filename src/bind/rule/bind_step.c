@@ -2,6 +2,7 @@
 #include "bind/rule/bind_step.h"
 
 #include "algebra/derive.h"
+#include "base/random.h"
 #include "bind/core/state.h"
 #include "bind/rule/bind_rule.h"
 #include "bind/trace/backend.h"
@@ -227,6 +228,37 @@ void dml_step_compare(lua_State *L, int at, const dm_method *method, const doubl
     compare(L, made, "next", OF_ROOT, &k->next, in, 1);
     compare(L, made, "inside", OF_ROOT, &k->inside, in, 1);
     lua_pop(L, 2);
+}
+
+/* of the outputs of kernel `which` at `in`, each with a weight; 1 of what is no number */
+static double sum_of(const dm_kernel *kernel, uint64_t which, const double *in, double *out) {
+    double sum = 0.0;
+    eval(kernel, in, out);
+    for (uint32_t i = 0; i < kernel->outputs; i++) {
+        const double weight = 1 + dm_random_uniform(6, which, i);
+        sum += weight * (isfinite(out[i]) ? out[i] / (1 + fabs(out[i])) : 1.0);
+    }
+    return sum;
+}
+
+double dml_step_sum(lua_State *L, int at, const dm_method *method) {
+    enum { POINTS = 24 };
+    if (method != &dm_method_step && method != &dm_method_step_timed) return NAN;
+    const dm_step_kernels *k = &((const maker *)lua_touserdata(L, at))->k;
+    const size_t y = (size_t)k->n + k->d + 1 + k->w, inputs = y + k->m + 1;
+    const size_t outputs = (size_t)k->n + k->d + 2 + k->w + k->m + CONDITIONS;
+    double *in = lua_newuserdatauv(L, (inputs + outputs) * sizeof *in, 0), sum = 0.0;
+    for (uint64_t p = 0; p < POINTS; p++) {
+        const double reach = (double)(1 << p % 4); /* 1 to 8, about 0 */
+        for (uint32_t i = 0; i < inputs; i++) in[i] = reach * (2 * dm_random_uniform(7, p, i) - 1);
+        in[y + k->m] = in[y] = fabs(in[y]) / 8; /* h: behind the state, or behind x */
+        sum += sum_of(&k->start, 4 * p, in, in + inputs);
+        sum += sum_of(&k->inside, 4 * p + 1, in, in + inputs);
+        sum += sum_of(&k->equation, 4 * p + 2, in, in + inputs);
+        sum += sum_of(&k->next, 4 * p + 3, in, in + inputs);
+    }
+    lua_pop(L, 1);
+    return sum;
 }
 
 /* field `key` of the options at 1 as a function; it may be left out where `optional` */

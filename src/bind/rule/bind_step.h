@@ -23,6 +23,10 @@ void dml_step_said(lua_State *L, const dm_method *method);
 void dml_step_compare(lua_State *L, int at, const dm_method *method, const double *state, double t,
                       double h);
 
+/* What tells the functions of a dm.step from those of another one: a sum of their values at made-up
+ * points, the same in every run; NAN of other methods. at: as above. */
+double dml_step_sum(lua_State *L, int at, const dm_method *method);
+
 /* Push the list of parts of the dm.rule at `object`, { name, count } each, or nil. */
 void dml_step_parts(lua_State *L, int object);
 

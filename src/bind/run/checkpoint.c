@@ -155,14 +155,16 @@ static void fingerprint(double check[DML_CHECKS], dml_model *m, double *x, const
 }
 
 /* The fingerprint is made once: L is not called again for every save. */
-static void check(dml_checkpoint *c, dml_model *m, double *x, double h, int pair) {
-    if (!c->checked) fingerprint(c->check, m, x, c->state, c->t0 + h * (double)c->steps, pair);
+static void check(dml_checkpoint *c, dml_model *m, double *x, const dml_solver *s) {
+    if (!c->checked)
+        fingerprint(c->check, m, x, c->state, c->t0 + s->h * (double)c->steps, s->pair);
+    c->check[DML_CHECK_RULE] = s->own;
     c->checked = 1;
 }
 
 /* Between two steps, where kernels of L can be evaluated at r->x. */
 void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r) {
-    check(c, r->model, r->x, r->solver->h, r->solver->pair);
+    check(c, r->model, r->x, r->solver);
 }
 
 /* push the end of the path at 1 */
@@ -173,7 +175,7 @@ static dml_checkpoint *push_end(lua_State *L, const dml_solver *s) {
     dml_checkpoint *c = lua_touserdata(L, -1);
     if (c && !c->checked) {
         double *x = lua_newuserdatauv(L, (2 * (size_t)c->n + 1) * sizeof *x, 0);
-        check(c, m, x, s->h, s->pair);
+        check(c, m, x, s);
         lua_pop(L, 1);
     }
     lua_remove(L, -2);
@@ -204,6 +206,13 @@ static void check_far(lua_State *L, double was, double is) {
                   "state where it ended; for another system start a new run from q and p");
 }
 
+/* Raise where the functions of a dm.step are others. */
+static void check_rule(lua_State *L, double was, double is) {
+    if (isnan(was) || is_same(was, is)) return;
+    luaL_error(L, "the rule is not the one of the checkpoint: its functions give other values; "
+                  "with another rule start a new run from q and p");
+}
+
 /* Raise where the system is another one: "L", "Ld" or the function that differs. */
 static void check_same(lua_State *L, const dml_stepping *r, const dml_checkpoint *c, double t) {
     double now[DML_CHECKS];
@@ -225,6 +234,7 @@ static void check_same(lua_State *L, const dml_stepping *r, const dml_checkpoint
                    c->check[k], now[k]);
     }
     check_far(L, c->check[DML_CHECK_FAR], now[DML_CHECK_FAR]);
+    check_rule(L, c->check[DML_CHECK_RULE], r->solver->own);
 }
 
 /* The stepper is open on return, as dml_stepping_start leaves it; the memory of the method goes

@@ -211,9 +211,8 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     const long steps = read_count(r, "steps", 9e15);
     double check[DML_CHECKS];
     const long checks = read_count(r, "check", MOST);
-    if (checks != DML_CHECKS && checks != DML_CHECK_FAR)
-        fail(r, "how many numbers tell the system");
-    check[DML_CHECK_FAR] = NAN; /* of a dmlua that did not look there */
+    if (checks < DML_CHECK_FAR || checks > DML_CHECKS) fail(r, "how many numbers tell the system");
+    check[DML_CHECK_FAR] = check[DML_CHECK_RULE] = NAN; /* of a dmlua that did not look there */
     read_numbers(r, check, (size_t)checks);
     const size_t size = (size_t)read_count(r, "state", MOST);
     if (size != dm_state_size((uint32_t)n)) fail(r, "the size of the state");

@@ -120,6 +120,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
     if (s->method->traits & DM_OF_FUNCTIONS) r->stepper.brought = bring(L, r);
+    if (s->own == 0.0) s->own = dml_step_sum(L, r->brought_at, s->method); /* once */
     take_memory(L, r);
 }
 

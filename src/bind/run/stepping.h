@@ -24,7 +24,8 @@ typedef struct {
     int plain;   /* sums = "plain" */
     int threads; /* of a step */
     uint32_t n;
-    int pair; /* steps a discrete Lagrangian */
+    int pair;   /* steps a discrete Lagrangian */
+    double own; /* what tells a dm.step from others, once it has run; NAN of other rules */
     dml_last_run last;
 } dml_solver;
 

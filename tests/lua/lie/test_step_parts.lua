@@ -56,6 +56,12 @@ near(far(run { steps = false, at = { 0.05, 0.15, 0.25 } }:column "E", { 1.5, 2.5
 local file = os.tmpname()
 run { steps = 12 }:checkpoint(file)
 local on = dm.resume(file, oscillator, { rule = counting }):run { steps = 18 }
+local other = rule { next = function(y, x, h)
+  return { q = { y.q[1] + x[1] }, p = { x[1] / h - 1.001 * h * (y.q[1] + x[1] / 2) / 2 } }
+end }
+raises("the rule is not the one of the checkpoint", function()
+  dm.resume(file, oscillator, { rule = other }):run { steps = 18 }
+end)
 os.remove(file)
 ok(on:column "F2"[19] == path:column "F2"[31] and on:column "E"[1] == 12.5,
   "a checkpoint has them, too")
