@@ -220,11 +220,23 @@ static void degenerate(void) {
     }
 }
 
+/* {{2, -3}, {0, 1e-9}} with sizes (1, 1e3): rows are 3002 and 1e-6 */
+static void rows_of_unlike_units(void) {
+    int32_t start[] = {0, 1, 3}, row[] = {0, 0, 1};
+    double value[] = {2.0, -3.0, 1e-9}, terms[2];
+    const dm_sparse A = {2, 2, start, row, value};
+    const double size[] = {1.0, 1e3};
+    CHECK(dm_sparse_is_within(&A, (double[]){-3000.0, 1e-6}, size, 1.0, terms));
+    CHECK(!dm_sparse_is_within(&A, (double[]){0.0, 2e-6}, size, 1.0, terms));
+    CHECK(!dm_sparse_is_within(&A, (double[]){NAN, 0.0}, size, 1.0, terms));
+}
+
 int main(void) {
     RUN(against_dense, "sums, products, transposes, parts are those of dense matrices");
     RUN(stopped, "a product stops on request; too many entries are refused");
     RUN(gradients, "conjugate gradients solve, end, and see what is not positive definite");
     RUN(eigenvectors, "eigenvectors of the second difference are sines");
+    RUN(rows_of_unlike_units, "rows are within a part of their own terms");
     RUN(degenerate, "an eigenvalue of multiplicity n - 1 has orthogonal vectors");
     return check_finish();
 }
