@@ -30,29 +30,44 @@ dm_status dm_placer_make(dm_placer *p, const double *const *vertex, uint32_t n, 
     return DM_OK;
 }
 
-/* Least squares by the normal equations: coordinates are exact where x lies in the plane, and what
- * is left of x is its distance. */
-double dm_placer_place(const dm_placer *p, double *lambda, const double *x) {
-    double y[DM_DIMENSION] = {0.0}, square = 0.0;
-    lambda[0] = 1.0;
+/* y[n]: products of the edges with what lambda leaves of x; returns the square of that */
+static double products(const dm_placer *p, double *y, const double *lambda, const double *x) {
+    double square = 0.0;
+    for (uint32_t i = 0; i < p->n; i++) y[i] = 0.0;
+    for (uint32_t c = 0; c < p->N; c++) {
+        double rest = x[c] - p->vertex[0][c];
+        for (uint32_t j = 1; j <= p->n; j++)
+            rest -= lambda[j] * (p->vertex[j][c] - p->vertex[0][c]);
+        for (uint32_t i = 0; i < p->n; i++) y[i] += (p->vertex[i + 1][c] - p->vertex[0][c]) * rest;
+        square += rest * rest;
+    }
+    return square;
+}
+
+/* lambda moves by the solution of the normal equations */
+static void add_coordinates(const dm_placer *p, double *lambda, double *y) {
     for (uint32_t i = 0; i < p->n; i++) {
-        for (uint32_t c = 0; c < p->N; c++)
-            y[i] += (p->vertex[i + 1][c] - p->vertex[0][c]) * (x[c] - p->vertex[0][c]);
         for (uint32_t k = 0; k < i; k++) y[i] -= p->factor[i][k] * y[k];
         y[i] /= p->factor[i][i];
     }
     for (uint32_t i = p->n; i-- > 0;) {
         for (uint32_t k = i + 1; k < p->n; k++) y[i] -= p->factor[k][i] * y[k];
         y[i] /= p->factor[i][i];
-        lambda[i + 1] = y[i];
+        lambda[i + 1] += y[i];
         lambda[0] -= y[i];
     }
-    for (uint32_t c = 0; c < p->N; c++) {
-        double off = x[c];
-        for (uint32_t j = 0; j <= p->n; j++) off -= lambda[j] * p->vertex[j][c];
-        square += off * off;
+}
+
+/* Least squares, twice: what is left of x after the first time has the digits that the normal
+ * equations of a thin simplex lose. What is left in the end is its distance. */
+double dm_placer_place(const dm_placer *p, double *lambda, const double *x) {
+    double y[DM_DIMENSION];
+    for (uint32_t j = 0; j <= p->n; j++) lambda[j] = j == 0 ? 1.0 : 0.0;
+    for (int pass = 0; pass < 2; pass++) {
+        products(p, y, lambda, x);
+        add_coordinates(p, lambda, y);
     }
-    return sqrt(square);
+    return sqrt(products(p, y, lambda, x));
 }
 
 /* Gaussian elimination with partial pivots. */

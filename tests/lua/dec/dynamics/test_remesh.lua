@@ -123,4 +123,26 @@ raises("another dimension", dm.multigrid, { dm.mesh { triangle = 2 }, dm.mesh { 
 raises("is none", dm.multigrid, { dm.mesh { triangle = 2 }, 3 })
 raises("none of the meshes", function() mg:prolong(cochain(K, 0)) end)
 raises("153 numbers", function() dm.multigrid(meshes("triangle", 8, 2)):solve { 1, 2 } end)
+-- thin tetrahedra lose no digits: a mesh whose cells are cut at an inner point has the same set, and its vertices stay
+do
+  for _, thin in ipairs { 1e-2, 1e-3, 1e-4 } do
+    local points = { { 0, 0, 0 }, { 1, 0.1, 0 }, { 0.2, 1, 0 }, { 1.1, 1.2, thin }, { 0.6, 0.5, 1 } }
+    local coarse = dm.mesh { points = points, simplices = { { 1, 2, 3, 4 }, { 1, 2, 4, 5 }, { 1, 3, 4, 5 } }, dual = "barycentric" }
+    local more = { table.unpack(points) }
+    more[6] = { 0, 0, 0 }
+    for c = 1, 3 do for j, w in ipairs { 0.1, 0.3, 0.2, 0.4 } do more[6][c] = more[6][c] + w * points[j][c] end end
+    local fine = dm.mesh { points = more, dual = "barycentric",
+      simplices = { { 6, 2, 3, 4 }, { 1, 6, 3, 4 }, { 1, 2, 6, 4 }, { 1, 2, 3, 6 }, { 1, 2, 4, 5 }, { 1, 3, 4, 5 } } }
+    local T, off = dm.remesh(coarse, fine):matrix(0), 0
+    for v = 1, 5 do
+      local unit = {}
+      for i = 1, 5 do unit[i] = i == v and 1 or 0 end
+      local x = T * dm.vector(unit)
+      for i = 1, 5 do off = math.max(off, math.abs(x[i] - unit[i])) end
+    end
+    ok(off < 1e-14 / thin, ("thin cells of %g: vertices keep their values"):format(thin), off)
+    local u = cochain(coarse, 1)
+    ok((dm.remesh(coarse, fine)(u):d() - dm.remesh(coarse, fine)(u:d())):max() < 1e-13 / thin, "T d = d T there")
+  end
+end
 tap.done()
