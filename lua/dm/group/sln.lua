@@ -65,10 +65,9 @@ local function adjugate(g) return core.matrix { { g[2][2], -g[1][2] }, { -g[2][1
 
 local function unit_determinant(g, n)
   local det = g:det()
-  if type(det) == "number" and (det == 0 or det < 0 and n % 2 == 0) then
-    error(("no multiple of the matrix has determinant 1: its own is %g"):format(det), 0)
+  if type(det) == "number" and not (det > 0) then
+    error(("no positive multiple of the matrix has determinant 1: its own is %g"):format(det), 0)
   end
-  if type(det) == "number" and det < 0 then return g * -(abs(det) ^ (-1 / n)) end
   return g * det ^ (-1 / n)
 end
 

@@ -152,4 +152,22 @@ near((reduced.p[51] - path.p[51]):norm(), 0, 1e-14, "reduced")
 raises("this is no element of Aff(1)", function()
   solver:run { q = { { 1, 0 }, { 0.5, 1 } }, v = { 1, 0 }, steps = 1 }
 end)
+---- a start off the group is no start: by no logarithm, of another component ----
+
+local function start_at(Q, q, project)
+  return dm.system { Q = Q, L = function(_, xi) return xi:dot(xi) / 2 end }
+    :solver { rule = "lie(1)", h = 0.01 }
+    :run { q = q, v = dm.zeros(Q.dimension), steps = 1, project = project }
+end
+local traceless = dm.group { name = "my SL(2)",
+  basis = { { { 0, 1 }, { 0, 0 } }, { { 0, 0 }, { 1, 0 } }, { { 1, 0 }, { 0, -1 } } } }
+local slanted = dm.group { basis = { { { 1, 0 }, { 0, 2 } } }, name = "slanted" }
+for _, project in ipairs { false, true } do
+  raises("its determinant is -1, not 1", start_at, traceless, dm.matrix { { 1, 0 }, { 0, -1 } }, project)
+  raises("no element of slanted", start_at, slanted, dm.matrix { { -2, 0 }, { 0, 3 } }, project)
+  raises("its determinant is -1, not 1", start_at, dm.SL(3),
+    dm.matrix { { -1, 0, 0 }, { 0, -1, 0 }, { 0, 0, -1 } }, project)
+end
+tap.ok(start_at(traceless, dm.matrix { { -2, 0 }, { 0, -0.5 } }), "an element without a logarithm")
+
 tap.done()

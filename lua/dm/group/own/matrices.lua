@@ -253,8 +253,23 @@ end
 
 ---- is a matrix on the group? ----
 
--- that of its logarithm from the algebra, where it has one; from the form, from the hull
+local function is_traceless(kit)
+  for k = 1, kit.dimension do
+    if abs(kit.hat(linear.unit(kit.dimension, k)):trace()) > TINY then return false end
+  end
+  return true
+end
+
+-- how far g is from exp of what log g has in the algebra; nothing: it has no logarithm
+local function off_algebra(kit, g)
+  local fine, x = blame.try(kit.log, g)
+  return fine and linear.largest(g - kit.exp(x)) / max(1, linear.largest(g)) or nil
+end
+
+-- that of its logarithm from the algebra, or of its square's, where it has one; from the form, from
+-- the hull
 local function defects(kit, J)
+  local traceless = is_traceless(kit)
   function kit.defect(g)
     local size = max(1, linear.largest(g))
     local off = linear.largest(g - kit.unflat(kit.flat(g))) / size
@@ -264,10 +279,12 @@ local function defects(kit, J)
       off = linear.largest(g:transpose() * J * g - J) / size ^ 2
       if off > 1e-9 then return off, ("g^T J g is off J by %.3g"):format(off) end
     end
-    if not (abs(g:det()) > 1e-14 * linear.size(g) ^ g.rows) then return 1, "it is singular" end
-    local fine, x = blame.try(kit.log, g)
-    if not fine then return off end
-    return max(off, linear.largest(g - kit.exp(x)) / size)
+    local det = g:det()
+    if not (abs(det) > 1e-14 * linear.size(g) ^ g.rows) then return 1, "it is singular" end
+    if traceless and abs(det - 1) > 1e-9 * size ^ g.rows then
+      return abs(det - 1) / size ^ g.rows, ("its determinant is %.9g, not 1"):format(det)
+    end
+    return max(off, off_algebra(kit, g) or off_algebra(kit, g * g) or 0)
   end
   function kit.project(g) return kit.exp(kit.log(g)) end
 end
