@@ -5585,10 +5585,11 @@ function dm.ceil(x) end
 ---"precession" (how far it has turned besides: cyclic coordinates, else rotations of the plane or of
 ---space that L does not feel, in rad), "energy", "momentum" (of
 ---coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
----compared with the reference, or { f }: the change of f along the run. Errors below chart.floor, what
----the references differ by, are raised to it and marked `below`; those of more than 0.3 of the range
----of the motion, which tell of no order, are marked `far`. ns is the CPU time of a run, setup
----that of its first step, kernels included.
+---compared with the reference, or { f }: the change of f along the run. What changes along the run
+---itself is looked at after each step, or at as many times as `samples` says. Errors below
+---chart.floor, what the references differ by, are raised to it and marked `below`; those of more than
+---0.3 of the range of the motion, which tell of no order, are marked `far`. ns is the CPU time of a
+---run, setup that of its first step, kernels included.
 ---The reference is found: two unlike methods, each refined until they agree; where they do not come
 ---close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
 ---on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these.

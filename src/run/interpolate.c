@@ -37,6 +37,8 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state, doub
         b.t = out[own];
         const double gap = fabs(b.t - target);
         if (gap <= close || (gap >= last && gap <= 1e3 * close)) return DM_OK;
+        /* two points as close as round-off tell no slope: the one before is as good as any */
+        if (gap >= last && last <= 1e3 * close) return step_by(s, out, state, t0, a.h);
         if (b.t == a.t) return DM_NO_CONVERGENCE;
         b.slope = 1.0 / s->engine->pace(s, out);
         const double next = interpolate(&a, &b, target);

@@ -107,11 +107,15 @@ local function run_options(options, more)
   return out
 end
 
+local SAMPLES = 32
+-- numbers that the rows of a run may have, where what changes along it is looked at after each step
+local MOST = 2 ^ 22
+
 -- dense: rows from which the motion between them can be told, as often as the finest step
 local DENSE = 4096
 
-local function sample_times(options, dense)
-  local count, t0, out = options.samples or 32, options.t0 or 0, {}
+local function sample_times(options, dense, by_steps)
+  local count, t0, out = options.samples or by_steps and DENSE or SAMPLES, options.t0 or 0, {}
   local finest = min(table.unpack(options.h))
   if dense then count = min(DENSE, max(256, math.ceil(options.t / finest))) end
   if not dense then out[1] = t0 end -- changes are from the start
@@ -122,6 +126,15 @@ end
 -- number of steps for the whole duration; rules with a time of their own are timed as they are run
 local function steps_for(options, h) return max(1, floor(options.t / h + 0.5)) end
 
+-- the rows of a run: at the times of the reference, where there is one, or at those asked for; else
+-- after each step, or as many as there is room for: at few times some rules show too little
+local function rows_of(chart, own, steps)
+  local every = chart.dense and max(1, steps // DENSE)
+    or chart.by_steps and math.ceil(steps * (2 * chart.system.Q.dimension + 2) / MOST)
+  if own or not every then return { at = chart.times, watch = chart.watch } end
+  return { steps = steps, every = every, watch = chart.watch }
+end
+
 local function measure(chart, entry, h)
   local options, rule = chart.options, entry.rule
   local steps = steps_for(options, h)
@@ -131,9 +144,7 @@ local function measure(chart, entry, h)
   local setup = core.cpu()
   solver:run(run_options(options, { steps = 1 }))
   setup = core.cpu() - setup
-  local rows = chart.dense and not own and { steps = steps, every = max(1, steps // DENSE) }
-    or { at = chart.times, watch = chart.watch }
-  local path = solver:run(run_options(options, rows))
+  local path = solver:run(run_options(options, rows_of(chart, own, steps)))
   local point = { rule = entry.name, h = own and h or step, setup = 1e9 * setup,
     error = chart.measure(path, chart.reference) }
   if point.error < chart.floor then point.error, point.below = chart.floor, true end
@@ -213,10 +224,11 @@ is ahead of the reference or behind it, the shift that fits it best, followed fr
 "precession" (how far it has turned besides: cyclic coordinates, else rotations of the plane or of
 space that L does not feel, in rad), "energy", "momentum" (of
 coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
-compared with the reference, or { f }: the change of f along the run. Errors below chart.floor, what
-the references differ by, are raised to it and marked `below`; those of more than 0.3 of the range
-of the motion, which tell of no order, are marked `far`. ns is the CPU time of a run, setup
-that of its first step, kernels included.
+compared with the reference, or { f }: the change of f along the run. What changes along the run
+itself is looked at after each step, or at as many times as `samples` says. Errors below
+chart.floor, what the references differ by, are raised to it and marked `below`; those of more than
+0.3 of the range of the motion, which tell of no order, are marked `far`. ns is the CPU time of a
+run, setup that of its first step, kernels included.
 The reference is found: two unlike methods, each refined until they agree; where they do not come
 close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
 on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these.
@@ -313,11 +325,13 @@ local function new_chart(system, options, known)
   local what_measure, what, needs_reference, watched, dense = measures.make(system, options.error,
     options)
   local entries = measures.entries(options.rules, options.tolerances, M.name)
+  local by_steps = not needs_reference and not options.samples
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {},
     rules = names_of(entries), measure = what_measure, what = what,
-    times = sample_times(options, dense), load = core.load_average(), floor = 1e-15,
+    times = sample_times(options, dense, by_steps), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed",
-    clock = clock, dense = dense, batches = options.repeats or BATCHES, entries = entries }, Chart)
+    clock = clock, dense = dense, by_steps = by_steps, batches = options.repeats or BATCHES,
+    entries = entries }, Chart)
   if needs_reference and not known then find_reference(chart) end
   if known then
     chart.floor, chart.reference_text, chart.load = known.floor, known.text, known.load

@@ -188,6 +188,7 @@ local function start_search(scene, given)
   scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference
   scene.checked = pilot.record(problem, reference:path(scene.check_times))
   scene.uncertainty = 2 * (scene.options.frame and reference.noise or reference.distance)
+    + pilot.round_off(problem, scene.checked)
   scene.reference_text = ("%s agree to %.1e of the tolerance"):format(reference.text,
     reference.distance)
   return search.prepare({ times = times, reference = pilot.record(problem, reference:path(times)),

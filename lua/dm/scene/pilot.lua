@@ -210,6 +210,19 @@ function M.apart(problem, a, b)
   return worst
 end
 
+local UNIT = 2 ^ -52
+
+--- What numbers of a record are rounded by, in parts of the tolerance.
+function M.round_off(problem, record)
+  local worst = 0
+  for _, name in ipairs(problem.columns) do
+    for _, x in ipairs(record[name]:totable()) do
+      worst = max(worst, UNIT * abs(x) / problem.tolerance[name])
+    end
+  end
+  return worst
+end
+
 -- An error that goes like a parabola between the times is an eighth of its second difference more
 -- than it is at them, one with a kink up to a half; the margin is for what is left.
 local BEND, MARGIN = 1 / 4, 1.1

@@ -251,4 +251,17 @@ do
     q = { 1 }, v = { 0 }, t = math.pi / 2, samples = 1, rules = { "verlet" }, h = { math.pi / 60 }, error = "energy", rivals = false }
   ok(math.abs(late.points[1].error / ((math.pi / 60) ^ 2 / 8) - 1) < 0.01, "and with one sample", late.points[1].error)
 end
+-- energy is looked at after each step: at 32 times, an eighth of a turn apart, Verlet's looked better than it is
+do
+  local oscillator = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  local function error_of(samples)
+    return dm.chart { oscillator, q = { 1 }, v = { 0 }, t = 64 * math.pi, rules = { "verlet" }, h = { math.pi / 32 }, error = "energy",
+      rivals = false, samples = samples }.points[1].error
+  end
+  local path, worst = oscillator:solver({ rule = "verlet", h = math.pi / 32 }):run { q = { 1 }, v = { 0 }, steps = 2048 }, 0
+  local E = path:energy()
+  for i = 1, #E do worst = math.max(worst, math.abs(E[i] - E[1])) end
+  tap.ok(math.abs(error_of() / worst - 1) < 1e-9, "the largest change of the energy", error_of() / worst)
+  tap.ok(error_of(32) < 0.9 * worst, "which 32 times in step with the motion do not show", error_of(32) / worst)
+end
 tap.done()

@@ -67,4 +67,26 @@ local boxes = dm.multisymplectic { names = { "u", "p", "q" }, x = { 0, 6, 33, pe
   K = { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } }, S = function(z) return z[2] ^ 2 / 2 - z[3] ^ 2 / 2 end }
 tap.raises("got dm.boxes", dm.stability, { system = boxes, z = { u = math.sin }, h = { 0.1, 1, 3, "log" }, t = 1 })
 tap.raises("make a run, system:solver", dm.scene, { boxes, z = { u = math.sin }, tolerance = 1, until_t = 1 })
+-- rows in steps of log-hamiltonian far from a weak well, where time as a function of the step is rounded coarsely
+do
+  local e, T, at, lost = 0.044389409885876, 3.1, {}, 0
+  for k = 1, 3000 do at[k] = T * (k - k * 0.618034 % 1 * 0.99) / 3000 end
+  at[3000] = T
+  local core = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + e / 2 / (q:dot(q) + e * e) end }
+  for i = 1, 20 do
+    local fine, why = pcall(function()
+      core:solver { rule = "log-hamiltonian(kahan-li(8))", h = 0.002 * (1 + i) }:run { q = { -2, 0.01 }, v = { 1.3, 0 }, at = at }
+    end)
+    if not fine and tostring(why):find "did not converge" then lost = lost + 1 end
+  end
+  ok(lost == 0, "rows in steps of a time of their own", lost)
+end
+
+-- what is solved in closed form is rounded, too
+do
+  local run = dm.scene { dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }, q = { 0.7 }, v = { 0.3 },
+    watch = { "q1" }, tolerance = 1e-9, until_t = 1e-7 }:run { at = { 5e-8, 1e-7 } }
+  ok(run.error_estimate > 1e-16 and run.error_estimate < 1e-15, "an estimate is not below round-off", run.error_estimate)
+end
+
 tap.done()
