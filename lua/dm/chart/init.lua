@@ -11,6 +11,7 @@ local option = require "dm.base.options"
 local orders = require "dm.chart.orders"
 local ranks = require "dm.sweep.ranks"
 local reference = require "dm.chart.reference_run"
+local rows = require "dm.chart.rows"
 local show = require "dm.chart.show"
 local sizes = require "dm.chart.sizes"
 local starts = require "dm.base.start"
@@ -107,33 +108,8 @@ local function run_options(options, more)
   return out
 end
 
-local SAMPLES = 32
--- numbers that the rows of a run may have, where what changes along it is looked at after each step
-local MOST = 2 ^ 22
-
--- dense: rows from which the motion between them can be told, as often as the finest step
-local DENSE = 4096
-
-local function sample_times(options, dense, by_steps)
-  local count, t0, out = options.samples or by_steps and DENSE or SAMPLES, options.t0 or 0, {}
-  local finest = min(table.unpack(options.h))
-  if dense then count = min(DENSE, max(256, math.ceil(options.t / finest))) end
-  if not dense then out[1] = t0 end -- changes are from the start
-  for i = 1, count do out[#out + 1] = t0 + options.t * i / count end
-  return out
-end
-
 -- number of steps for the whole duration; rules with a time of their own are timed as they are run
 local function steps_for(options, h) return max(1, floor(options.t / h + 0.5)) end
-
--- the rows of a run: at the times of the reference, where there is one, or at those asked for; else
--- after each step, or as many as there is room for: at few times some rules show too little
-local function rows_of(chart, own, steps)
-  local every = chart.dense and max(1, steps // DENSE)
-    or chart.by_steps and math.ceil(steps * (2 * chart.system.Q.dimension + 2) / MOST)
-  if own or not every then return { at = chart.times, watch = chart.watch } end
-  return { steps = steps, every = every, watch = chart.watch }
-end
 
 local function measure(chart, entry, h)
   local options, rule = chart.options, entry.rule
@@ -144,7 +120,7 @@ local function measure(chart, entry, h)
   local setup = core.cpu()
   solver:run(run_options(options, { steps = 1 }))
   setup = core.cpu() - setup
-  local path = solver:run(run_options(options, rows_of(chart, own, steps)))
+  local path = solver:run(run_options(options, rows.of(chart, own, steps)))
   local point = { rule = entry.name, h = own and h or step, setup = 1e9 * setup,
     error = chart.measure(path, chart.reference) }
   if point.error < chart.floor then point.error, point.below = chart.floor, true end
@@ -328,7 +304,7 @@ local function new_chart(system, options, known)
   local by_steps = not needs_reference and not options.samples
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {},
     rules = names_of(entries), measure = what_measure, what = what,
-    times = sample_times(options, dense, by_steps), load = core.load_average(), floor = 1e-15,
+    times = rows.times(options, dense, by_steps), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed",
     clock = clock, dense = dense, by_steps = by_steps, batches = options.repeats or BATCHES,
     entries = entries }, Chart)
