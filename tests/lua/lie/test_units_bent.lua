@@ -65,7 +65,7 @@ end
 for _, project in ipairs { false, true } do
   tap.raises("this is no element of GL(2), it is singular", start_of, dm.GL(2),
     { { 1, 2 }, { 2, 4 } }, project)
-  tap.raises("its determinant is -1, not 1: no multiple", start_of, SL,
+  tap.raises("its determinant is -1, not 1: no positive multiple", start_of, SL,
     { { -1, 0 }, { 0, 1 } }, project)
   tap.raises("no single nearest rotation", start_of, G,
     { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }, project)
