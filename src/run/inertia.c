@@ -46,11 +46,11 @@ static size_t order(const dm_model *m) {
     return (size_t)m->n + holonomic(m) + rolling(m);
 }
 
-/* the mass and a copy of it, the rows of constraints, a vector, the bordered matrix; the velocity
- * in their place */
+/* the mass and a copy of it, the rows of constraints, a vector, the bordered matrix, which has room
+ * for the rows once more; the velocity in their place */
 static size_t matrices(const dm_model *m) {
-    const size_t n = m->n, all = order(m);
-    return n * (n + all + 1) + (all > n ? all * all : 0);
+    const size_t n = m->n, all = order(m), rows = all - n;
+    return n * (n + all + 1) + (rows ? all * all + (rows + 1) * n : n);
 }
 
 /* (q, v, t), outputs, matrices, the Legendre transform */
@@ -124,12 +124,22 @@ static int find_mass(const dm_inertia *x, const double *state, double t) {
     return 1;
 }
 
-/* The mass that was found, scaled, on the velocities that constraints allow, as A; its order. */
-static uint32_t place_mass(const dm_inertia *x, double *A, const double *M) {
+/* The mass that was found, scaled, as A. */
+static void place_mass(const dm_inertia *x, double *A, const double *M) {
     const uint32_t n = x->model->n;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) A[i * n + j] = x->scale[i] * M[i * n + j] * x->scale[j];
-    return n;
+}
+
+/* Of velocities, by what is found: the diagonal becomes ones; of a prolonged L that of M. */
+static void find_scales(dm_inertia *x, const double *M) {
+    const uint32_t n = x->model->n, half = n / 2;
+    const int prolonged = dm_inertia_is_prolonged(M, n);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t row = prolonged ? i % half : i, column = prolonged ? row + half : row;
+        const double own = fabs(M[row * n + column]);
+        x->scale[i] = own > 0.0 && own < INFINITY ? 1.0 / sqrt(own) : 1.0;
+    }
 }
 
 /* [M, G^T; G, 0] as A[N*N] */
@@ -143,22 +153,23 @@ static void place_border(double *A, size_t N, const double *M, const double *G, 
 /* How many are negative of the mass that was found, and the size of the value next to zero. With
  * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
  * that on the velocities they allow; the number is that of the bordered matrix, which has as many
- * more as there are independent constraints, and which large tangent vectors of a prolonged L leave
- * right: reflections would mix them with what is small. */
+ * more as there are independent constraints. */
 static uint32_t count(const dm_inertia *x, double *least) {
     static const double FAR = 1e-3;
     const dm_model *m = x->model;
-    const uint32_t n = m->n, all = (uint32_t)order(m), rows = all - n;
+    uint32_t n = m->n, rows = (uint32_t)order(m) - n, negative = 0;
     double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(m), *kept = out + n;
     double *copy = A + (size_t)n * n, *G = copy + (size_t)n * n,
            *border = G + (size_t)(rows + 1) * n;
-    uint32_t N = place_mass(x, A, kept), negative = 0;
-    if (rows) { /* the kernels of constraints write where the mass is */
+    place_mass(x, A, kept);
+    if (rows) place_constraints(x, G, at, out); /* where the mass was */
+    n = dm_inertia_halve(A, G, &rows, n, border);
+    uint32_t N = n;
+    if (rows) {
         double unused;
-        place_constraints(x, G, at, out);
-        place_border(border, all, A, G, n);
-        negative = dm_negative_values(border, all, &unused);
-        N = dm_restrict(A, n, G, rows, G + (size_t)rows * n);
+        place_border(border, (size_t)n + rows, A, G, n);
+        negative = dm_negative_values(border, n + rows, &unused);
+        N = dm_restrict(A, n, G, rows, border);
     }
     memcpy(copy, A, (size_t)N * N * sizeof *A);
     if (dm_all_positive(A, N, FAR, least)) return negative;
@@ -232,11 +243,8 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     const size_t n = x->model->n;
     const double *M = x->room + 2 * n + 1 + n;
     *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t)};
-    for (size_t i = 0; i < n && s->known; i++) {
-        const double own = fabs(M[i * n + i]);
-        x->scale[i] = own > 0.0 && own < INFINITY ? 1.0 / sqrt(own) : 1.0;
-    }
     if (!s->known) return DM_OK;
+    find_scales(x, M);
     s->negative = count(x, &s->least);
     s->degenerate = is_degenerate(x, state, t);
     if (s->degenerate) return DM_SINGULAR;

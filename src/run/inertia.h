@@ -106,6 +106,15 @@ int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, 
 /* How fast values move there, in units of the scales; `surely`: by the velocity itself. */
 double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int surely);
 
+/* ---- tangent maps (inertia_prolonged.c) ---- */
+
+/* Is M[n*n] that of a prolonged L? */
+int dm_inertia_is_prolonged(const double *M, uint32_t n);
+
+/* Where it is so, and the constraints G[rows*n] are: the M of L and the constraints of q, in the
+ * first entries of A and G; their order. Else n. work[(rows + 1) * n]. */
+uint32_t dm_inertia_halve(double *A, double *G, uint32_t *rows, uint32_t n, double *work);
+
 /* ---- between looks (inertia_step.c) ---- */
 
 /* Doubles of boxes for a model. */

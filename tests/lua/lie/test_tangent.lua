@@ -153,6 +153,19 @@ for _, case in ipairs(hung) do
   end
 end
 
+-- M of L is looked at, not that of the prolonged L, in which large tangent vectors hide it
+do
+  local _, system, place = table.unpack(hung[2])
+  local solver, missed = system:solver { rule = "lobatto(2)", h = 0.05 }, 0
+  for i = 1, 20 do
+    local q, a, b = place(G:exp { 0.1 * i, 0.3 - 0.07 * i, 0.05 * i },
+      { 0.2 - 0.04 * i, 0.1 * i, 1.5 - 0.1 * i })
+    local v = { a[1], a[2], a[3], b[1], b[2], b[3] }
+    missed = missed + (pcall(solver.tangent, solver, { q = q, v = v, steps = 20 }) and 0 or 1)
+  end
+  near(missed, 0, 0, "tangent maps of a joint from any start, by rounding of any processor")
+end
+
 -- the sleeping top, w3 = 4: small changes grow as sqrt(mgl/I - (I3 w3/(2 I))^2), held by a joint
 local sleeping = dm.system { Q = SE, constraint = joint_of(of_pose), L = function(g, v)
   return (v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + 0.6 * v[6] ^ 2) / 2 - g[3][4]
