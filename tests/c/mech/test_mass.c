@@ -1,48 +1,8 @@
 /* signs of the mass of a model that are told without looking at states. */
 #include "algebra/extremum.h"
+#include "built.h"
 #include "check.h"
 #include "linalg/signature.h"
-#include "problems.h"
-
-static uint64_t seed = 7;
-
-/* uniform in [-1, 1) */
-static double random_number(void) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(seed >> 11) * 0x1p-52 - 1.0;
-}
-
-typedef struct {
-    dm_arena arena;
-    dm_graph *g;
-    dm_model model;
-} built;
-
-static void start(built *b, uint32_t inputs) {
-    dm_arena_init(&b->arena, problem_allocate, NULL);
-    b->g = dm_graph_new(&b->arena, inputs);
-    b->model = (dm_model){0};
-}
-
-static dm_status finish(built *b, dm_node L, uint32_t n) {
-    return dm_model_build(&b->model, b->g, L, n, 63, dm_tape_build, &b->arena);
-}
-
-static void stop(built *b) {
-    dm_arena_release(&b->arena);
-}
-
-static dm_node number(built *b, double x) {
-    return dm_constant(b->g, x);
-}
-
-static dm_node input(built *b, uint32_t i) {
-    return dm_input(b->g, i);
-}
-
-static dm_node times(built *b, dm_node x, dm_node y) {
-    return dm_mul(b->g, x, y);
-}
 
 /* a v1^2 + v2^2/2 + c v1 v2 cos(q1 - q2): is the mass told definite, or L convex in v, anywhere? M = (2a
  * c cos; c cos 1) is definite where c^2 < 2a; L with w1^2/2 + w2^2/2 + c w1 w2, w1 = (q1 v1 + q2 v2)/q2,
@@ -221,10 +181,27 @@ static void tells_links_that_keep_their_signs(void) {
     CHECK(told[0] > 50 && missed[0] < 10 && told[1] > 50 && negative[0] > 20 && negative[1] > 20);
 }
 
+/* (q1 v1)^2/2 + v2^2/2 + 0.9 q1^k v1 v2 has a negative value somewhere unless k = 1. */
+static void tells_products_by_their_factors(void) {
+    for (int k = 0; k < 3; k++) {
+        built b;
+        start(&b, 5);
+        const dm_node q = input(&b, 0), v1 = input(&b, 2), v2 = input(&b, 3), w = times(&b, q, v1);
+        dm_node cross = times(&b, number(&b, 0.9), times(&b, v1, v2));
+        for (int i = 0; i < k; i++) cross = times(&b, q, cross);
+        const dm_node squared = dm_add(b.g, times(&b, w, w), times(&b, v2, v2));
+        const dm_node L = dm_add(b.g, times(&b, number(&b, 0.5), squared), cross);
+        CHECK(finish(&b, L, 2) == DM_OK);
+        CHECK((b.model.mass_bounds == NULL) == (k == 1));
+        stop(&b);
+    }
+}
+
 int main(void) {
     RUN(tells_a_mass_that_keeps_its_signs, "tells a mass that keeps its signs");
     RUN(tells_a_least_value_that_keeps_its_signs, "tells a least value that keeps its signs");
     RUN(tells_links_that_keep_their_signs, "tells links that keep their signs");
     RUN(tells_arms_that_keep_their_signs, "tells arms that keep their signs");
+    RUN(tells_products_by_their_factors, "tells products by their factors");
     return check_finish();
 }

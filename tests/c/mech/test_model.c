@@ -1,46 +1,6 @@
 /* a model from its Lagrangian: structure, kernels against ones written by hand, Legendre. */
+#include "built.h"
 #include "check.h"
-#include "problems.h"
-
-static uint64_t seed = 7;
-
-/* uniform in [-1, 1) */
-static double random_number(void) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(seed >> 11) * 0x1p-52 - 1.0;
-}
-
-typedef struct {
-    dm_arena arena;
-    dm_graph *g;
-    dm_model model;
-} built;
-
-static void start(built *b, uint32_t inputs) {
-    dm_arena_init(&b->arena, problem_allocate, NULL);
-    b->g = dm_graph_new(&b->arena, inputs);
-    b->model = (dm_model){0};
-}
-
-static dm_status finish(built *b, dm_node L, uint32_t n) {
-    return dm_model_build(&b->model, b->g, L, n, 63, dm_tape_build, &b->arena);
-}
-
-static void stop(built *b) {
-    dm_arena_release(&b->arena);
-}
-
-static dm_node number(built *b, double x) {
-    return dm_constant(b->g, x);
-}
-
-static dm_node input(built *b, uint32_t i) {
-    return dm_input(b->g, i);
-}
-
-static dm_node times(built *b, dm_node x, dm_node y) {
-    return dm_mul(b->g, x, y);
-}
 
 /* w (a^2 + b^2) for inputs i, i+1 */
 static dm_node squares(built *b, double w, uint32_t i) {
