@@ -166,6 +166,15 @@ end
 
 local SYMBOL_AVERAGES = 9
 
+-- no matrix of that kind is nearest: to a singular one, or where averages become singular, as of
+-- one that lies between several
+local function refuse_average(what, i, why)
+  if i > 1 then
+    error(("no nearest %s matrix was found: several are as near, or all are far"):format(what), 0)
+  end
+  error(("there is no nearest %s matrix: %s"):format(what, why), 0)
+end
+
 -- x -> (x + dual(x))/2 until it stays; the determinant is brought to 1 before each step but the
 -- last ones
 local function average(x, dual, what)
@@ -173,13 +182,11 @@ local function average(x, dual, what)
   for i = 1, plain and 100 or SYMBOL_AVERAGES do
     if i < 5 then
       local fine, scale = blame.try(scale_of, x)
-      if not fine or scale == math.huge then
-        error(("there is no nearest %s matrix: it is singular"):format(what), 0)
-      end
+      if not fine or scale == math.huge then refuse_average(what, i, "it is singular") end
       x = x * scale
     end
     local fine, other = blame.try(dual, x)
-    if not fine then error(("there is no nearest %s matrix: %s"):format(what, other), 0) end
+    if not fine then refuse_average(what, i, other) end
     local y = (x + other) * 0.5
     if plain and linear.size(y - x) <= 1e-15 * linear.size(x) then return y end
     if plain and i == 100 then error(("no nearest %s matrix was found"):format(what), 0) end

@@ -67,6 +67,8 @@ for _, project in ipairs { false, true } do
     { { 1, 2 }, { 2, 4 } }, project)
   tap.raises("its determinant is -1, not 1: no positive multiple", start_of, SL,
     { { -1, 0 }, { 0, 1 } }, project)
+  tap.raises("no nearest symplectic matrix was found: several", start_of, dm.Sp(4),
+    { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 0, -1 } }, project)
   tap.raises("no single nearest rotation", start_of, G,
     { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }, project)
 end
