@@ -206,11 +206,12 @@ static void check_far(lua_State *L, double was, double is) {
                   "state where it ended; for another system start a new run from q and p");
 }
 
-/* Raise where the functions of a dm.step are others. */
+/* Raise where the rule is another one of the same name: coefficients or functions differ. */
 static void check_rule(lua_State *L, double was, double is) {
     if (isnan(was) || is_same(was, is)) return;
-    luaL_error(L, "the rule is not the one of the checkpoint: its functions give other values; "
-                  "with another rule start a new run from q and p");
+    luaL_error(L, "the rule is not the one of the checkpoint: its coefficients or functions are "
+                  "others; give that one, dm.resume(file, system, { rule = the object }), or start "
+                  "a new run from q and p");
 }
 
 /* Raise where the system is another one: "L", "Ld" or the function that differs. */

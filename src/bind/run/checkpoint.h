@@ -12,7 +12,7 @@ enum {
     DML_CHECK_NEAR,
     DML_CHECK_FUNCTIONS,
     DML_CHECK_FAR = DML_CHECK_FUNCTIONS + DML_CONSTRAINT_FUNCTIONS,
-    DML_CHECK_RULE, /* the functions of a dm.step; NAN of other rules, and as above */
+    DML_CHECK_RULE, /* what tells a rule with data of its own; NAN as above */
     DML_CHECKS
 };
 

@@ -8,6 +8,7 @@
 #include "bind/model/space_group.h"
 #include "bind/rule/bind_rule.h"
 #include "bind/rule/bind_step.h"
+#include "bind/rule/rule_sum.h"
 #include "bind/run/start_constraints.h"
 #include "bind/run/stepping_params.h"
 #include "bind/trace/bind_root.h"
@@ -120,7 +121,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
     if (s->method->traits & DM_OF_FUNCTIONS) r->stepper.brought = bring(L, r);
-    if (s->own == 0.0) s->own = dml_step_sum(L, r->brought_at, s->method); /* once */
+    if (s->own == 0.0) s->own = dml_rule_sum(L, r->brought_at, s->nodes, r->stepper.brought);
     take_memory(L, r);
 }
 

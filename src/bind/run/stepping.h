@@ -25,7 +25,7 @@ typedef struct {
     int threads; /* of a step */
     uint32_t n;
     int pair;   /* steps a discrete Lagrangian */
-    double own; /* what tells a dm.step from others, once it has run; NAN of other rules */
+    double own; /* what tells its rule from others of that name, once it has run */
     dml_last_run last;
 } dml_solver;
 
