@@ -60,6 +60,7 @@ local RATIO = 1.07   -- from one number of steps to the next
 local DEARER = 1.3   -- times the cost of the choice, where the grid of a rule ends
 local MOST = 1 << 17
 local ROUNDS = 15
+local MOST_SECONDS = 2   -- of one run: rules with a time of their own that have run away never end
 
 -- errors are taken at times of their own
 local function hold_out(scene)
@@ -73,6 +74,7 @@ end
 local function grid(scene, costs, model, rule, times, record, limit, found)
   local N, failures, tried = 2, 0, 0
   while N < MOST do
+    pilot.allow(scene.problem, MOST_SECONDS, 1)
     local fine, ns = pcall(costs.about, costs, model, rule, N)
     if fine and ns > limit then break end
     local run = fine and pilot.run(model, rule, N, times)
@@ -120,6 +122,7 @@ local function one(row)
       tried = tried + grid(scene, costs, model, rule.rule, times, record, DEARER * choice.ns, found)
     end
   end
+  pilot.allow(scene.problem, nil)
   local err = pilot.apart(scene.problem, pilot.run(b.model, b.rule, b.N, times), record)
   local told, other = line(scene, tried, compare(costs, found, choice), choice, err)
   print(("%s | %s"):format(row[2], told))
