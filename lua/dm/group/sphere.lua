@@ -9,13 +9,14 @@ local smooth = require "dm.group.smooth"
 local M = {}
 
 local LOOSE = 1e-6  -- how far a vector may lean out of the tangent space, of its length
+local LEAST = 1e-307 -- and below the least normal number by its rounding
 
 -- w without its part along z, which must be small
 local function tangent(z, w)
   if not kits.is_finite(w) then error("the tangent vector is not finite", 0) end
   local along, size = w:dot(z), w:norm()
   if type(along) == "number" and type(size) == "number"
-    and not (math.abs(along) <= LOOSE * size) then
+    and not (math.abs(along) <= LOOSE * size + LEAST) then
     error(("this is no tangent vector at the point: w . z = %.6g; w - z*(w . z) is one")
       :format(along), 0)
   end

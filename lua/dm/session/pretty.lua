@@ -122,6 +122,9 @@ local function show_table(state, t, depth)
     and rawget(meta, "__name") ~= "dm.result" then
     return tostring(t)
   end
+  if type(meta) == "table" and rawget(meta, "__name") == "dm.element" then
+    t = meta.__index -- the factors of a row of a path
+  end
   if state.open[t] then return paint(state, "table", "<cycle>") end
   if next(t) == nil then return "{}" end
   if depth >= state.depth then return paint(state, "table", "{...}") end

@@ -94,6 +94,38 @@ static void check_params(lua_State *L) {
     lua_pop(L, 1);
 }
 
+/* Raise where argument `at` of the function in field `key`, which is the time (the step of an Ld),
+ * has the name of a parameter: it would be taken for one without a word. */
+static void check_argument(lua_State *L, const char *key, int at, const char *what) {
+    const int top = lua_gettop(L);
+    lua_getfield(L, 1, "params");
+    if (lua_getfield(L, 1, key) == LUA_TFUNCTION && lua_istable(L, top + 1)) {
+        const char *name = lua_getlocal(L, NULL, at); /* pops the function; of one in C NULL */
+        lua_settop(L, top + 1);
+        if (name && strcmp(name, what) != 0 && lua_getfield(L, top + 1, name) != LUA_TNIL)
+            luaL_error(L,
+                       "field '%s': its argument %d is %s, but is called like the parameter '%s': "
+                       "params are a table behind it, function(%s, %s, params), and the parameter "
+                       "is params.%s",
+                       key, at, what, name,
+                       at == 2                 ? "q"
+                       : *what == 'h'          ? "q0, q1"
+                       : strcmp(key, "H") == 0 ? "q, p"
+                                               : "q, v",
+                       what, name);
+    }
+    lua_settop(L, top);
+}
+
+static void check_arguments(lua_State *L) {
+    static const char *const behind[] = {"L", "H", "rolling", "force", "reaction", "control", NULL};
+    const int pair = dml_field(L, 1, "Ld");
+    lua_pop(L, 1);
+    if (pair) return check_argument(L, "Ld", 3, "h");
+    for (const char *const *key = behind; *key; key++) check_argument(L, *key, 3, "t");
+    check_argument(L, "constraint", 2, "t");
+}
+
 /* name -> unit */
 static void check_units(lua_State *L) {
     const int type = lua_getfield(L, 1, "units");
@@ -160,6 +192,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     check_coordinates(L, n);
     check_units(L);
     check_params(L);
+    check_arguments(L);
     dml_check_functions(L, wants_hyperdual(L), pair);
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     const int field = lua_getfield(L, 1, "field") != LUA_TNIL;

@@ -59,6 +59,7 @@ for n = 1, 5 do
   ok(back < 2e-14, ("S(%d): log(z, exp(z, w)) = w for |w| from 0.1 to 3.1"):format(n), back)
 end
 local S2, north = dm.S(2), dm.vector { 0, 0, 1 }
+ok(S2:exp(dm.vector { 0.6, 0.8, 0 }, { 8e-321, -6e-321, 1e-320 })[3] == 1e-320, "below the least normal number")
 near((S2:exp(north, { math.pi / 2, 0, 0 }) - dm.vector { 1, 0, 0 }):norm(), 0, 1e-15,
   "a quarter of a meridian")
 near(S2:log(north, { 3e-9, 4e-9, 1 }):norm(), 5e-9, 1e-23, "log has all digits near the point")

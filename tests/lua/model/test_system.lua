@@ -45,6 +45,17 @@ near(fast:velocity({ 0 }, p)[1], 0.8, 1e-15, "and back by Newton")
 -- parameters
 local oscillator = dm.system { Q = dm.R(1), params = { k = 9 }, L = function(q, v, t, p) return v[1] ^ 2 / 2 - p.k * q[1] ^ 2 / 2 end }
 near(oscillator:energy({ 1 }, { 0 }), 4.5, 1e-15, "params reach L")
+-- a parameter by name where the time stands would be the time
+for key, f in pairs { L = function(_, v, k) return k * v[1] ^ 2 end, H = function(_, p, k) return k * p[1] ^ 2 end,
+  force = function(_, v, k) return { -k * v[1] } end, constraint = function(q, k) return q[1] - k end } do
+  local options = { Q = dm.R(1), params = { k = 9 }, [key] = f }
+  options.L = options.L or not options.H and function(_, v) return v[1] ^ 2 end or nil
+  raises(("field '%s': its argument %d is t, but is called like the parameter 'k'"):format(key, key == "constraint" and 2 or 3),
+    dm.system, options)
+end
+raises("function(q0, q1, h, params), and the parameter is params.k", dm.discrete_lagrangian,
+  { Q = dm.R(1), h = 0.1, params = { k = 9 }, Ld = function(a, b, k) return k * (b[1] - a[1]) ^ 2 end })
+ok(dm.system { Q = dm.R(1), params = { t = 9 }, L = function(_, v, t, p) return v[1] ^ 2 * (p.t + t) end }, "a parameter called t")
 
 -- hyper-dual derivatives of what cannot be traced
 local clipped = dm.system { Q = dm.R(1), derivatives = "hyperdual",

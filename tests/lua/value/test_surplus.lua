@@ -59,6 +59,18 @@ local turned = dm.system({ Q = G, L = function(_, xi) return xi:dot(xi) / 2 end 
 raises("local m = dm.matrix(row)", function() turned.q[2][1][1][2] = 9 end)
 raises("local m = dm.matrix(row)", function() turned.q[2][1][1] = { 1, 0, 0 } end)
 raises("local v = dm.vector(row)", function() turned.q[2][2][1] = 9 end)
+raises("since it is a copy", function() turned.q[2][1] = 9 end)
+raises("since it is a copy", function() turned.q[2][3] = 9 end)
+do
+  local row, seen = turned.q[2], 0
+  for k, factor in pairs(row) do seen = seen + (row[k] == factor and 1 or 0) end
+  local g = { table.unpack(row) }
+  g[2] = { 3, 4 }
+  ok(#row == 2 and seen == 2 and #g == 2 and G:distance(row, turned.q[2]) == 0 and G:distance(g, row) > 1,
+    "an element of a product is read as a list, copied and changed")
+  ok(turned.system:solver({ rule = "lie(1)", h = 0.1 }):run { q = row, v = { 0, 1, 0.4, 1, 1 }, steps = 1 }.q[1][2] == row[2],
+    "and starts a run")
+end
 local own = dm.matrix(turned.q[2][1])
 own[1][2] = 9
 ok(own[1][2] == 9 and turned.q[2][1][1][2] ~= 9, "a copy of an element of a group can be changed")
