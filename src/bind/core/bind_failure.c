@@ -78,6 +78,13 @@ static void set_number(lua_State *L, const char *key, double x) {
     lua_setfield(L, -2, key);
 }
 
+void dml_failure_reason(lua_State *L, const dml_failure *f) {
+    if (f->root && *f->root)
+        lua_pushstring(L, f->root + strspn(f->root, "; "));
+    else
+        push_advice(L, f);
+}
+
 /* rule, what happened, when, and why or what to try */
 static void push_message(lua_State *L, const dml_failure *f) {
     const LUAI_UACINT step = (LUAI_UACINT)f->step;
@@ -93,10 +100,7 @@ static void push_message(lua_State *L, const dml_failure *f) {
         lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual, f->iterations);
     else
         lua_pushstring(L, "); ");
-    if (f->root && *f->root)
-        lua_pushstring(L, f->root + strspn(f->root, "; "));
-    else
-        push_advice(L, f);
+    dml_failure_reason(L, f);
     lua_concat(L, 4);
 }
 

@@ -24,6 +24,9 @@ typedef struct {
 extern const char dml_failure_fading[];
 int dml_failure_fades(int fading, dm_status status);
 
+/* Push why, or what to try. */
+void dml_failure_reason(lua_State *L, const dml_failure *f);
+
 /* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the path so far
  * is the value at stack index `path` (0: none). */
 void dml_fail(lua_State *L, const dml_failure *f, int path);

@@ -1,7 +1,6 @@
 /* bind_ensemble.c - the `dm.ensemble` that members of solver:ensemble{} end in: what can be
  * asked of it. */
 #include "bind/ensemble/bind_ensemble.h"
-#include "bind/core/bind_failure.h"
 #include "bind/model/space_group.h"
 #include "bind/trace/backend.h"
 #include "code/native/jit.h"
@@ -163,20 +162,6 @@ static long count_failed(const ensemble *e) {
     long failed = 0;
     for (long i = 0; i < e->members; i++) failed += e->member[i].status != DM_OK;
     return failed;
-}
-
-int dml_ensemblereason(lua_State *L, int at, long i) {
-    const ensemble *e = luaL_checkudata(L, at, DML_ENSEMBLE);
-    const dm_member *m = e->member + i;
-    if (lua_getiuservalue(L, at, DML_ENSEMBLE_MESSAGES) == LUA_TTABLE) {
-        lua_rawgeti(L, -1, i + 1);
-        lua_remove(L, -2);
-    }
-    if (lua_type(L, -1) == LUA_TSTRING) return 1;
-    lua_pop(L, 1);
-    if (!dml_failure_fades(m->fading, m->status)) return 0;
-    lua_pushfstring(L, "%s: %s", dm_status_text(m->status), dml_failure_fading);
-    return 1;
 }
 
 /* e:failures() -> { {member =, code =, step =}, ... } */

@@ -21,7 +21,7 @@ typedef struct {
 
 /* user values of dm.ensemble: fields made so far, the solver, the values that vary and their
  * names (or nil), the names of columns that were watched (or nil), the paces of members (or
- * nil), messages of those without a start (or nil), what was found beside flows and the names of
+ * nil), why members failed (or nil), what was found beside flows and the names of
  * its columns (or nil) */
 enum {
     DML_ENSEMBLE_FIELDS = 1,
@@ -49,6 +49,9 @@ int dml_ensemble_path(lua_State *L);
 /* Push what is known of why member i of the ensemble at `at` failed, beyond its status; 0: nothing
  * is, and nothing was pushed. */
 int dml_ensemblereason(lua_State *L, int at, long i);
+
+/* Push the table of these texts by member, an empty one where there was none. */
+void dml_ensemblemessages(lua_State *L, int at);
 
 /* Sources of numbers for members: field `key` of the table at `arg`, a function of the member's
  * number or a table, matrix or vector with an entry for each. check: raises unless it is one.
@@ -108,6 +111,10 @@ int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r);
 /* Replace the solver at 1 by one of the same rule for a system with these values; names at
  * `names`. */
 dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);
+
+/* Fill that in for a part that was stepped by *of, whose stepper is still open; what looked at the
+ * inertia, or NULL. */
+void dml_note_reasons(lua_State *L, const dml_part *p, const dml_stepping *of, dm_inertia *x);
 
 /* Run one part with the solver at 1 and the options at 2. */
 typedef dm_status dml_part_run(lua_State *L, const dml_part *p, void *ud);

@@ -29,11 +29,7 @@ static void fail_part(lua_State *L, const dml_part *p) {
     const size_t n = p->e->n, size = dm_state_size(p->e->n);
     luaL_tolstring(L, -1, NULL);
     dml_read_places(L, p); /* raises where these were the reason */
-    if (lua_getiuservalue(L, p->at, DML_ENSEMBLE_MESSAGES) != LUA_TTABLE) {
-        lua_newtable(L);
-        lua_copy(L, -1, -2);
-        lua_setiuservalue(L, p->at, DML_ENSEMBLE_MESSAGES);
-    }
+    dml_ensemblemessages(L, p->at);
     for (long i = p->first; i < p->first + p->count; i++) {
         double *momenta = p->e->state + (size_t)i * size + n;
         for (size_t k = 0; p->velocity && k < n; k++) momenta[k] = NAN;

@@ -126,11 +126,7 @@ static int like(lua_State *L) {
 /* Member i failed, as the text says; "" is no reason. */
 static void keep_reason(lua_State *L, const record *r, long i, const char *text, size_t length) {
     if (length == 0) return;
-    if (lua_getiuservalue(L, r->at, DML_ENSEMBLE_MESSAGES) != LUA_TTABLE) {
-        lua_newtable(L);
-        lua_copy(L, -1, -2);
-        lua_setiuservalue(L, r->at, DML_ENSEMBLE_MESSAGES);
-    }
+    dml_ensemblemessages(L, r->at);
     lua_pushlstring(L, text, length);
     lua_rawseti(L, -2, i + 1);
     lua_pop(L, 1);

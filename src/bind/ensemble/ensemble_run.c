@@ -210,6 +210,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     if (!early) plan.inertia = open_inertia(L, steppers, threads);
     check_plain(L, &r, steppers, threads);
     status = dm_ensemble_run(&plan, steppers, threads);
+    if (status == DM_OK) dml_note_reasons(L, p, &r, plan.inertia);
     close_all(steppers, 0, threads);
     dml_rethrow(L, r.model);
     return status;

@@ -7,7 +7,7 @@
 
 /* a step that failed since d2L/dv2 was about to lose a value, not its constraints */
 static int fades(const dml_stepping *r, dm_status status) {
-    return !r->stepper.report.dependent && dml_failure_fades(r->fading, status);
+    return !r->stepper.report.trouble.dependent && dml_failure_fades(r->fading, status);
 }
 
 /* is there a branch in the force? It may jump there, as dry friction does */
@@ -19,11 +19,12 @@ static int branches(const dml_model *m) {
     return counts[DM_OP_WHERE] > 0;
 }
 
-/* what the method itself knows of it, or NULL; *turned: and that is all there is to say */
+/* what is known of a step that failed from r->state, or NULL; *turned: and that is all there is to
+ * say */
 static const char *why_of(const dml_stepping *r, dm_status status, int *turned) {
     dm_stepper s = r->stepper;
+    const dm_trouble *trouble = &s.report.trouble;
     const char *why = NULL;
-    s.report.turned = 0;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
     if (r->degenerate) return r->degenerate;
     if (fades(r, status)) return dml_failure_fading;
@@ -33,12 +34,12 @@ static const char *why_of(const dml_stepping *r, dm_status status, int *turned) 
                      "collision, or of the coordinates"
                    : "the forces may have something there so narrow that no step is short enough "
                      "to see it, or to rule it out";
-    if (status == DM_NO_CONVERGENCE && s.report.outside)
+    if (status == DM_NO_CONVERGENCE && trouble->outside)
         return "Newton's method was stopped at the edge of the domain of L (a root of a negative "
                "number, a logarithm, a speed limit): the step has no solution inside, or none that "
                "a shorter step leads to";
     if (s.engine && s.engine->why) why = s.engine->why(&s, r->state, status);
-    *turned = s.report.turned && (status == DM_NO_CONVERGENCE || status == DM_NOT_FINITE);
+    *turned = trouble->turn > 0.0 && (status == DM_NO_CONVERGENCE || status == DM_NOT_FINITE);
     if (!*turned && status == DM_NO_CONVERGENCE && branches(r->model))
         return "the force has a branch (dm.where): where it jumps, a step may have no solution, "
                "however short; make the jump steep, as dm.tanh(v/eps) for a sign, or take an "
@@ -78,33 +79,45 @@ static double time_of(const dml_stepping *r, long done) {
     return r->t0 + r->solver->h * (double)done;
 }
 
+/* What a step that failed says of itself. */
+static dml_failure failure_of(const dml_stepping *r, dm_status status) {
+    const dm_constraints *constraints = r->model->model.constraints;
+    const int constraint = r->stepper.report.trouble.dependent,
+              rolls = constraints && constraint > (int)constraints->holonomic;
+    dml_failure f = {.constraint = rolls ? 0 : constraint,
+                     .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
+                     .constrained =
+                         constraints && constraints->holonomic + constraints->rolling > 0,
+                     .status = status,
+                     .fading = fades(r, status)};
+    f.root = why_of(r, status, &f.turned);
+    return f;
+}
+
+int dml_stepping_reason(lua_State *L, const dml_stepping *r, dm_status status) {
+    const dml_failure f = failure_of(r, status);
+    if (f.turned) return lua_pushstring(L, f.root), 1;
+    if (!f.root && !(status == DM_SINGULAR && (f.constraint || f.rolling))) return 0;
+    lua_pushfstring(L, "%s: ", dm_status_text(status));
+    dml_failure_reason(L, &f);
+    lua_concat(L, 2);
+    return 1;
+}
+
 /* An error of the user's own function comes before what it did to the numbers. */
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
     const dml_solver *s = r->solver;
     dml_rethrow(L, r->model);
     if (status == DM_OK) return;
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
-    const char *rule = lua_tostring(L, -1);
-    const dm_constraints *constraints = r->model->model.constraints;
+    dml_failure f = failure_of(r, status);
+    f.rule = lua_tostring(L, -1);
     const char *trouble = dml_modeltrouble(L, r->model);
-    int turned = 0;
-    const char *why = *trouble ? trouble : why_of(r, status, &turned);
-    const int constraint = r->stepper.report.dependent,
-              rolls = constraints && constraint > (int)constraints->holonomic;
-    const dml_failure f = {.constraint = rolls ? 0 : constraint,
-                           .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
-                           .constrained =
-                               constraints && constraints->holonomic + constraints->rolling > 0,
-                           .status = status,
-                           .fading = fades(r, status),
-                           .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN &&
-                                           status != DM_OUT_OF_TIME),
-                           .time = time_of(r, done),
-                           .h = s->h,
-                           .residual = r->stepper.report.residual,
-                           .iterations = r->stepper.report.iterations,
-                           .root = why,
-                           .turned = turned,
-                           .rule = rule};
+    if (*trouble) f.root = trouble, f.turned = 0;
+    f.step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN && status != DM_OUT_OF_TIME);
+    f.time = time_of(r, done);
+    f.h = s->h;
+    f.residual = r->stepper.report.residual;
+    f.iterations = r->stepper.report.iterations;
     dml_fail(L, &f, path);
 }

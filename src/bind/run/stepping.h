@@ -78,6 +78,10 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0);
  * stays on the stack. */
 void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x);
 
+/* Push what is known of why a step from r->state failed, beyond its status; 0: nothing is, and
+ * nothing was pushed. */
+int dml_stepping_reason(lua_State *L, const dml_stepping *r, dm_status status);
+
 /* Fill in what a path says of itself; it is on top of the stack. */
 void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
 

@@ -318,7 +318,7 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
                            1);
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
-    stepper->report.dependent = (int)g->lost;
+    stepper->report.trouble.dependent = (int)g->lost;
     stepper->report.solves++;
     stepper->report.newton += g->iterations;
     stepper->report.matrices += g->matrices;

@@ -158,9 +158,9 @@ void dm_group_field_end(const dm_group_field *f, double *state, const double *q,
     memset(state + 2 * (size_t)f->n, 0, 2 * (size_t)f->n * sizeof *state);
 }
 
-const char *dm_group_field_why(dm_group_field *f) {
-    if (!(f->turn > 0.0)) return NULL;
+const char *dm_group_field_why(dm_group_field *f, double turn) {
+    if (!(turn > 0.0)) return NULL;
     snprintf(f->text, sizeof f->text,
-             "h turns the body by %.2g rad; the chart ends at pi: take a smaller step", f->turn);
+             "h turns the body by %.2g rad; the chart ends at pi: take a smaller step", turn);
     return f->text;
 }

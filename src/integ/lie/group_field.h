@@ -55,7 +55,7 @@ dm_status dm_group_field_chart_rate(dm_group_field *f, double *xi, const double 
 /* A step ends at (q, mu): the state, whose low parts these rules do not keep. */
 void dm_group_field_end(const dm_group_field *f, double *state, const double *q, const double *mu);
 
-/* Why a step failed: the turn, or NULL. */
-const char *dm_group_field_why(dm_group_field *f);
+/* Why a step failed that turned so far, or NULL. */
+const char *dm_group_field_why(dm_group_field *f, double turn);
 
 #endif

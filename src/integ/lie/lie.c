@@ -243,6 +243,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_status status = solve(e, s);
     if (status == DM_OK) status = check_end(e);
     if (status != DM_OK) status = solve_again(e, s, status);
+    s->report.trouble.turn = e->turn;
     if (status != DM_OK) return status;
     leave_end(e, 1);
     keep_step(e, 1);
@@ -267,8 +268,7 @@ const char *dm_lie_why(char *text, size_t size, double turn, dm_tau tau, dm_stat
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie *e = dm_lie_of(s);
     (void)state;
-    s->report.turned = e->turn > 0.0;
-    return dm_lie_why(e->text, sizeof e->text, e->turn, e->group->tau, status);
+    return dm_lie_why(e->text, sizeof e->text, s->report.trouble.turn, e->group->tau, status);
 }
 
 const dm_engine dm_engine_lie = {

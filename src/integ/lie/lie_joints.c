@@ -234,6 +234,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     e->h = h;
     e->turn = 0.0;
     e->lost = 0;
+    s->report.trouble = (dm_trouble){0};
     e->evaluations = 0;
     e->iterations = e->matrices = 0;
     memcpy(e->end, state, e->n * sizeof *state);
@@ -248,7 +249,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     s->report.matrices += e->matrices;
     s->report.residual = e->residual;
     s->report.evaluations += e->evaluations;
-    s->report.dependent = (int)e->lost;
+    s->report.trouble = (dm_trouble){.turn = e->turn, .dependent = (int)e->lost};
     if (status != DM_OK) return status;
     report_constraints(e, &s->report);
     memcpy(state, e->end, e->n * sizeof *state);
@@ -267,8 +268,7 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     dm_lie_joints *e = dm_lie_joints_of(s);
     (void)state;
     if (status == DM_SINGULAR && e->m) return NULL;
-    s->report.turned = e->turn > 0.0;
-    return dm_lie_why(e->text, sizeof e->text, e->turn, e->joints->tau, status);
+    return dm_lie_why(e->text, sizeof e->text, s->report.trouble.turn, e->joints->tau, status);
 }
 
 const dm_engine dm_engine_lie_joints = {

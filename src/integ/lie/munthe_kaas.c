@@ -94,16 +94,15 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     }
     s->report.evaluations += STAGES;
     if (status == DM_OK) status = finish(l, state, h);
+    s->report.trouble.turn = l->field.turn;
     if (status == DM_OK) dm_group_field_end(&l->field, state, l->q, l->mu);
     return status;
 }
 
 /* Of the last step. */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
-    dm_group_field *f = &layout_of(s)->field;
     (void)state, (void)status;
-    s->report.turned = f->turn > 0.0;
-    return dm_group_field_why(f);
+    return dm_group_field_why(&layout_of(s)->field, s->report.trouble.turn);
 }
 
 static const dm_engine engine = {

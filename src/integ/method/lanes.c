@@ -42,8 +42,9 @@ int dm_lanes_open_told(dm_lanes *x, const dm_model *m, uint32_t size, size_t mem
     x->memory_size = memory_size;
     x->memory = dm_arena_take(arena, members * memory_size * sizeof *x->memory);
     x->failed = dm_arena_take(arena, members * sizeof *x->failed);
+    x->trouble = dm_arena_take(arena, members * sizeof *x->trouble);
     x->done = dm_arena_take(arena, members * sizeof *x->done);
-    if (!x->memory || !x->failed || !x->done) return 0;
+    if (!x->memory || !x->failed || !x->trouble || !x->done) return 0;
     memset(x->memory, 0, members * memory_size * sizeof *x->memory);
     return 1;
 }
@@ -56,7 +57,9 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t, double 
     dm_stepper_memory(s, &place);
     dm_lanes_get(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
+    s->report.trouble = (dm_trouble){0};
     x->failed[i] = s->engine->step(s, x->alone, t, h);
+    x->trouble[i] = s->report.trouble;
     if (x->failed[i] != DM_OK) return;
     dm_lanes_put(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];

@@ -7,6 +7,7 @@ dm_status dm_stepper_open(dm_stepper *s) {
 }
 
 dm_status dm_stepper_start(dm_stepper *s, double *state, double t, double h) {
+    s->report.trouble = (dm_trouble){0};
     return s->engine->start ? s->engine->start(s, state, t, h) : DM_OK;
 }
 

@@ -16,6 +16,13 @@ typedef struct {
     double conditioning;   /* largest round-off of h */
 } dm_energy_report;
 
+/* What is known of a step that failed, beside its status. */
+typedef struct {
+    double turn;   /* rad: it left its chart, which is all there is to say; 0: it did not */
+    int dependent; /* constraints lose rank: one that depends on those before it, from 1 */
+    int outside;   /* Newton's method met the edge of the domain of L */
+} dm_trouble;
+
 /* What is known of the steps made so far. */
 typedef struct {
     int iterations;             /* Newton iterations of the last step */
@@ -28,13 +35,11 @@ typedef struct {
     int plain;                  /* sums are made without compensation, as was asked for */
     long operations;            /* of a step, where the engine makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
-    int outside; /* Newton's method met the edge of the domain of L in the last step */
-    int turned;  /* `why` says all: the step left a chart */
+    dm_trouble trouble;         /* of the last step */
     dm_energy_report sem;
     double condition; /* number of the step equation, where it is worth telling; 0: not */
     double defect;    /* largest |p1 - L_v| at the ends of curves, over |L_v|, where it is told */
-    double drift;  /* largest |H - H of the start| over the largest v . L_v, where it is watched */
-    int dependent; /* a step failed as constraints lose rank: one that depends on those before it */
+    double drift; /* largest |H - H of the start| over the largest v . L_v, where it is watched */
 } dm_report;
 
 typedef struct dm_stepper dm_stepper;
@@ -52,10 +57,11 @@ typedef struct {
     size_t told;
     /* engines with a `memory`: [groups][memory_size][lanes] what members leave to their next
      * step, and what has become of members, [groups x lanes]: DM_OK, or why a step failed after
-     * so many of a burst. NULL: neither */
+     * so many of a burst, and what is known of it. NULL: neither */
     double *memory;
     size_t memory_size;
     dm_status *failed;
+    dm_trouble *trouble;
     long *done;
 } dm_lanes;
 

@@ -168,7 +168,7 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper) {
     w->constant = NULL;
     stepper->report.iterations = report.iterations;
     stepper->report.matrices += report.jacobians;
-    stepper->report.outside = report.outside;
+    stepper->report.trouble.outside = report.outside;
     stepper->report.residual = report.residual;
     if (status != DM_OK) return status;
     if (!written_out(end_step, g, NULL)) return DM_NOT_FINITE;

@@ -329,7 +329,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
         stepper->report.matrices += report.jacobians;
     }
     stepper->report.iterations = report.iterations;
-    stepper->report.outside = report.outside;
+    stepper->report.trouble.outside = report.outside;
     stepper->report.residual = report.residual * dm_stage_heaviest(g->m) / fabs(g->weights.h);
     if (status == DM_OK && (kept || report.jacobians)) correct_forces(g, g->scratch);
     return status;

@@ -75,8 +75,10 @@ void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i) {
     long rows = 0;
     e->member[i].status = dm_run(&plan, s, state, e->rows ? dm_ensemble_rows_of(e->rows, i) : NULL,
                                  &e->member[i].steps, &rows);
-    e->member[i].fading =
-        e->member[i].status != DM_OK && run->inertia && dm_inertia_is_fading(run->inertia);
+    if (e->member[i].status != DM_OK) {
+        e->member[i].fading = run->inertia && dm_inertia_is_fading(run->inertia);
+        e->member[i].trouble = s->report.trouble;
+    }
     if (e->rows) e->rows->count[i] = rows;
 }
 

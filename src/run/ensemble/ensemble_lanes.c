@@ -144,6 +144,7 @@ static void repeat_alone(dm_hand *x, long i, double t, long count) {
     dm_lanes_get(&kept, dm_hand_dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, x->b->h[i], count, &done);
     m->steps = x->kept + done;
+    m->trouble = s->report.trouble;
     if (m->status == DM_OK) {
         dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, state);
         return;
@@ -164,7 +165,8 @@ static void leave(dm_hand *x, long i) {
     const dm_inertia *inertia = inertia_of(x, i);
     *dm_hand_member(x, i) = (dm_member){.status = lanes->failed[i],
                                         .steps = done,
-                                        .fading = inertia && dm_inertia_is_fading(inertia)};
+                                        .fading = inertia && dm_inertia_is_fading(inertia),
+                                        .trouble = lanes->trouble[i]};
     dm_lanes_get(lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     x->alive--;
     dm_hand_choose(x, i);

@@ -258,7 +258,7 @@ static void redundant_constraints_are_named(void) {
     open_at(&t, &twice);
     CHECK(session_open(&x, &t.p, "midpoint", 0.05));
     CHECK(session_run(&x, 1) == DM_SINGULAR);
-    CHECK(x.s.report.dependent == 2);
+    CHECK(x.s.report.trouble.dependent == 2);
     session_close(&x);
     problem_close(&t.p);
 }
