@@ -3,7 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_DEGREE = 3, VISITS = 20000 };
+/* products that are looked into for a cosine: their factors may share others, over and over */
+enum { MOST_DEGREE = 3, VISITS = 20000, MOST_OPENED = 32 };
 
 static const dm_interval ONE = {1.0, 1.0};
 
@@ -11,7 +12,7 @@ static const dm_interval ONE = {1.0, 1.0};
 typedef struct {
     dm_interval c;
     dm_node turn;
-    uint32_t count;
+    uint32_t count, opened;
     dm_node part[2 * DM_FORM_PARTS]; /* so many while they are compared */
 } coefficient;
 
@@ -111,7 +112,7 @@ static void multiply_square(const dm_form *f, coefficient *x, dm_node root) {
 static void multiply(const dm_form *f, coefficient *x, dm_node by) {
     const dm_expr *e = dm_graph_at(f->g, by);
     const dm_node a = e->as.arg[0], b = e->as.arg[1], root = root_of(f, e);
-    const int looks = f->apart == DM_FORM_COSINES && !root;
+    const int looks = f->apart == DM_FORM_COSINES && !root && x->opened < MOST_OPENED;
     if (looks && e->op == DM_OP_COS && !x->turn)
         x->turn = by;
     else if (is_bounded(f, x, by) && !(looks && (e->op == DM_OP_NEG || e->op == DM_OP_MUL)))
@@ -121,7 +122,7 @@ static void multiply(const dm_form *f, coefficient *x, dm_node by) {
     else if (e->op == DM_OP_NEG)
         scale(x, (dm_interval){-1.0, -1.0}), multiply(f, x, a);
     else if (e->op == DM_OP_MUL)
-        multiply(f, x, a), multiply(f, x, b);
+        x->opened++, multiply(f, x, a), multiply(f, x, b);
     else
         add_part(x, by);
 }

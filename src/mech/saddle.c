@@ -166,12 +166,21 @@ static int find_point(probe *p, uint64_t number) {
            dm_constraints_project_velocity(&p->t, p->x, p->W, p->work) == DM_OK;
 }
 
+/* M over its largest entry: masses have any unit */
+static void normalize_mass(probe *p) {
+    const size_t count = (size_t)p->n * p->n;
+    double largest = 0.0;
+    for (size_t i = 0; i < count; i++) largest = fmax(largest, fabs(p->M[i]));
+    for (size_t i = 0; i < count && largest > 0.0; i++) p->M[i] /= largest;
+}
+
 /* at x: -1 nothing is known, 0 M is regular or nothing helps, 1 the constraints help */
 static int look(probe *p) {
     const size_t n = p->n;
     dm_kernel_prepare(&p->mass, p->M);
     dm_kernel_eval(&p->mass, p->x, p->M);
     if (!all_finite(p->M, n * n)) return -1;
+    normalize_mass(p);
     memcpy(p->K, p->M, n * n * sizeof *p->M);
     if (is_regular(p->K, p->unit, p->pivot, p->n)) return 0;
     return fill_saddle(p) ? is_regular(p->K, p->unit, p->pivot, p->n + p->m) : -1;

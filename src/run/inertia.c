@@ -131,15 +131,30 @@ static void place_mass(const dm_inertia *x, double *A, const double *M) {
         for (size_t j = 0; j < n; j++) A[i * n + j] = x->scale[i] * M[i * n + j] * x->scale[j];
 }
 
+/* Where a coordinate has no mass of its own, its scale takes the largest entry of its row near to
+ * one: the units of the others say nothing of it. */
+static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n) {
+    enum { PASSES = 6 };
+    for (uint32_t k = 0; k < PASSES * n; k++) {
+        const uint32_t i = k % n;
+        double largest = 0.0;
+        if (M[i * pitch + i] != 0.0) continue;
+        for (uint32_t j = 0; j < n; j++)
+            largest = fmax(largest, fabs(scale[i] * M[i * pitch + j] * scale[j]));
+        if (largest > 0.0 && largest < INFINITY) scale[i] /= sqrt(largest);
+    }
+}
+
 /* Of velocities, by what is found: the diagonal becomes ones; of a prolonged L that of M. */
 static void find_scales(dm_inertia *x, const double *M) {
-    const uint32_t n = x->model->n, half = n / 2;
-    const int prolonged = dm_inertia_is_prolonged(M, n);
-    for (uint32_t i = 0; i < n; i++) {
-        const uint32_t row = prolonged ? i % half : i, column = prolonged ? row + half : row;
-        const double own = fabs(M[row * n + column]);
+    const uint32_t n = x->model->n, half = dm_inertia_is_prolonged(M, n) ? n / 2 : n;
+    const double *block = M + (n - half);
+    for (uint32_t i = 0; i < half; i++) {
+        const double own = fabs(block[i * n + i]);
         x->scale[i] = own > 0.0 && own < INFINITY ? 1.0 / sqrt(own) : 1.0;
     }
+    scale_rows(x->scale, block, n, half);
+    memcpy(x->scale + half, x->scale, (n - half) * sizeof *x->scale);
 }
 
 /* [M, G^T; G, 0] as A[N*N] */

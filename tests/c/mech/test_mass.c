@@ -197,11 +197,28 @@ static void tells_products_by_their_factors(void) {
     }
 }
 
+/* c_(k+1) = c_k (cos(k q2) c_k) beside v1 v2: a tree of 2^60 factors, of few nodes */
+static void looks_at_shared_factors_once(void) {
+    built b;
+    start(&b, 5);
+    const dm_node v1 = input(&b, 2), v2 = input(&b, 3), w = times(&b, input(&b, 1), v1);
+    dm_node c = dm_apply(b.g, DM_OP_COS, input(&b, 0), 0, 0);
+    for (int k = 1; k <= 60; k++) {
+        const dm_node angle = times(&b, number(&b, k), input(&b, 1));
+        c = times(&b, c, times(&b, dm_apply(b.g, DM_OP_COS, angle, 0, 0), c));
+    }
+    const dm_node squares = dm_add(b.g, times(&b, w, w), times(&b, v2, v2));
+    const dm_node L = dm_add(b.g, squares, times(&b, times(&b, c, v1), v2));
+    CHECK(finish(&b, L, 2) == DM_OK && b.model.mass_bounds != NULL);
+    stop(&b);
+}
+
 int main(void) {
     RUN(tells_a_mass_that_keeps_its_signs, "tells a mass that keeps its signs");
     RUN(tells_a_least_value_that_keeps_its_signs, "tells a least value that keeps its signs");
     RUN(tells_links_that_keep_their_signs, "tells links that keep their signs");
     RUN(tells_arms_that_keep_their_signs, "tells arms that keep their signs");
     RUN(tells_products_by_their_factors, "tells products by their factors");
+    RUN(looks_at_shared_factors_once, "looks at shared factors once");
     return check_finish();
 }

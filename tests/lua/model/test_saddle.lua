@@ -30,6 +30,23 @@ for i = 1, #path do largest = max(largest, abs(path.p[i][2])) end
 near(largest, 0, 1e-14, "the massless momentum is 0 on the way")
 near(path.lambda[1][1], 1, 1e-14, "its multiplier is its weight")
 
+-- masses have any unit
+for _, m in ipairs { 1e-12, 1e-27, 1e20 } do
+  local function scaled(k)
+    return dm.system { Q = dm.R(2), constraint = function(q) return q[2] - q[1] - q[1] ^ 2 / 10 end,
+      L = function(q, v) return k * ((2 + dm.cos(q[1])) * v[1] ^ 2 / 2 - q[1] ^ 2) end }
+  end
+  local start = { q = { 0.1, 0.101 }, v = { 0.3, 0.306 }, steps = 50 }
+  for _, rule in ipairs { "midpoint", "gauss(2)", "rattle" } do
+    local one = scaled(1):solver { rule = rule, h = 0.02 }:run(start)
+    local fine, path = pcall(function()
+      return scaled(m):solver { rule = rule, h = 0.02 }:run(start)
+    end)
+    local off = fine and (path.q[51] - one.q[51]):norm() or path
+    ok(fine and off < 1e-13, ("%s with a slider beside a mass of %g"):format(rule, m), off)
+  end
+end
+
 -- what a script asks of the system is L as it is given
 local s = slider:structure()
 ok(s.saddle and s.separable and s.constant_mass, "structure tells of the saddle")

@@ -303,4 +303,18 @@ for _, case in ipairs { { "yoshida(4, midpoint)", 0.02 }, { "midpoint", 0.02 }, 
   ok(hidden == 0 and ended > 0 and alike, rule .. ": no row is behind a change of inertia",
     ("%d rows, %d ended, alike %s"):format(hidden, ended, alike))
 end
+-- coordinates without a mass of their own beside a body in another unit: m scales their part of L
+local function unlike(m)
+  return dm.system { Q = dm.R(3), L = function(q, v)
+    local light = (2 + dm.cos(q[1])) * v[1] * v[2] - q[1] ^ 2 - q[2] ^ 2
+    return m * light + v[3] ^ 2 * (1 + q[3] ^ 2) / 2 - q[3] ^ 2
+  end }
+end
+local start = { q = { 0.1, 0.2, 0.3 }, v = { 0.3, 0.4, 0.5 }, steps = 50 }
+local in_ones = unlike(1):solver { rule = "midpoint", h = 0.01 }:run(start)
+for _, m in ipairs { 1e-16, 1e-27, 1e20 } do
+  local fine, path = run(unlike(m), "midpoint", 0.01, start)
+  local off = fine and (path.q[51] - in_ones.q[51]):norm() or path
+  ok(fine and off < 1e-13, ("masses beside the diagonal of the size %g are regular"):format(m), off)
+end
 tap.done()
