@@ -15,6 +15,7 @@ local part = lists.part
 local abs, max = math.abs, math.max
 
 local SAMPLES, SLACK = 12, 1e-8
+local LEAST = 1e-300
 local ROUND, HALVINGS = 2e-14, 24  -- of the integral that B is: relative; of its smallest pieces
 
 ---- f and its Euler operator ----
@@ -76,10 +77,10 @@ end
 
 ---- the scale ----
 
--- c with E(f) = c E(L) at random states, and whether it fits; also where f vanishes
+-- c with E(f) = c E(L) at random states, or nothing; and how large f is there, of the size of L
 local function scale_of(f, L, n)
   local Ef, EL, stream = euler(f, n), euler(L, n), core.random(4407)
-  local above, below, pairs_of, size, largest = 0, 0, {}, 0, 0
+  local above, below, pairs_of, size, largest, whole = 0, 0, {}, 0, 0, LEAST
   for i = 1, SAMPLES do
     local q, v = kits.normals(stream, 5 * i, n, 1), kits.normals(stream, 5 * i + 1, n, 1)
     local acceleration, t = kits.normals(stream, 5 * i + 2, n, 1), stream:uniform(5 * i + 3, 0, -1,
@@ -92,17 +93,16 @@ local function scale_of(f, L, n)
       pairs_of[#pairs_of + 1] = { x[k], y[k] }
       size = max(size, abs(x[k]), abs(y[k]))
     end
-    local value = fine and f(q, v, t) or 0
-    largest = max(largest, abs(value))
+    if fine then largest, whole = max(largest, abs(f(q, v, t))), max(whole, abs(L(q, v, t))) end
   end
   if #pairs_of == 0 then return nil end
   local c = below > 0 and above / below or 0
   local near = math.floor(c * 12 + 0.5) / 12
   if abs(c - near) < 1e-9 then c = near end
   for _, pair in ipairs(pairs_of) do
-    if abs(pair[1] - c * pair[2]) > SLACK * (1 + size) then return nil end
+    if abs(pair[1] - c * pair[2]) > SLACK * size then return nil end
   end
-  return c, largest
+  return c, largest / whole
 end
 
 ---- the divergence ----
@@ -165,14 +165,17 @@ local function potential(g, n)
   end
 end
 
--- is a function of (q, t) zero at random places?
-local function is_zero(B, n)
-  local stream = core.random(91)
+-- is a function of (q, t) zero at random places, beside L there?
+local function is_zero(B, L, n)
+  local stream, largest, whole = core.random(91), 0, 0
   for i = 1, 8 do
-    local fine, x = blame.try(B, kits.normals(stream, i, n, 1), 0.3 * i)
-    if not fine or abs(x) > 1e-10 then return false end
+    local q = kits.normals(stream, i, n, 1)
+    local fine, x = blame.try(B, q, 0.3 * i)
+    if not fine or x ~= x then return false end
+    local known, y = blame.try(L, q, kits.normals(stream, 100 + i, n, 1), 0.3 * i)
+    largest, whole = max(largest, abs(x)), max(whole, known and abs(y) or 0)
   end
-  return true
+  return largest <= 1e-10 * whole
 end
 
 ---- the answer ----
@@ -199,7 +202,7 @@ local function symmetry_of(L, rows, n, a)
   end }
   if c ~= 0 then out.scale = c end
   local B = potential(function(q, v, t) return f(q, v, t) - c * L(q, v, t) end, n)
-  if not is_zero(B, n) then out.divergence = B end
+  if not is_zero(B, L, n) then out.divergence = B end
   return setmetatable(out, class), largest
 end
 

@@ -6,6 +6,7 @@ local axioms = require "dm.action.axioms"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 local points = require "dm.action.points"
 local symmetries = require "dm.action.symmetry"
 
@@ -83,7 +84,7 @@ local function values_of(f, z)
 end
 
 local function largest_change(a, b)
-  local worst, size = 0, 1
+  local worst, size = 0, 0
   for i = 1, #a do worst, size = max(worst, abs(a[i] - b[i])), max(size, abs(a[i]), abs(b[i])) end
   return worst, size
 end
@@ -92,7 +93,7 @@ end
 -- first violation
 local function compare(action, f, sample, where)
   local kit, stream = groups.kit(action.group), core.random(7020)
-  local tested, worst, cause = 0, 0, nil
+  local seen, sizes, worst, cause = {}, {}, 0, nil
   for i = 1, TRIES do
     local z, g = sample(stream, i), axioms.element(kit, stream, 5 * i + 2)
     local w = points.is_inside(action, z) and points.moved(action, g, z)
@@ -105,16 +106,23 @@ local function compare(action, f, sample, where)
     end
     if after then
       local defect, size = largest_change(before, after)
-      worst, tested = max(worst, defect / size), tested + 1
-      if defect > TOLERANCE * size then
-        return false, setmetatable({ action = action, point = z, g = g,
-          before = #before == 1 and before[1] or before,
-          after = #after == 1 and after[1] or after, defect = defect, where = where(z) }, violation)
-      end
+      seen[#seen + 1] = { z = z, g = g, before = before, after = after, defect = defect }
+      sizes[#seen] = size
     end
-    if tested == POINTS then break end
+    if #seen == POINTS then break end
   end
-  if tested == 0 then
+  local usual = lists.middle(sizes)
+  for k, s in ipairs(seen) do
+    local size = max(sizes[k], usual)
+    if s.defect > TOLERANCE * size then
+      return false, setmetatable({ action = action, point = s.z, g = s.g,
+        before = #s.before == 1 and s.before[1] or s.before,
+        after = #s.after == 1 and s.after[1] or s.after, defect = s.defect,
+        where = where(s.z) }, violation)
+    end
+    if s.defect > 0 then worst = max(worst, s.defect / size) end
+  end
+  if #seen == 0 then
     error(("action:invariant: the value is finite at none of %d random points and where they are "
       .. "moved to%s"):format(TRIES, cause and ": " .. tostring(cause) or ""), 0)
   end

@@ -11,6 +11,14 @@ function M.count(x)
   return fine and count or nil
 end
 
+--- The middle one of a list of numbers: the size of values that some points have none of, in the
+-- units of the user; 0 of an empty list.
+function M.middle(list)
+  local sorted = table.move(list, 1, #list, 1, {})
+  table.sort(sorted)
+  return sorted[(#sorted + 1) // 2] or 0
+end
+
 --- What messages say was given in place of a list: how many entries it has, or its type.
 function M.got(x) return M.count(x) or type(x) end
 

@@ -41,17 +41,27 @@ local function is_tame(kit, g)
   return fine and max(kits.norm(kit.entries(g)), kits.norm(kit.entries(inverse))) <= LARGEST
 end
 
+-- the usual size of f at the identity, in the units that it has
+local function usual_size(kit, f, stream)
+  local e, sizes = kit.identity(), {}
+  for i = 1, EACH do
+    sizes[i] = abs(f(e, kits.normals(stream, 1000 + i + 100, kit.dimension, 1), 0))
+  end
+  return lists.middle(sizes)
+end
+
 -- f(g, x), L or H, at random elements, near and far, must be that at the identity
 local function check_invariance(system, f, name)
   local kit, stream = system.place.kit, core.random(17)
   local e, argument = kit.identity(), name == "L" and "xi" or "p"
+  local usual = usual_size(kit, f, stream)
   for k, spread in ipairs(SPREADS) do
     for i = 1, EACH do
       local g, text = far_element(kit, stream, 1000 * k + i, spread)
       local y = kits.normals(stream, 1000 * k + i + 100, kit.dimension, 1)
       local here = f(e, y, 0)
       local there = is_tame(kit, g) and f(g, y, 0) or here
-      if not (abs(there - here) <= SLACK * max(1, abs(here))) then
+      if not (abs(there - here) <= SLACK * max(usual, abs(here))) then
         error(("%s: %s is not invariant: at g = %s, %s = %s it is %.10g, at the identity %.10g (a "
           .. "difference of %.2g)"):format(WHERE, name, text, argument, list(y), there, here,
           there - here), 0)

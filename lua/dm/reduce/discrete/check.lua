@@ -38,13 +38,19 @@ local function check_own_constraint(full, Ld, points)
   end
   local mine = bound(own, Ld.params)
   local yours = bound(given, full.given.params)
-  for _, p in ipairs(points) do
-    local a, b = check.numbers(mine(p.q, 0)), check.numbers(yours(p.q, 0))
-    local same = #a == #b
-    for c = 1, same and #a or 0 do same = same and abs(a[c] - b[c]) <= 1e-10 * max(1, abs(b[c])) end
+  local seen = {}
+  for k, p in ipairs(points) do
+    seen[k] = { a = check.numbers(mine(p.q, 0)), b = check.numbers(yours(p.q, 0)), q = p.q }
+  end
+  local usual = check.usual(seen, "b")
+  for _, one in ipairs(seen) do
+    local a, b, same = one.a, one.b, #one.a == #one.b
+    for c = 1, same and #a or 0 do
+      same = same and abs(a[c] - b[c]) <= 1e-10 * max(usual[c], abs(b[c]))
+    end
     if not same then
       error(("discrete: the constraint of this Ld is not that of its system, at q = %s")
-        :format(check.text(p.q)), 0)
+        :format(check.text(one.q)), 0)
     end
   end
 end
@@ -93,36 +99,49 @@ local function momenta(D, x0, x1, theta, psi)
   return A.slope(z0):transpose() * p0, A.slope(z1):transpose() * p1
 end
 
--- the coordinate of the group along which these momenta differ most, how much, and both
-local function defect(D, x0, x1, theta, psi)
-  local worst, at = 0, nil
-  local p0, p1 = momenta(D, x0, x1, theta, psi)
-  for _, i in ipairs(D.info.cyclic) do
-    local apart = abs(p0[i] - p1[i]) / max(1, abs(p0[i]))
-    if apart > worst then worst, at = apart, i end
+local PLACES = { 0, 0.9, -2.1 } -- of theta at q0, where Ld is looked at, and one of check.AWAY
+local SAME = 1e-8
+
+-- the pairs of shapes at which Ld is looked at, one a point of L, and where the group is then
+local function looks_of(D)
+  local info, out = D.info, {}
+  for k, p in ipairs(info.points) do
+    local y, psi, places = {}, {}, {}
+    local x, u = model.split(info, p.q), model.split(info, p.v)
+    for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
+    for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
+    local far = check.AWAY[(k - 1) % #check.AWAY + 1]
+    for l, place in ipairs { PLACES[1], PLACES[2], PLACES[3], far } do
+      places[l] = {}
+      for a = 1, info.m do places[l][a] = a * place end
+    end
+    out[k] = { x0 = x, x1 = y, psi = psi, places = places, action = D.h * p.energy }
   end
-  return worst, at and D.info.names[at], at and p0[at], at and p1[at]
+  return out
 end
 
-local PLACES = { 0, 0.9, -2.1 } -- of theta at q0, where Ld is looked at, and one of check.AWAY
-
--- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group, at point k of L?
-local function check_symmetry(D, p, far)
-  local info, y, psi, places = D.info, {}, {}, {}
-  local x, u = model.split(info, p.q), model.split(info, p.v)
-  for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
-  for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
-  for k, place in ipairs { PLACES[1], PLACES[2], PLACES[3], far } do
-    places[k] = {}
-    for a = 1, info.m do places[k][a] = a * place end
+-- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group?
+local function check_symmetry(D, looks)
+  local info, seen, usual = D.info, {}, {}
+  for _, look in ipairs(looks) do
+    for _, theta in ipairs(look.places) do
+      local fine, p0, p1 = blame.try(momenta, D, look.x0, look.x1, theta, look.psi)
+      if fine then seen[#seen + 1] = { p0 = p0, p1 = p1, look = look, theta = theta } end
+    end
   end
-  if D.forces then forces.check(D, x, y, psi, places) end
-  for _, theta in ipairs(places) do
-    local fine, worst, name, p0, p1 = blame.try(defect, D, x, y, theta, psi)
-    if fine and worst > 1e-8 then
-      error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, for "
-        .. "x0 = %s, x1 = %s, with the group at %.6g")
-        :format(name, p0, p1, check.text(x), check.text(y), theta[1]), 0)
+  for _, i in ipairs(info.cyclic) do
+    local sizes = {}
+    for k, one in ipairs(seen) do sizes[k] = abs(one.p0[i]) end
+    usual[i] = lists.middle(sizes)
+  end
+  for _, one in ipairs(seen) do
+    for _, i in ipairs(info.cyclic) do
+      local a, b = one.p0[i], one.p1[i]
+      if abs(a - b) > SAME * max(abs(a), usual[i]) then
+        error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, "
+          .. "for x0 = %s, x1 = %s, with the group at %.6g"):format(info.names[i], a, b,
+          check.text(one.look.x0), check.text(one.look.x1), one.theta[1]), 0)
+      end
     end
   end
 end
@@ -151,9 +170,9 @@ end
 
 --- Raises where D.Ld has not the symmetry of the shape, or is of another system.
 function M.given(D, full)
-  for k, p in ipairs(D.info.points) do
-    check_symmetry(D, p, check.AWAY[(k - 1) % #check.AWAY + 1])
-  end
+  local looks = looks_of(D)
+  if D.forces then forces.check(D, looks) end
+  check_symmetry(D, looks)
   check_system(D, full, points_of(D.info))
 end
 

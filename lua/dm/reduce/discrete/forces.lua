@@ -85,6 +85,9 @@ function M.of_shape(info, J, F) return core.vector((model.split(info, pulled(inf
 
 ---- is all of it invariant, and nothing along the group? ----
 
+local NONE, SAME = 1e-9, 1e-8 -- of the largest entry, each times its coordinate
+local ROUND = check.ROUND / SAME
+
 -- everything at ((theta, x0), (theta + psi, x1)): a list of { name, covector or nil, value }
 local function seen(D, x0, x1, theta, psi)
   local info, there, out = D.info, {}, {}
@@ -94,47 +97,77 @@ local function seen(D, x0, x1, theta, psi)
   local J0, J1 = A and A.slope(z0), A and A.slope(z1)
   if D.forces.push then
     local F1, F2 = D.forces.push(q0, q1)
-    out[1] = { "the discrete force F1", pulled(info, J0, F1), "it pushes" }
-    out[2] = { "the discrete force F2", pulled(info, J1, F2), "it pushes" }
+    local words = "it pushes"
+    out[1] = { "the discrete force F1", pulled(info, J0, F1), words, round = ROUND }
+    out[2] = { "the discrete force F2", pulled(info, J1, F2), words, round = ROUND }
   end
   if D.forces.rolling then
     for c, E in ipairs(D.forces.reaction(q0, q1)) do
-      out[#out + 1] = { "row " .. c .. " of 'reaction'", pulled(info, J0, E), "it pulls" }
+      local name = "row " .. c .. " of 'reaction'"
+      out[#out + 1] = { name, pulled(info, J0, E), "it pulls", round = 0 }
     end
     out[#out + 1] = { "'rolling'", value = core.vector(D.forces.rolling(q0, q1)) }
   end
   return out
 end
 
-local NONE, SAME = 1e-9, 1e-8 -- of the largest entry
-
 local ALONG = "%s of this Ld has a component along the group: %s '%s' with %.6g, for x0 = %s, x1 = "
   .. "%s, so the momentum of '%s' is not kept and cannot be eliminated"
 local MOVED = "%s of this Ld is not invariant: entry %d changes from %.6g to %.6g when the group "
   .. "moves q0 and q1 by %.6g, for x0 = %s, x1 = %s"
 
--- the largest entry of a list, 1 at least
-local function size_of(x)
-  local size = 1
-  for i = 1, #x do size = max(size, abs(x[i])) end
+-- what entry i of an item is multiplied with, so that entries of all units compare: coordinates
+local function weights(info, item, look)
+  local out = {}
+  if item.value then return nil end
+  for j, i in ipairs(info.shape) do out[i] = max(abs(look.x0[j]), abs(look.x1[j])) end
+  for _, i in ipairs(info.cyclic) do out[i] = 1 end
+  return out
+end
+
+-- the size of entry i: of its covector, or its own; a force is nothing beside what is round-off of
+-- the action of L
+local function size_of(item, w, i, look)
+  if not w then return abs(item.value[i]) end
+  local size = item.round * look.action
+  for k = 1, #item[2] do size = max(size, abs(item[2][k]) * w[k]) end
   return size
 end
 
-local function check_along(info, item, x0, x1)
+-- sizes[k][i] of entry i of item k at the middle one of all looks: what rests here moves there
+local function usual_sizes(info, seen_at)
+  local out, first = {}, seen_at[1].lists[1]
+  for k, item in ipairs(first) do
+    out[k] = {}
+    for i = 1, #(item[2] or item.value) do
+      local all = {}
+      for l, one in ipairs(seen_at) do
+        all[l] = size_of(one.lists[1][k], weights(info, item, one.look), i,
+          one.look)
+      end
+      out[k][i] = lists.middle(all)
+    end
+  end
+  return out
+end
+
+local function check_along(info, item, w, usual, look)
   local F = item[2]
   for _, i in ipairs(F and info.cyclic or {}) do
-    if abs(F[i]) > NONE * size_of(F) then
-      error(ALONG:format(item[1], item[3], info.names[i], F[i], check.text(x0), check.text(x1),
-        info.names[i]), 0)
+    if abs(F[i]) > NONE * max(size_of(item, w, i, look), usual[i]) then
+      error(ALONG:format(item[1], item[3], info.names[i], F[i], check.text(look.x0),
+        check.text(look.x1), info.names[i]), 0)
     end
   end
 end
 
-local function check_same(item, before, x0, x1, theta)
+local function check_same(item, before, w, usual, look, theta)
   local now, was = item[2] or item.value, before[2] or before.value
   for i = 1, #now do
-    if abs(now[i] - was[i]) > SAME * size_of(was) then
-      error(MOVED:format(item[1], i, was[i], now[i], theta[1], check.text(x0), check.text(x1)), 0)
+    local apart, size = abs(now[i] - was[i]) * (w and w[i] or 1), size_of(before, w, i, look)
+    if apart > SAME * max(size, usual[i]) then
+      error(MOVED:format(item[1], i, was[i], now[i], theta[1], check.text(look.x0),
+        check.text(look.x1)), 0)
     end
   end
 end
@@ -148,18 +181,28 @@ local function is_finite(list)
   return true
 end
 
---- Raises at a pair of shapes, psi apart, where something is along the group or depends on where
--- the group is: at the first of these places and at the others.
-function M.check(D, x0, x1, psi, places)
-  local first
-  for _, theta in ipairs(places) do
-    local fine, list = blame.try(seen, D, x0, x1, theta, psi)
-    if fine and is_finite(list) then
-      for k, item in ipairs(list) do
-        check_along(D.info, item, x0, x1)
-        if first then check_same(item, first[k], x0, x1, theta) end
+--- Raises at one of `looks`, pairs of shapes x0, x1, psi apart, where something is along the group
+-- or depends on where the group is: at the first of the look's places and at the others.
+function M.check(D, looks)
+  local seen_at = {}
+  for _, look in ipairs(looks) do
+    local one = { look = look, lists = {}, places = {} }
+    for _, theta in ipairs(look.places) do
+      local fine, list = blame.try(seen, D, look.x0, look.x1, theta, look.psi)
+      if fine and is_finite(list) then
+        one.lists[#one.lists + 1], one.places[#one.places + 1] = list, theta
       end
-      first = first or list
+    end
+    if #one.lists > 0 then seen_at[#seen_at + 1] = one end
+  end
+  local usual = #seen_at > 0 and usual_sizes(D.info, seen_at)
+  for _, one in ipairs(seen_at) do
+    for l, list in ipairs(one.lists) do
+      for k, item in ipairs(list) do
+        local w = weights(D.info, item, one.look)
+        check_along(D.info, item, w, usual[k], one.look)
+        if l > 1 then check_same(item, one.lists[1][k], w, usual[k], one.look, one.places[l]) end
+      end
     end
   end
 end

@@ -99,8 +99,8 @@ end
 
 local function is_known(list, found)
   for _, row in ipairs(list) do
-    local gap = (row.nu - found.nu):norm() + (row.x_full - found.x):norm()
-    if gap < SAME * (1 + found.nu:norm()) then return true end
+    local gap, size = (row.nu - found.nu):norm(), found.nu:norm()
+    if gap <= SAME * size and (row.x_full - found.x):norm() < SAME then return true end
   end
 end
 

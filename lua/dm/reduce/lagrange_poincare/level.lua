@@ -72,7 +72,7 @@ local function check_inertia(self)
     local fine, I = blame.try(f.inertia, x, u, xi)
     if fine then
       local again = f.inertia(x, u, kits.normals(core.random(88), 100 + i, S.r, 1))
-      if linear.largest(again - I) > 1e-9 * (1 + linear.largest(I)) then
+      if linear.largest(again - I) > 1e-9 * linear.largest(I) then
         option.fail(WHERE, "L is not quadratic in the velocity of the group: only mechanical "
           .. "systems "
           .. "are reduced by groups that are not abelian")

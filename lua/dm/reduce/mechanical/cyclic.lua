@@ -23,7 +23,7 @@ local function check_pair(info, slope, q0, q1)
   local g = slope(q0, q1)
   for _, i in ipairs(info.cyclic) do
     local change = g[i] + g[info.n + i]
-    if math.abs(change) > 1e-10 * (1 + g:norm()) then
+    if math.abs(change) > 1e-10 * g:norm() then
       options.fail(WHERE, "Ld is not invariant under translations of '%s': it changes at the rate "
         .. "%.6g at q0 = %s, q1 = %s", info.names[i], change, check.text(q0), check.text(q1))
     end

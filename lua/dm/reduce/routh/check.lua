@@ -3,10 +3,11 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local abs, max, middle = math.abs, math.max, lists.middle
 local TRIES, ENOUGH, TOLERANCE = 80, 12, 1e-10
 
 -- numbers between -1 and 1, the same in every run
@@ -92,12 +93,35 @@ M.AWAY = AWAY
 
 local NO_SYMMETRY = "L is not invariant under the action: it changes by %.6g along '%s' at %s"
 
--- dL/dtheta = 0 at a point
-local function check_slope(info, slope, p)
-  local g, size = slope(p.q, p.v, p.t), 1
-  for i = 1, 2 * info.n do size = max(size, abs(g[i])) end
+---- sizes, in the units that a user has ----
+
+--- The middle size of entry i of the lists one[key], one of `seen`.
+function M.usual(seen, key)
+  local out = {}
+  for i = 1, seen[1] and #seen[1][key] or 0 do
+    local sizes = {}
+    for k, one in ipairs(seen) do sizes[k] = abs(one[key][i] or 0) end
+    out[i] = middle(sizes)
+  end
+  return out
+end
+
+-- the largest term g_i z_i, an energy: coordinates of all units are compared in it
+local function energy(g, z)
+  local size = 0
+  for i = 1, #z do size = max(size, abs(g[i] * z[i])) end
+  return size
+end
+
+-- |x|, 1 at least: how far the group coordinate x goes
+local function reach(x) return max(1, abs(x)) end
+
+---- L ----
+
+-- dL/dtheta = 0 at a point, beside terms of this size
+local function check_slope(info, g, p, size)
   for _, i in ipairs(info.cyclic) do
-    if abs(g[i]) > TOLERANCE * size then
+    if abs(g[i]) * reach(p.q[i]) > TOLERANCE * size then
       if info.ambient then error(NO_SYMMETRY:format(g[i], info.names[i], place(info, p)), 0) end
       error(("L is not invariant under translations of '%s': dL/d%s = %.6g at %s")
         :format(info.names[i], info.names[i], g[i], at(p)), 0)
@@ -106,13 +130,22 @@ local function check_slope(info, slope, p)
 end
 
 --- dL/dtheta = 0 at all points, where the group has moved them too; slope(q, v, t) is the gradient
--- of L.
+-- of L. Points get `energy`, the size of the terms of L there.
 function M.lagrangian(info, slope)
+  local seen, sizes = {}, {}
   for k, p in ipairs(info.points) do
-    check_slope(info, slope, p)
-    check_slope(info, slope, { q = moved(info, p, k), v = p.v, t = p.t })
+    for _, there in ipairs { p, { q = moved(info, p, k), v = p.v, t = p.t } } do
+      local g, z = slope(there.q, there.v, there.t), {}
+      for i = 1, info.n do z[i], z[info.n + i] = p.q[i], p.v[i] end
+      seen[#seen + 1], sizes[#sizes + 1] = { g = g, p = there }, energy(g, z)
+    end
+    p.energy = sizes[#sizes - 1]
   end
+  local usual = middle(sizes)
+  for k, one in ipairs(seen) do check_slope(info, one.g, one.p, max(sizes[k], usual)) end
 end
+
+---- constraints and forces ----
 
 -- what a constraint or force returned, always as a list
 local function numbers(value)
@@ -123,31 +156,58 @@ local function numbers(value)
 end
 M.numbers = numbers
 
-local function compare(what, f, info, read)
+-- values of f at all points where it has any, there and where the group has moved them
+local function values(f, info)
+  local out = {}
   for k, p in ipairs(info.points) do
     local fine, a, b = blame.try(function()
-      return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p, k), p.v, p.t))
+      return numbers(f(p.q, p.v, p.t)), numbers(f(moved(info, p, k), p.v, p.t))
     end)
-    for i = 1, fine and #a or 0 do
-      if abs(a[i] - b[i]) > TOLERANCE * max(1, abs(a[i])) then
+    if fine then out[#out + 1] = { a = a, b = b, p = p } end
+  end
+  return out
+end
+
+-- Entry i of each is the same at both, in the weight weight(p, i); size(one, i): what it is
+-- compared with.
+local function compare(what, info, list, weight, size)
+  local usual = {}
+  for i = 1, list[1] and #list[1].a or 0 do
+    local sizes = {}
+    for k, one in ipairs(list) do sizes[k] = size(one, i) end
+    usual[i] = middle(sizes)
+  end
+  for _, one in ipairs(list) do
+    for i = 1, #one.a do
+      local a, b = one.a[i], one.b[i]
+      if abs(a - b) * weight(one.p, i) > TOLERANCE * max(size(one, i), usual[i]) then
         error(("%s is not invariant: entry %d changes from %.6g to %.6g when the group moves q "
           .. "at %s")
-          :format(what, i, a[i], b[i], place(info, p)), 0)
+          :format(what, i, a, b, place(info, one.p)), 0)
       end
     end
   end
 end
 
+-- of the terms of L, beside which a force is round-off: friction of what turns as one body is
+-- nothing but that
+local ROUND = 1e-4
+M.ROUND = ROUND * TOLERANCE
+
 --- A force (q, v, t) that is invariant and does no work along the group.
 function M.force(info, f)
-  compare("the force", f, info, function(g, q, v, t) return g(q, v, t) end)
-  for _, p in ipairs(info.points) do
-    local fine, F = blame.try(f, p.q, p.v, p.t)
-    for _, i in ipairs(fine and info.cyclic or {}) do
-      if abs(F[i]) > TOLERANCE then
+  local list, sizes = values(f, info), {}
+  local function work(one) return max(energy(one.a, one.p.q), ROUND * one.p.energy) end
+  local function by(p, i) return abs(p.q[i]) end
+  compare("the force", info, list, by, work)
+  for k, one in ipairs(list) do sizes[k] = work(one) end
+  local usual = middle(sizes)
+  for k, one in ipairs(list) do
+    for _, i in ipairs(info.cyclic) do
+      if abs(one.a[i]) * reach(one.p.q[i]) > TOLERANCE * max(sizes[k], usual) then
         error(("the force has a component along the group: it pushes '%s' with %.6g at %s, so "
-          .. "the momentum of '%s' is not kept and "
-          .. "cannot be eliminated"):format(info.names[i], F[i], place(info, p), info.names[i]), 0)
+          .. "the momentum of '%s' is not kept and cannot be eliminated")
+          :format(info.names[i], one.a[i], place(info, one.p), info.names[i]), 0)
       end
     end
   end
@@ -155,7 +215,8 @@ end
 
 --- A constraint g(q, t) that the group keeps.
 function M.constraint(info, g)
-  compare("the constraint", g, info, function(f, q, _, t) return f(q, t) end)
+  compare("the constraint", info, values(function(q, _, t) return g(q, t) end, info),
+    function() return 1 end, function(one, i) return abs(one.a[i]) end)
 end
 
 --- The locked inertia can be solved with: the order of its rows in elimination.
