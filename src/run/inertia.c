@@ -131,17 +131,19 @@ static void place_mass(const dm_inertia *x, double *A, const double *M) {
         for (size_t j = 0; j < n; j++) A[i * n + j] = x->scale[i] * M[i * n + j] * x->scale[j];
 }
 
-/* Where a coordinate has no mass of its own, its scale takes the largest entry of its row near to
- * one: the units of the others say nothing of it. */
+/* Where a coordinate has no mass of its own but beside the diagonal, or one of rounding alone, its
+ * scale takes the largest entry of its row near to one: the units of the others say nothing of it.
+ */
 static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n) {
+    static const double FAR = 1e6;
     enum { PASSES = 6 };
     for (uint32_t k = 0; k < PASSES * n; k++) {
         const uint32_t i = k % n;
         double largest = 0.0;
-        if (M[i * pitch + i] != 0.0) continue;
         for (uint32_t j = 0; j < n; j++)
             largest = fmax(largest, fabs(scale[i] * M[i * pitch + j] * scale[j]));
-        if (largest > 0.0 && largest < INFINITY) scale[i] /= sqrt(largest);
+        const int alone = M[i * pitch + i] == 0.0 && largest > 0.0;
+        if ((alone || largest > FAR) && largest < INFINITY) scale[i] /= sqrt(largest);
     }
 }
 
