@@ -31,8 +31,8 @@ local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17, 1e-18 }, 0.3
 local LARGEST = { 1 / 24, 1 / 37 }  -- of the whole time: a step, of either method
 
-local REFUSALS = { "cannot step this system", "too many to trace", "^this group has no ",
-  "needs a regular Lagrangian", "^field 'rule'", "^field 'control'" }
+local REFUSALS = { "cannot step this system", "cannot step a system on", "too many to trace",
+  "^this group has no ", "needs a regular Lagrangian", "^field 'rule'", "^field 'control'" }
 
 --- Is it the rule that cannot, whatever the step?
 function M.is_refusal(why)

@@ -77,6 +77,21 @@ near(chart.points[1].error, G:distance(last, G:exp { 0.3 * s, -0.2 * s, 0.5 * s 
   "the error of a chart is the angle of turn")
 ok(#free:chart { q = G:identity(), v = { 1, 0.2, 0.4 }, t = 1, rules = { "lie(1)", "gauss(2)" } }
   .points > 4, "a chart that finds its steps and its reference")
+-- a group without a lift: Gauss' methods were not passed over there
+local plane = dm.system { Q = affine, L = function(g, x)
+  return (x[1] ^ 2 + x[2] ^ 2) / 2 - 0.3 * g[1][1] - 0.2 * g[1][2] ^ 2
+end }
+local from = { q = affine:exp { 0.2, 0.1 }, v = { 0.3, -0.4 } }
+local own = plane:chart { q = from.q, v = from.v, t = 1, rules = { "lie(1)" }, h = { 0.1 },
+  samples = 1 }
+local function finish(rule, h)
+  local path = plane:solver { rule = rule, h = h }:run { q = from.q, v = from.v, t = 1 }
+  return path.q[#path]
+end
+near(own.points[1].error, affine:distance(finish("rkmk4", 0.002), finish("lie(1)", 0.1)), 1e-9,
+  "a chart on a group without a lift")
+ok(dm.scene { plane, q = from.q, v = from.v, until_t = 1, tolerance = 1e-5, watch = { "R12" } }
+  :run(), "and a scene")
 
 -- another group that acts: turns about the axis of a body from the right
 local top = dm.system { Q = G, L = function(R, w)
