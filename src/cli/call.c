@@ -17,6 +17,7 @@ const char *dml_program = "dmlua";
 static lua_State *volatile running;           /* the thread, for the signal handler */
 static volatile sig_atomic_t was_terminated;  /* by SIGTERM, which ends as Ctrl-C does */
 static volatile sig_atomic_t was_interrupted; /* by SIGINT */
+static volatile sig_atomic_t over;            /* SIGTERM came a second ago: nothing goes on */
 static int ended_by_stop;                     /* has Ctrl-C ended what was called last? */
 
 /* ---- Ctrl-C ---- */
@@ -34,14 +35,14 @@ static int in_module(lua_State *L) {
 /* Runs before the next instruction after Ctrl-C. A C loop that polls dml_stop answers itself, and
  * has answered when dml_stop is clear again. What was raised is raised again where one of our
  * modules has caught it, as they try things under pcall; a pcall of the user may keep it, and
- * core.until_stop of what has something to show. */
+ * core.until_stop of what has something to show: Ctrl-C for good, SIGTERM for a second. */
 static void interrupt(lua_State *L, lua_Debug *ar) {
     (void)ar;
     const int inside = in_module(L);
     /* until a function of the user goes on */
     dml_raised = dml_stop || (dml_raised && inside);
-    dml_stop = 0;
-    alarm(0);
+    dml_stop = over;
+    alarm(was_terminated ? 1 : 0);
     if (dml_raised && inside) lua_pushliteral(L, "interrupted!"), lua_error(L);
     if (dml_raised) luaL_error(L, "interrupted!"); /* with the place in the script */
     lua_sethook(L, NULL, 0, 0);
@@ -64,9 +65,10 @@ static void set_hook(void) {
 }
 
 /* every second until Ctrl-C is answered: it may have come just before a read of the terminal, or
- * a change of the thread */
+ * a change of the thread; after SIGTERM until the script ends */
 static void wake(int signal) {
     (void)signal;
+    if (was_terminated) over = dml_stop = 1;
     if (!dml_stop) return;
     set_hook();
     alarm(1);
@@ -151,8 +153,9 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
     const int status = lua_pcall(L, arguments, results, base);
     set_back(SIGINT, &before);
     set_back(SIGTERM, &before_end);
-    dml_stop = 0;
-    if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0), alarm(0);
+    if (was_terminated || lua_gethook(L) == interrupt) alarm(0);
+    dml_stop = over = 0;
+    if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0);
     lua_remove(L, base);
     return status;
 }

@@ -73,6 +73,8 @@ end
 ok(interrupted_status "while true do end" == 130, "130 where Ctrl-C ends a script")
 ok(interrupted_status(run) == 130, "also in a C loop")
 ok(interrupted_status("while true do end", "TERM") == 143, "143 where it is terminated")
+ok(interrupted_status("while true do pcall(function() while true do end end) end", "TERM") == 143,
+  "143 where a pcall in a loop catches that")
 ok(interrupted_status("pcall(function() while true do end end) os.exit(3)") == 3, "a script that deals with it ends as it says")
 -- digits, benchmarks
 local dm = require "dm"
