@@ -69,6 +69,21 @@ for _, E in ipairs { 1, 1e-12, 1e-20, 1e20 } do
         Ld = function(a, b, h) return h * bead.L((a + b) / 2, (b - a) / h, 0) end })
   end)
 
+  -- rolling: multipliers are of the size of L
+  local function blade(q, v) return rotor(q, v) + E * (v[3] ^ 2 - q[3] ^ 2) / 2 end
+  local Lb = dm.discrete_lagrangian { Q = dm.R(3), h = 0.1,
+    Ld = function(a, b, h) return h * blade((a + b) / 2, (b - a) / h) end,
+    rolling = function(a, b, h) return (b[3] - a[3] - (a[2] + b[2]) / 2 * (b[2] - a[2])) / h end,
+    reaction = function(a) return { { 0, -a[2], 1 } } end }
+  local cart, q, v = dm.system { Q = dm.R(3), L = blade }, { 0.2, 0.7, 0.1 }, { 0.8, 0.3, 0.21 }
+  local round = cart:routh { cyclic = "q1", q = q, v = v }
+  local x, u, theta = round:start(q, v)
+  local full = Lb:solver {}:run { q = q, p = cart:momentum(q, v), steps = 100 }
+  local back = round:discrete(Lb):solver {}:run { q = x, p = round:momentum(x, u), steps = 100 }
+    :reconstruct { theta = theta }
+  ok((back.q[101] - full.q[101]):norm() < 1e-12 and (full.q[101] - full.q[1]):norm() > 0.1,
+    ("rolling, L of size %g"):format(E), (back.q[101] - full.q[101]):norm())
+
   -- groups
   local G = dm.SO(3)
   local function top(g, xi) return E * ((xi[1] ^ 2 + 2 * xi[2] ^ 2 + 3 * xi[3] ^ 2) / 2 - 0.3 * g[3][3]) end

@@ -73,8 +73,33 @@ local function constraints_of(D)
   end
 end
 
+-- the unit of each multiplier, a power of 2: that of momenta over what pulls, so that unknowns of L
+-- in any units are about as large as coordinates
+local function units_of(D, constraints, count)
+  local info, acting, units = D.info, D.forces or {}, {}
+  if count == 0 then return units end
+  local A, p, _, G = info.ambient, info.sample, constraint_of(info)
+  local q, v = p.q, p.v
+  if A then q, v = A.lift(q, v) end
+  local momentum = (A and A.system or info.full):momentum(q, v, p.t):norm()
+  local rows = G and G(q) or {}
+  local pulls = acting.reaction and acting.reaction(q, q + D.h * core.vector(v)) or {}
+  for c = 1, count do
+    local row = c <= constraints and rows[c] or core.vector(pulls[c - constraints])
+    local unit = momentum / row:norm()
+    units[c] = unit > 0 and unit < math.huge and 2.0 ^ math.floor(math.log(unit, 2)) or 1
+  end
+  return units
+end
+
+local function in_units(multipliers, units)
+  local out = {}
+  for c, unit in ipairs(units) do out[c] = multipliers[c] * unit end
+  return out
+end
+
 -- what is left of the equations at z = (q1, w, lambda, kappa), in the coordinates (theta, x) of q0
-local function equations_of(D, constraints, count)
+local function equations_of(D, constraints, count, units)
   local info, A = D.info, D.action
   local chart, slope = chart_of(info)
   local add_beside, left_of = beside_of(D, constraints), constraints_of(D)
@@ -85,7 +110,7 @@ local function equations_of(D, constraints, count)
     local D1 = A.slope(q0, q1, inner > 0 and lists.part(z, n, inner) or nil)
     local p = {}
     for i = 1, n do p[i] = D1[i] end
-    add_beside(p, q0, q1, lists.part(z, n + inner, count))
+    add_beside(p, q0, q1, in_units(lists.part(z, n + inner, count), units))
     local out = pulled_back(slope and slope(at), p, 0, n)
     for a, i in ipairs(info.cyclic) do out[i] = out[i] + info.mu[a] end
     for j, i in ipairs(info.shape) do out[i] = out[i] + y[j] end
@@ -151,9 +176,10 @@ local function make(D)
   local n, d = info.n, info.d
   local constraints = D.constraint and D.shape:structure().constraints or 0
   local push, count = D.forces and D.forces.push, constraints + (D.forces and D.forces.rolls or 0)
+  local units = units_of(D, constraints, count)
   local root = core.root { name = "the next point", unknowns = n + A.inner + count,
     failure = "is the step too long for this momentum?",
-    start = start_of(D, count), equations = equations_of(D, constraints, count) }
+    start = start_of(D, count), equations = equations_of(D, constraints, count, units) }
   local inverse, chart, slope = inverse_of(info), chart_of(info)
   local function step(x, y, near)
     local z = root(x, y)
@@ -164,7 +190,7 @@ local function make(D)
     if push then F2 = select(2, push(q0, q1)) end
     local p = pulled_back(slope and slope(there), F2 and p1 + F2 or p1, 0, n)
     for j, i in ipairs(info.shape) do out[j], out[d + j] = there[i], p[i] end
-    for c = 1, count do out[2 * d + c] = z[n + A.inner + c] end
+    for c = 1, count do out[2 * d + c] = z[n + A.inner + c] * units[c] end
     for _, i in ipairs(info.cyclic) do out[#out + 1] = there[i] end
     return core.vector(out)
   end
