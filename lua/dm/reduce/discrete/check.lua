@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local forces = require "dm.reduce.discrete.forces"
+local everywhere = require "dm.reduce.routh.everywhere"
 local lists = require "dm.base.lists"
 local check = require "dm.reduce.routh.check"
 local model = require "dm.reduce.routh.model"
@@ -121,8 +122,10 @@ local function looks_of(D)
 end
 
 -- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group?
-local function check_symmetry(D, looks)
-  local info, seen, usual = D.info, {}, {}
+-- usual: sizes of the momenta along it, where they are known; gives them
+local function check_symmetry(D, looks, usual)
+  local info, seen, sizes_known = D.info, {}, usual
+  usual = usual or {}
   for _, look in ipairs(looks) do
     for _, theta in ipairs(look.places) do
       local fine, p0, p1 = blame.try(momenta, D, look.x0, look.x1, theta, look.psi)
@@ -132,7 +135,7 @@ local function check_symmetry(D, looks)
   for _, i in ipairs(info.cyclic) do
     local sizes = {}
     for k, one in ipairs(seen) do sizes[k] = abs(one.p0[i]) end
-    usual[i] = lists.middle(sizes)
+    usual[i] = sizes_known and usual[i] or lists.middle(sizes)
   end
   for _, one in ipairs(seen) do
     for _, i in ipairs(info.cyclic) do
@@ -143,6 +146,55 @@ local function check_symmetry(D, looks)
           check.text(one.look.x0), check.text(one.look.x1), one.theta[1]), 0)
       end
     end
+  end
+  return usual
+end
+
+local FAR = 40 -- of group coordinates
+
+-- d/ds of a formula Ld at ((theta + s e_a, x0), (theta + psi + s e_a, x1)), of z = (theta, psi,
+-- x0, x1)
+local function rate_along(D, a)
+  local info, n = D.info, D.info.m + D.info.d
+  local m, d = info.m, info.d
+  local chart = info.ambient and info.ambient.chart or function(z) return z end
+  local rate = core.derivative(function(s, z)
+    local theta, there = {}, {}
+    for b = 1, m do
+      theta[b] = z[b] + (a == b and s or 0)
+      there[b] = theta[b] + z[m + b]
+    end
+    return D.action.value(chart(model.embed(info, lists.part(z, 2 * m, d), theta)),
+      chart(model.embed(info, lists.part(z, 2 * m + d, d), there)))
+  end, "number", 2 * n)
+  return function(z) return rate(0 * z[1], z)[1] end
+end
+
+-- the looks as such lists, with the group at either end
+local function samples_of(D, looks)
+  local out, m = {}, D.info.m
+  for k, look in ipairs(looks) do
+    local z, side = {}, k % 2 == 0 and 1 or -1
+    for a = 1, m do z[a], z[m + a] = side * FAR / 3, side * look.psi[a] end
+    for _, x in ipairs { look.x0, look.x1 } do
+      for j = 1, #x do z[#z + 1] = x[j] end
+    end
+    out[k] = z
+  end
+  return out
+end
+
+-- the same between the looks, of a formula: where its bounds leave something it is looked for
+local function check_between(D, looks, usual)
+  local m, d = D.info.m, D.info.d
+  local low, high = everywhere.box(samples_of(D, looks))
+  for a, i in ipairs(D.info.cyclic) do
+    local function look(z)
+      local theta = lists.entries(lists.part(z, 0, m))
+      check_symmetry(D, { { x0 = lists.part(z, 2 * m, d), x1 = lists.part(z, 2 * m + d, d),
+        psi = lists.part(z, m, m), places = { theta } } }, usual)
+    end
+    everywhere.search(rate_along(D, a), low, high, SAME * usual[i], look)
   end
 end
 
@@ -172,7 +224,8 @@ end
 function M.given(D, full)
   local looks = looks_of(D)
   if D.forces then forces.check(D, looks) end
-  check_symmetry(D, looks)
+  local usual = check_symmetry(D, looks)
+  if not D.Ld.system and D.action.inner == 0 then check_between(D, looks, usual) end
   check_system(D, full, points_of(D.info))
 end
 

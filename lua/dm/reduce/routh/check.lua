@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
+local everywhere = require "dm.reduce.routh.everywhere"
 local lists = require "dm.base.lists"
 
 local M = {}
@@ -143,6 +144,41 @@ function M.lagrangian(info, slope)
   end
   local usual = middle(sizes)
   for k, one in ipairs(seen) do check_slope(info, one.g, one.p, max(sizes[k], usual)) end
+  return usual
+end
+
+local FAR = 40 -- of group coordinates
+
+-- samples (q, v, t) as lists, with the group at either end
+local function samples_of(info)
+  local out = {}
+  for k, p in ipairs(info.points) do
+    local z = {}
+    for i = 1, info.n do z[i], z[info.n + i] = p.q[i], p.v[i] end
+    z[#z + 1] = p.t
+    for _, i in ipairs(info.cyclic) do z[i] = k % 2 == 0 and FAR / 3 or -FAR / 3 end
+    out[k] = z
+  end
+  return out
+end
+
+--- The same between the points: where bounds of dL/dtheta leave something, it is looked for there.
+-- usual: the energy of M.lagrangian.
+function M.between(info, slope, usual)
+  local n, low, high = info.n, everywhere.box(samples_of(info))
+  for _, i in ipairs(info.cyclic) do
+    local function f(z)
+      return slope(lists.part(z, 0, n), lists.part(z, n, n), z[2 * n + 1])[i]
+    end
+    local function look(z)
+      local p = { q = lists.part(z, 0, n), v = lists.part(z, n, n), t = z[2 * n + 1] }
+      local known, g = blame.try(slope, p.q, p.v, p.t)
+      local terms = table.move(z, 1, 2 * n, 1, {})
+      for _, k in ipairs(info.cyclic) do terms[k] = 0 end
+      if known then check_slope(info, g, p, max(energy(g, terms), usual)) end
+    end
+    everywhere.search(f, low, high, TOLERANCE * usual, look)
+  end
 end
 
 ---- constraints and forces ----

@@ -279,7 +279,7 @@ local function examine(info, start)
     error("no point was found at which L is finite: give one that is in its domain, system:routh "
       .. "{ ..., q = ..., v = ... }", 0)
   end
-  check.lagrangian(info, slope)
+  check.between(info, slope, check.lagrangian(info, slope))
   local sample = info.sample
   local rows, I = model.derived(info).rows(sample.q, sample.v, sample.t), {}
   for a = 1, info.m do
