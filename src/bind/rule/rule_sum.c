@@ -62,7 +62,7 @@ static double of_trial(lua_State *L, const dm_trial_row *row, const dm_trial_ker
 /* of a graph, which stays as it is: its inputs are x[at], h and more */
 static double of_graph(lua_State *L, uint64_t which, dm_graph *from, const dm_node *out,
                        uint32_t at, uint32_t count) {
-    dm_kernel k;
+    dm_kernel k = {.outputs = 0};
     const uint32_t inputs = dm_graph_inputs(from);
     dm_arena *arena = dml_pusharena(L);
     dm_graph *g = dm_graph_new(arena, inputs);
@@ -106,8 +106,9 @@ static double of_curve(lua_State *L, const dm_curve *c) {
 
 /* nodes and quadrature, and a tableau that is not of them */
 static double of_stages(const dm_galerkin *g) {
-    double x[DM_STAGE_KEY];
-    double sum = weighted(500, x, dm_stage_key(x, g));
+    double x[DM_STAGE_KEY] = {0};
+    const uint32_t count = dm_stage_key(x, g);
+    double sum = weighted(500, x, count);
     for (int i = 0; g->tableau && i < g->s * g->s; i++) {
         x[0] = (double)g->a[i / g->s][i % g->s];
         sum += weighted(600 + (uint64_t)i, x, 1);
