@@ -66,6 +66,16 @@ function M.check(t, known, where, takes)
   return t
 end
 
+--- A copy of options that may be left out and are checked by who takes them.
+function M.copy(t, where)
+  local out = {}
+  if t ~= nil and type(t) ~= "table" then
+    M.fail(where, "takes a table of options (got %s)", M.got(t))
+  end
+  for key, value in next, t or {} do out[key] = value end
+  return out
+end
+
 --- Raises that option `key` must be `what`, where `fine` is not true.
 function M.demand(fine, t, key, where, what)
   if not fine then M.fail(where, "option '%s' must be %s (got %s)", key, what, M.got(t[key])) end

@@ -1,8 +1,9 @@
 --- How a chart is shown: a picture, a file of comma-separated values.
 local blame = require "dm.base.blame"
 local of_rule = require "dm.chart.orders".of_rule
+local option = require "dm.base.options"
 
-local fail = require "dm.base.options".failing "dm.chart"
+local fail = option.failing "dm.chart"
 
 -- a rule with its order, where that is measurable
 local function named(chart, rule)
@@ -22,8 +23,7 @@ local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations",
 local UNIT = { position = "q", energy = "energy", momentum = "p" }
 
 local draw = blame.caller(function(self, options)
-  local given = {}
-  for key, value in pairs(options or {}) do given[key] = value end
+  local given = option.copy(options, "chart:plot")
   local axis = AGAINST[given.against or "ns"]
   if not axis then
     fail('option \'against\' must be "ns", "evaluations", "newton", "steps" or "h" (got %s)',

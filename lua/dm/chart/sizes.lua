@@ -221,8 +221,7 @@ local AGAINST = { width = { "width of a cell", 1 }, ns = { "CPU time (s)", 1e-9 
   h = { "h", 1 } }
 
 class.method("dm.field_chart", "plot", function(chart, options)
-  local given, series = {}, {}
-  for key, value in pairs(options or {}) do given[key] = value end
+  local given, series = option.copy(options, "chart:plot"), {}
   local key = option.one_of(given, "against", "chart:plot", { "width", "ns", "h" }) or "width"
   given.against = nil
   for _, rule in ipairs(chart.rules) do

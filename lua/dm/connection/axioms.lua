@@ -15,6 +15,7 @@ local M = {}
 local try = blame.try  -- Ctrl-C passes
 
 local SAMPLES, TRIES = 12, 120
+M.TRIES = TRIES
 
 M.names = { "equivariance", "splitting", "composition" }
 

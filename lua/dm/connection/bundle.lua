@@ -37,12 +37,15 @@ function M.element(bundle, g, what)
 end
 
 local function take(bundle, q, what)
+  local point = ("%s must be a point of the bundle, a list { x, g } of %d number%s and an element "
+    .. "of %s"):format(what, bundle.n, bundle.n == 1 and "" or "s", tostring(bundle.group))
   if type(q) ~= "table" or #q ~= 2 then
-    error(("%s must be a point of the bundle, a list { x, g } of %d number%s and an element of %s "
-      .. "(got %s)"):format(what, bundle.n, bundle.n == 1 and "" or "s", tostring(bundle.group),
+    error(("%s (got %s)"):format(point,
       type(q) == "table" and ("a list of %d"):format(#q) or kits.class_of(q)), 0)
   end
-  return { M.base_point(bundle, q[1], what .. ": x"), M.element(bundle, q[2], what .. ": g") }
+  local fine, x = blame.try(M.base_point, bundle, q[1], what .. ": x")
+  if not fine then error(("%s; %s"):format(x, point), 0) end
+  return { x, M.element(bundle, q[2], what .. ": g") }
 end
 
 local function check_base(base, where)

@@ -116,6 +116,17 @@ local function form_of(given, B)
   end
 end
 
+-- A form has a value at one of the points where the axioms of other data are tried.
+local function check_form(given, B)
+  local form, fine, what = form_of(given, B), nil, nil
+  for i = 1, axioms.TRIES do
+    fine, what = blame.try(form, axioms.sample(B, i).q0[1])
+    if fine then return end
+  end
+  options.fail(WHERE, "option 'form' has no value at %d random points: %s", axioms.TRIES,
+    blame.bare(what))
+end
+
 ---- logbar: velocities at q0 ----
 
 local function flat_log(kit, inverse)
@@ -220,6 +231,7 @@ function M.of(given, B)
     end
     local_form, raw = exponential(given, B, by)
   end
+  if given.form then check_form(given, B) end
   local A = connections.new(facts, B, local_form, raw)
   A.own.reference = given.form and by ~= "exp" and function()
     return connections.connection { group = given.group, base = given.base, form = given.form }

@@ -63,7 +63,11 @@ end
 local function map_of(place, group, side)
   local kit = place.kit
   if type(group) == "function" then
-    return function(g, mu) return core.vector { core.vector(group(g)):dot(mu) }, 1 end, 1
+    local rate = core.one(group, "the generator")
+    return function(g, mu)
+      local xi = kits.vector(rate(g), kit.dimension, "what the generator returns")
+      return core.vector { xi:dot(mu) }
+    end, 1
   end
   if group == place.space then
     if side == "right" then return function(_, mu) return mu end, kit.dimension end
@@ -83,7 +87,9 @@ local function found(place, group, given, known)
   local options = require "dm.base.options".check(given or {}, known or { "side", "action" },
     "momentum", "{ side =, action = }")
   local side = options.side or "left"
-  if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
+  if side ~= "left" and side ~= "right" then
+    error(([[option 'side' must be "left" or "right" (got %s)]]):format(tostring(side)), 0)
+  end
   local J, d = given_action(place, group, options)
   if options.side and (J or type(group) == "function") then
     error("momentum: 'side' is of groups by their own action; leave it out for an action or a "

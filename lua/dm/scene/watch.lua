@@ -2,10 +2,11 @@
 -- that they need.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local option = require "dm.base.options"
 
 local M = {}
 
-local fail = require "dm.base.options".failing "dm.scene"
+local fail = option.failing "dm.scene"
 
 --- Names of the coordinates of a system.
 function M.names(system)
@@ -98,7 +99,7 @@ end
 local function check_tolerance(tolerance, what)
   if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < math.huge) then
     fail("%s must be a number > 0, in the units of what is watched (got %s)", what,
-      tostring(tolerance))
+      option.got(tolerance))
   end
   return tolerance
 end

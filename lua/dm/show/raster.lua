@@ -7,6 +7,8 @@ local look_ = require "dm.show.look"
 local M = {}
 
 local WIDTH = 0.62  -- of a digit, in heights of a letter
+-- away from the ticks, in widths of a letter: a name at its tick would be read with it
+local APART = { x = 0, y = -0.9, cb = 0.9 }
 
 -- Ticks and name of one axis { lo, hi, text }. @return width of its widest tick, its range
 local function set_axis(add, name, given)
@@ -17,10 +19,11 @@ local function set_axis(add, name, given)
     widest = math.max(widest, #tick.text)
   end
   local text = axis.caption(a, given[3])
+  local shown = name == "cb" and label.upright(text) or label.caption(text)
   local upright = name == "y" and (utf8.len(text) or 4) <= 3 and " norotate" or ""
+  local apart = shown:find "norotate$" and "" or (" offset %g,0"):format(APART[name])
   add(("set %stics (%s)"):format(name, table.concat(ticks, ", ")))
-  add(("set %slabel %s"):format(name, name == "cb" and label.upright(text)
-    or label.caption(text) .. upright))
+  add(("set %slabel %s%s%s"):format(name, shown, upright, apart))
   return WIDTH * widest, a
 end
 

@@ -276,8 +276,7 @@ end
 local MOST_PANELS = 12
 
 local function plot(map, options)
-  local given = {}
-  for key, value in pairs(options or {}) do given[key] = value end
+  local given = option.copy(options, "map:plot")
   local all, along = panels_of(map)
   local there = #all
   if #all > MOST_PANELS then

@@ -1,16 +1,27 @@
 /* missing_key.c - what was asked for last and is not there. */
 #include "bind/core/missing_key.h"
 
+#include <string.h>
+
 /* registry.dm_missed: of, key, source, line and a table of names */
 static void push_note(lua_State *L) {
     luaL_checkstack(L, 6, NULL);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_missed");
 }
 
+/* The function at a level of the stack that asks; a metamethod in Lua that asks for another one is
+ * passed over. */
+static int find_asker(lua_State *L, int level, lua_Debug *ar) {
+    if (!lua_getstack(L, level, ar) || !lua_getinfo(L, "nSl", ar)) return 0;
+    const int is_index = strcmp(ar->namewhat, "metamethod") == 0 && strcmp(ar->name, "index") == 0;
+    return (!is_index || (lua_getstack(L, level + 1, ar) && lua_getinfo(L, "Sl", ar))) &&
+           ar->currentline >= 0;
+}
+
 void dml_miss(lua_State *L, int level, const char *of, int key) {
     lua_Debug ar;
     key = lua_absindex(L, key);
-    if (!lua_getstack(L, level, &ar) || !lua_getinfo(L, "Sl", &ar) || ar.currentline < 0) return;
+    if (!find_asker(L, level, &ar)) return;
     push_note(L);
     lua_pushstring(L, of);
     lua_setfield(L, -2, "of");

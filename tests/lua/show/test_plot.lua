@@ -222,6 +222,7 @@ do
   local wide, narrow = margins(0.002, 0.002)
   ok(wide > l and narrow < r, "margins as the ticks need them", wide .. " " .. narrow)
   ok(text:find 'set ytics %("0" 0, "2" 2' and text:find 'cblabel "u"', "ticks of axes, names", text)
+  ok(text:find('set ylabel "t" norotate offset -', 1, true), "a name stands apart from its ticks", text)
   ok(select(3, margins(2e-5, 1)):find 'set ylabel "t %(10' ~= nil, "tiny times have a power beside their name")
 end
 

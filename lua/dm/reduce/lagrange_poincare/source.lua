@@ -103,10 +103,11 @@ function M.check_invariance(S, system, where)
   local usual = lists.middle(sizes)
   for k, s in ipairs(seen) do
     if math.abs(s.a - s.b) > SLACK * math.max(sizes[k], usual) then
-      option.fail(where, "L is not invariant under %s: it goes from %.9g to %.9g at x = %s, g = %s "
+      option.fail(where, "L is not invariant under %s: it goes from %.9g to %.9g at %sg = %s "
         .. "when h = %s moves g; what breaks the symmetry may be carried along by "
-        .. "dm.euler_poincare, advected =", tostring(S.group), s.a, s.b, tostring(s.x),
-        (tostring(s.g):gsub("%s+", " ")), (tostring(s.h):gsub("%s+", " ")))
+        .. "dm.euler_poincare, advected =", tostring(S.group), s.a, s.b,
+        S.d > 0 and ("x = %s, "):format(tostring(s.x)) or "", (tostring(s.g):gsub("%s+", " ")),
+        (tostring(s.h):gsub("%s+", " ")))
     end
   end
 end
