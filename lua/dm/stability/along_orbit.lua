@@ -5,6 +5,7 @@ local bound = require "dm.base.bound"
 local core = require "dm.core"
 local fields = require "dm.stability.fields"
 local lines = require "dm.stability.lines"
+local modes = require "dm.stability.modes"
 local orbits = require "dm.stability.orbit"
 local rules = require "dm.stability.linear"
 
@@ -36,6 +37,11 @@ end
 
 ---- along an orbit ----
 
+local MANY = 512   -- states of an orbit at most
+local FEW = 1e-4   -- growth of the fastest frequency by twice as many that ends it
+-- peaks of the frequency that are looked at between states, how fast beside the first, at one of so
+-- many places; and those of these that are looked at everywhere
+local PEAKS, NEARLY, SOME, FASTEST = 16, 0.15, 4, 3
 local PLACES = 32  -- states that are looked at; as many where steps are short; about the fastest
 
 -- largest difference of two matrices, in parts of the largest entry
@@ -69,7 +75,7 @@ local function note(out, system, state)
   local first = out.matrices[1]
   out.constant = out.constant and not (first and differ(its.matrix, first))
   out.matrices[#out.matrices + 1] = its.matrix
-  if its.fastest > out.fastest then out.fastest, out.where = its.fastest, state end
+  out.fastest = max(out.fastest, its.fastest)
   local seen = oscillations(its)
   seen.t = state.t
   for k, w in ipairs(seen) do
@@ -108,75 +114,79 @@ local function is_quadratic(system)
   return fine
 end
 
--- the states before and after the fastest one, whose frequency may be larger still between them
-local function look_closer(out, system, states, project)
-  for i, state in ipairs(states) do
-    if state == out.where then
-      local from, to = states[max(1, i - 1)], states[min(#states, i + 1)]
-      for k = 1, to.t > from.t and PLACES or 0 do
-        local some = orbits.states(system, from, (to.t - from.t) * k / PLACES, 0, project)
-        if #some > 0 then note(out, system, some[#some]) end
-      end
-      return
-    end
-  end
+-- notes a state of the orbit, once
+local function note_state(linear, k)
+  local noted = linear.noted
+  if noted[k] == nil then noted[k] = note(linear, linear.system, linear.states[k]) or false end
+  return noted[k]
 end
 
----- frequencies of resonances ----
-
-local SAME = 1e-2  -- a frequency that changes less is one
-local CLOSE = 2e-3 -- means of twice as many states that are this near are settled
-local FASTER = 2   -- times the turns of the orbit: the mean of a frequency that changes is one
-local MANY = 512   -- states for a mean
-
--- mean over the time of oscillation k of what was seen along an orbit; 0 where it is not there
-local function mean_of(seen, k)
-  local first, last, sum = seen[1], seen[#seen], 0
-  if not (last.t > first.t) then return first[k] or 0 end
-  for i = 2, #seen do
-    sum = sum + ((seen[i - 1][k] or 0) + (seen[i][k] or 0)) / 2 * (seen[i].t - seen[i - 1].t)
-  end
-  return sum / (last.t - first.t)
-end
-
--- the means of all oscillations, by more and more states until they stay
-local function means_of(linear)
-  local noted, means, count, settled = {}, nil, PLACES, false
+-- states along the orbit, more and more of them until none is faster
+local function look_along(linear)
+  local count, before = PLACES, nil
   repeat
-    local seen, before = {}, means
-    for _, i in ipairs(orbits.places(linear.states, count)) do
-      noted[i] = noted[i] or note(linear, linear.system, linear.states[i])
-      seen[#seen + 1] = noted[i]
-    end
-    if #seen == 0 then seen[1] = linear.first end
-    means, settled = {}, before ~= nil or linear.constant
-    for k in ipairs(linear.ranges) do
-      means[k] = mean_of(seen, k)
-      local change = abs(means[k] - (before and before[k] or 0))
-      settled = settled and (linear.constant or change <= CLOSE * means[k])
-    end
+    before = linear.fastest
+    for _, k in ipairs(orbits.places(linear.states, count)) do note_state(linear, k) end
     count = 2 * count
-  until settled or count > MANY or #seen == #linear.states
-  return means
+  until linear.constant or count > MANY or #linear.states < count
+    or count > 2 * PLACES and linear.fastest <= (1 + FEW) * before
 end
 
--- Frequencies of the oscillations, the largest first: of those that hardly change, or are fast
--- beside the orbit, the mean; the others are the turns of the orbit itself, where it has some.
-local function modes_of(linear)
-  local still = linear.constant or linear.system.place
-  local turns = still and {} or orbits.frequencies(linear.states, linear.system.Q.dimension)
-  local modes, left = {}, {}
-  for k, mean in ipairs(means_of(linear)) do
-    local mode = linear.ranges[k]
-    local steady = mode.count == #linear.matrices and mode.most - mode.least <= SAME * mode.most
-    local list = (steady or mean > FASTER * (turns[#turns] or 0)) and modes or left
-    list[#list + 1] = mean
+-- the largest frequency of state k that was noted, or 0
+local function fastest_of(linear, k)
+  local seen = linear.noted[k]
+  return seen and seen[1] or 0
+end
+
+-- states that are faster than those beside them, and nearly as fast as any: their numbers
+local function peaks(linear)
+  local noted, out, fastest = {}, {}, 0
+  for k = 1, #linear.states do
+    if linear.noted[k] then noted[#noted + 1] = k end
+    fastest = max(fastest, fastest_of(linear, k))
   end
-  for _, omega in ipairs(#left == 0 and {} or #turns > 0 and turns or left) do
-    modes[#modes + 1] = omega
+  for i, k in ipairs(noted) do
+    local here = fastest_of(linear, k)
+    if here >= max(fastest_of(linear, noted[i - 1] or 0), fastest_of(linear, noted[i + 1] or 0),
+      (1 - NEARLY) * fastest) then
+      out[#out + 1] = k
+    end
   end
-  table.sort(modes, function(a, b) return a > b end)
-  return modes
+  return out
+end
+
+-- notes every so many of the states between those before and after that of this number; the largest
+-- frequency there
+local function look_about(linear, near, i, every, project)
+  local states, most = linear.states, fastest_of(linear, i)
+  local from, to = states[max(1, i - 1)], states[min(#states, i + 1)]
+  local between = near[i] or orbits.states(linear.system, from, to.t - from.t, 0, project)
+  near[i] = between
+  for k = 1, #between, every do
+    local seen = note(linear, linear.system, between[k])
+    most = max(most, seen and seen[1] or 0)
+  end
+  return most
+end
+
+-- the peaks that are left when each was looked at, in the order of their frequencies
+local function fastest_peaks(linear, list, most, look)
+  local found = {}
+  for _, k in ipairs(list) do found[k] = look(k) end
+  table.sort(list, function(i, k) return found[i] > found[k] or found[i] == found[k] and i < k end)
+  return table.move(list, 1, most, 1, {})
+end
+
+-- the frequency may be larger still between states: some of all peaks, then more of the fastest
+local function look_closer(linear, project)
+  local near = {}
+  local list = fastest_peaks(linear, peaks(linear), PEAKS, function(k)
+    return fastest_of(linear, k)
+  end)
+  list = fastest_peaks(linear, list, FASTEST, function(k)
+    return look_about(linear, near, k, SOME, project)
+  end)
+  for _, k in ipairs(list) do look_about(linear, near, k, 1, project) end
 end
 
 ---- of a cell ----
@@ -198,11 +208,9 @@ local function along_orbit(map, cell)
   if not is_quadratic(system) then
     states, done = orbits.states(system, start, T, out.fastest, options.project)
   end
-  out.first, out.states, out.where = first, states, states[1]
-  for _, k in ipairs(orbits.places(states, PLACES)) do note(out, system, states[k]) end
-  if not out.constant then
-    look_closer(out, system, states, options.project)
-  end
+  out.first, out.states, out.noted = first, states, {}
+  look_along(out)
+  if not out.constant then look_closer(out, options.project) end
   if not (out.fastest > 0) then return nil, "nothing oscillates along the orbit" end
   out.T = done < T and done or nil
   return out
@@ -253,7 +261,7 @@ end
 
 -- the frequencies of all oscillations, for resonances
 local function all_modes(linear)
-  linear.modes = linear.modes or modes_of(linear)
+  linear.modes = linear.modes or modes.frequencies(linear, note_state)
   return linear.modes
 end
 

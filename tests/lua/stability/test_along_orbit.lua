@@ -93,4 +93,47 @@ do
   local wall = limit_of(function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2e8 - dm.where(q[1] - 40, 200 * (q[1] - 40) ^ 2, 0) end, 0)
   tap.near(wall, 0.1, 1e-4, "a wall that is met late: 2 / sqrt(400)")
 end
+
+-- coupled quartic oscillators, whose coordinates turn with all oscillations: no more frequencies than these, and the fastest of 2,000 states
+do
+  local function count_of(map)
+    local count, different = 0, {}
+    for _, r in ipairs(map:resonances(1)) do different[("%.9g"):format(r.omega)] = true end
+    for _ in pairs(different) do count = count + 1 end
+    return count
+  end
+  local m, K = { 0.9, 1.7, 2.6 }, { { 3.1, 0.3, -0.2 }, { 0.3, 4.2, 0.35 }, { -0.2, 0.35, 4.9 } }
+  local three = dm.system { Q = dm.R(3), L = function(q, v)
+    local L = 0
+    for i = 1, 3 do
+      L = L + m[i] * v[i] ^ 2 / 2 - 0.45 * q[i] ^ 4
+      for j = 1, 3 do L = L - K[i][j] * q[i] * q[j] / 2 end
+    end
+    return L
+  end }
+  for _, start in ipairs { { { 0.5, -0.4, 0.3 }, { 0.2, 0.4, -0.5 } }, { { -0.3, 0.5, 0.45 }, { 0.4, -0.1, 0.3 } }, { { 0.1, 0.45, -0.5 }, { -0.5, 0.2, 0.1 } } } do
+    local map, most = map_of(three, start[1], start[2], { t = 20, rule = "kahan-li(8)" }), 0
+    local path = three:solver({ rule = "rk8", h = 1e-3 }):run { q = start[1], v = start[2], t = 20 }
+    for i = 1, #path, 10 do
+      local H = dm.zeros(3, 3):totable()
+      for a = 1, 3 do
+        for b = 1, 3 do H[a][b] = (K[a][b] + (a == b and 5.4 * path.q[i][a] ^ 2 or 0)) / sqrt(m[a] * m[b]) end
+      end
+      local squares = dm.matrix(H):eigenvalues()
+      for a = 1, 3 do most = math.max(most, sqrt(squares[a])) end
+    end
+    local exact = dm.stability_limit "kahan-li(8)" / most
+    near(map:theory(1), exact, 5e-4 * exact, "the fastest state, between those of controlled steps")
+    ok(count_of(map) <= 3, "three oscillators have three frequencies", count_of(map))
+  end
+  local four = dm.system { Q = dm.R(4), L = function(q, v)
+    local L = q[1] * q[2] / 5 + q[2] * q[3] / 4 - q[3] * q[4] / 5 - q[1] * q[4] / 3
+    for i = 1, 4 do L = L + v[i] ^ 2 / 2 * i ^ 0.5 - (1 + i / 2) * q[i] ^ 2 / 2 - 0.2 * q[i] ^ 4 end
+    return L
+  end }
+  for _, q in ipairs { { 0.5, -0.4, 0.3, 0.1 }, { -0.3, 0.5, 0.45, -0.2 }, { 0.4, 0.4, -0.5, 0.3 }, { 0.3, -0.3, 0.3, 0.5 } } do
+    local count = count_of(map_of(four, q, { 0.2, 0.4, -0.5, 0.3 }, { t = 20, rule = "gauss(2)" }))
+    ok(count >= 3 and count <= 4, "and four have four", count)
+  end
+end
 tap.done()
