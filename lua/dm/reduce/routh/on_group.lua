@@ -67,6 +67,7 @@ end
 -- from states of the system to those of (theta, x) and back
 local function transfer(system, element, velocity, n)
   local G, own = system.Q, system.place
+  local P = place.of(G, { columns = "matrix" })
   local T = { system = system, on_group = true, given = true }
   -- Newton's method for g(y) = g0 from y; nothing where it leads nowhere
   local function find(g0, y)
@@ -91,6 +92,12 @@ local function transfer(system, element, velocity, n)
       .. "near the section, and does the action move it?")
   end
   function T.lift(y, u) return element(y), velocity(y, u) end
+  local function size(g) return core.vector(P.flat(g)):norm() end
+  -- |g| |g^-1|: what of a velocity g^-1 dg is lost to rounding
+  function T.condition(y)
+    local g = element(core.vector(y))
+    return size(g) * size(P.kit.inverse(g))
+  end
   -- (y, p_y) -> flat coordinates near to `last`, mu: J^T mu = p_y
   function T.point(y, p, last)
     y = core.vector(y)
