@@ -134,12 +134,16 @@ local function measure(chart, entry, h)
   return point
 end
 
--- what every step of a rule fails by is told once
+-- a refusal without its numbers: another step is refused for the same reason
+local function reason(why) return (why:gsub("%d[%d%.]*e?[-+]?%d*", "#")) end
+
+-- what several steps of a rule fail by is told once, of the first of them
 local function note_failure(chart, rule, h, why)
-  local last = chart.failures[#chart.failures]
-  if last and last.rule == rule and last.why == why then
-    last.count = last.count + 1
-    return
+  for _, known in ipairs(chart.failures) do
+    if known.rule == rule and reason(known.why) == reason(why) then
+      known.count = known.count + 1
+      return
+    end
   end
   chart.failures[#chart.failures + 1] = { rule = rule, h = h, why = why, count = 1 }
 end

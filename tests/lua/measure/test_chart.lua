@@ -121,6 +121,9 @@ do
   for _, p in ipairs(exact.points) do fine = fine and p.error >= exact.floor and (p.error > exact.floor or p.below) and p.setup > 0 end
   ok(fine and exact.points[#exact.points].below and tostring(exact):find "below %d", "errors below the floor are told as that", tostring(exact))
   ok(#exact.failures == 1 and exact.failures[1].count == 3, "a refusal is told once a rule", #exact.failures)
+  local steep = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - 1e4 * q[1] ^ 2) / 2 - q[1] ^ 4 / 10 end }
+  local lost = dm.chart { steep, q = { 1 }, v = { 0 }, t = 3, rules = { "verlet", "yoshida(4)" }, h = { 0.08, 0.04, 0.03 }, rivals = false, repeats = 1 }
+  ok(#lost.failures == 2 and lost.failures[1].count == 3 and lost.failures[2].count == 3, "also where it comes at another step of the run", #lost.failures)
 end
 ---- shifts in time, turns, seconds ----
 
