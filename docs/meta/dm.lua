@@ -3726,7 +3726,8 @@ function dm_scene_class:run(options) end
 ---scene:why() -> string
 ---
 ---The ladder: each model with dimension, operations, error in what is watched, each rule with step,
----cost and error, and why it was kept or dropped; the reference, the check, the choice.
+---cost and error, and why it was kept or dropped; the reference, the check, the choice, and what the
+---least model costs where another one is cheaper.
 ---@return string
 function dm_scene_class:why() end
 

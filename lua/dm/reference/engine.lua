@@ -30,6 +30,9 @@ local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 -- of the error of a step; the second method takes another one, so that no step is like the other's
 local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17, 1e-18 }, 0.3
 local LARGEST = { 1 / 24, 1 / 37 }  -- of the whole time: a step, of either method
+-- Steps of the first method: where so many have seen all of the path and found nothing, the second,
+-- whose longer steps over a stiff oscillation are a hundred times as dear to look at, does not look.
+local SEEN = 4096
 
 local REFUSALS = { "cannot step this system", "cannot step a system on", "too many to trace",
   "^this group has no ", "needs a regular Lagrangian", "^field 'rule'", "^field 'control'" }
@@ -205,6 +208,7 @@ function M.find(job)
   self.first, why, failure = pick(self, 1, first)
   if not self.first then return nil, why, failure end
   self.times = why
+  if not self.unseen and #self.times > SEEN then self.hidden = nil end
   self.rule, why, failure = pick(self, 2, second)
   if not self.rule then return nil, why, failure end
   -- what the longest steps do not jump over, shorter ones do not either

@@ -181,17 +181,25 @@ local function named_rules(scene)
   return out
 end
 
+-- what is watched along the reference, at these times
+local function known_at(scene, reference, times)
+  local fine, path = blame.try(reference.path, reference, times)
+  if fine then return pilot.record(scene.problem, path) end
+  fail("the tolerance cannot be promised: the reference was known at %d times, but not at %d more: "
+    .. "%s; give more seconds", #reference.at, #times, pilot.first_line(path))
+end
+
 local function start_search(scene, given)
   local reference = pilot.reference(given, scene.allowed * REFERENCE_TIME, named_rules(scene),
     scene.options.frame and (scene.tolerant and "best" or "best, or any"))
   local times, problem = mesh(reference, PILOT_TIMES), scene.problem
   scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference
-  scene.checked = pilot.record(problem, reference:path(scene.check_times))
+  scene.checked = known_at(scene, reference, scene.check_times)
   scene.uncertainty = 2 * (scene.options.frame and reference.noise or reference.distance)
     + pilot.round_off(problem, scene.checked)
   scene.reference_text = ("%s agree to %.1e of the tolerance"):format(reference.text,
     reference.distance)
-  return search.prepare({ times = times, reference = pilot.record(problem, reference:path(times)),
+  return search.prepare({ times = times, reference = known_at(scene, reference, times),
     profile = scene.profile, bound = math.huge, pilots = 0, candidates = {}, models = {},
     resolved = #reference.times,
     fewest = narrow.present(given) and narrow.fewest(problem, reference.times, scene.check_times)
@@ -295,7 +303,8 @@ rule.]])
 class.method("dm.scene", "why", function(scene) return report.why(decide(scene)) end, [[
 scene:why() -> string
 The ladder: each model with dimension, operations, error in what is watched, each rule with step,
-cost and error, and why it was kept or dropped; the reference, the check, the choice.]])
+cost and error, and why it was kept or dropped; the reference, the check, the choice, and what the
+least model costs where another one is cheaper.]])
 
 local FRAMES = 600
 

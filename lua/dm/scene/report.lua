@@ -105,10 +105,28 @@ function M.choice(scene)
       cost_text(scene, next_best)) or "")
 end
 
+-- the model of fewest coordinates that keeps the tolerance, where another one is cheaper
+local function least_line(scene)
+  local least, n = nil, scene.best.model:size()
+  for _, row in ipairs(scene.search.models) do
+    local fine, size = blame.try(row.model.size, row.model)
+    if row.kept and fine and size < n then least, n = row.model, size end
+  end
+  if not least then return nil end
+  local by
+  for _, c in ipairs(scene.search.candidates) do
+    if c.model == least and c.kept and (not by or c.cost < by.cost) then by = c end
+  end
+  return ("least model that keeps the tolerance: dimension %d, %s: %s"):format(n, least:words(),
+    by and ("%s, %.3g times the cost of the choice"):format(by.rule, by.cost / scene.best.cost)
+    or "no rule on it costs less than the choice")
+end
+
 --- The whole ladder as a text.
 function M.why(scene)
   local lines = { scene.sentence, "reference: " .. scene.reference_text, "choice: "
     .. M.choice(scene), scene.check_text }
+  lines[#lines + 1] = least_line(scene)
   lines[#lines + 1] = scene.rows_text
   if #scene.left_out > 0 then
     lines[#lines + 1] = ("left out, as they follow from the others (system:independent): "

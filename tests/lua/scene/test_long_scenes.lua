@@ -81,4 +81,29 @@ for i = 1, #at do
 end
 ok(worst <= run.error_estimate and run.error_estimate <= 0.05, "Kepler over many periods errs by no more than is told", worst, run.error_estimate)
 ok(#scene.reference.times > 10000 and worst > 1e-4, "and it is a long one", #scene.reference.times, worst)
+-- Along a stiff oscillation the first method has looked at all of the path; the second, whose long steps are dear to look at, does not look again.
+do
+  local engine = require "dm.reference.engine"
+  local function looks(k)
+    local spring = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - k / 2 * (q:norm() - 1) ^ 2 - 9.81 * q[2] end }
+    local seen = {}
+    local watcher = setmetatable({ solver = function(_, options)
+      local solver = spring:solver(options)
+      return setmetatable({ run = function(_, how)
+        seen[#seen + 1] = options.rule .. (how.control.hidden and " looks" or "")
+        return solver:run(how)
+      end }, { __index = function(_, key) return function() return solver[key](solver) end end })
+    end }, { __index = function(_, key)
+      local found = spring[key]
+      return type(found) == "function" and function() return found(spring) end or found
+    end })
+    local found = engine.find { system = watcher, start = { q = { math.sin(0.5), -math.cos(0.5) }, v = { 0, 0 } }, T = 1.2, watch = { q1 = function(q) return q[1] end }, goal = 1e-6,
+      distance = function(a, b) return math.abs(a:column "q1"[#a] - b:column "q1"[#b]) end }
+    return table.concat(seen, ", "), found and found.distance or 1
+  end
+  local seen, distance = looks(1e4)
+  ok(seen == "rk8 looks, gauss(7) looks, rk8, gauss(7)" and distance < 1e-6, "both methods look", seen)
+  seen, distance = looks(1e8)
+  ok(seen == "rk8 looks, gauss(7), rk8, gauss(7)" and distance < 1e-6, "one of them looks along a stiff oscillation", seen .. " " .. distance)
+end
 tap.done()

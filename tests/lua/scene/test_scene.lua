@@ -358,4 +358,17 @@ do
   tap.ok(rod:run().error_estimate < 1e-6 and rod.best.rule:find "rattle" and rod.best.worst_step <= 1e-3, "rattle keeps it", tostring(rod))
 end
 
+-- the choice is the cheapest; where a model of fewer coordinates does as well the report says what it costs
+do
+  local function centre(power, rule)
+    local system = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q:norm() ^ power / 4 end }
+    local scene = dm.scene { system, q = { 0.9, 0.1, 0 }, v = { 0, 0.7, 0.5 }, watch = { r = function(q) return q:norm() end }, tolerance = 1e-5, until_t = 20, rules = { rule } }
+    return scene:why(), scene.best.n
+  end
+  local words, n = centre(4, "blanes-moan(6)")
+  local times = words:match "\nleast model that keeps the tolerance: dimension 1, in polar [^:]*: blanes%-moan%(6%), ([%d.]+) times the cost of the choice\n"
+  ok(n == 3 and times and tonumber(times) > 1, "a smaller model that costs more is named", words)
+  words, n = centre(1, "gauss(8)")
+  ok(n == 1 and not words:find "least model", "and where it is chosen it is the choice", words)
+end
 tap.done()
