@@ -146,6 +146,10 @@ function M.choose(scene)
       :format(c.rule, c.h, report.error(scene, c.error))
     if #words == 8 then break end
   end
+  if #tried + #words == 0 then
+    error(("dm.scene: no rule could be tried within %g seconds; give more seconds")
+      :format(scene.allowed), 0)
+  end
   error(("dm.scene: nothing that was tried delivers the tolerance: %s. Take a larger tolerance, "
     .. "or give more seconds")
     :format(table.concat(#tried > 0 and tried or words, "; ")), 0)

@@ -106,4 +106,6 @@ do
   seen, distance = looks(1e8)
   ok(seen == "rk8 looks, gauss(7), rk8, gauss(7)" and distance < 1e-6, "one of them looks along a stiff oscillation", seen .. " " .. distance)
 end
+-- seconds that are over before a rule is tried
+tap.raises("no rule could be tried within 1 seconds", choice.choose, { finalists = {}, search = { candidates = {} }, allowed = 1, began = 0 })
 tap.done()
