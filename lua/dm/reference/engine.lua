@@ -30,8 +30,8 @@ local MANY, FOR_MANY = 24, { "kahan-li(8)", "gauss(4)", "gauss(5)" }
 -- of the error of a step; the second method takes another one, so that no step is like the other's
 local TOLERANCES, UNLIKE = { 1e-9, 1e-11, 1e-13, 2e-15, 5e-17, 1e-18 }, 0.3
 local LARGEST = { 1 / 24, 1 / 37 }  -- of the whole time: a step, of either method
--- Steps of the first method: where so many have seen all of the path and found nothing, the second,
--- whose longer steps over a stiff oscillation are a hundred times as dear to look at, does not look.
+-- Steps of the first method: where so many have seen all of the path and found nothing, the second
+-- does not look, whose longer steps over a stiff oscillation are many times as dear to look at.
 local SEEN = 4096
 
 local REFUSALS = { "cannot step this system", "cannot step a system on", "too many to trace",
