@@ -3906,7 +3906,9 @@ function dm_solver_class:fold(options) end
 ---exponent, megno} of all rows; q, p, t: the end. exponents = k, from 1 to 2 dim Q: k vectors that are
 ---kept orthonormal; exponents: their rates of growth, the largest first, and sum of them, the rate at
 ---which volumes of that dimension grow (Benettin et al. 1980). Vectors are rescaled as they grow, so
----that no time is too long. On a group they are changes g^-1 dg and that of the body momentum.
+---that no time is too long. Lengths are taken in units of the masses at the start, under constraints
+---of what of dp these leave, so that volumes are those of Liouville: all exponents of a symplectic
+---rule have the sum 0. On a group they are changes g^-1 dg and that of the body momentum.
 ---@param options? table
 ---@return table
 function dm_solver_class:lyapunov(options) end

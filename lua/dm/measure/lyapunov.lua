@@ -11,6 +11,7 @@ local option = require "dm.base.options"
 local prolong = require "dm.measure.prolong"
 local prolonged = require "dm.measure.prolonged_run"
 local starts = require "dm.base.start"
+local tangent_space = require "dm.measure.tangent_space"
 
 local M = {}
 
@@ -21,11 +22,12 @@ local LARGEST = 200  -- growth of ln |tangent vector| within a block: far from o
 local SAME = 1e-6    -- of the largest entry of q, of p: ends of one orbit beside unlike vectors
 local SPREAD = 10    -- of ln |w_1| - ln |w_k|: what is orthogonal to the first still has digits
 
----- tangent vectors (u, dp): lists of 2 n numbers ----
+---- tangent vectors w = (u, dp): lists of 2 n numbers ----
 
-local function dot(a, b)
+-- of vectors with what is measured of them behind them: of the last `size` entries
+local function dot(a, b, size)
   local sum = 0
-  for i = 1, #a do sum = sum + a[i] * b[i] end
+  for i = #a - size + 1, #a do sum = sum + a[i] * b[i] end
   return sum
 end
 
@@ -42,8 +44,24 @@ local function scaled(a, factor)
   return out
 end
 
+-- units of masses and of time are taken out of (u, dp): u sqrt(m) and dp T / sqrt(m), m the
+-- diagonal of d2L/dv2 at the start and T = 1 where a step is a thousandth of it or more, and not
+-- more
+local function weights_of(solver, s)
+  local fine, mass = blame.try(function()
+    return solver.system:mass(s.q, solver.system:velocity(s.q, s.p, s.t), s.t)
+  end)
+  local n, out, h = s.n, {}, solver.h
+  for i = 1, n do
+    local m = fine and abs(mass[i][i]) or 1
+    if not (m > 0 and m < math.huge) then m = 1 end
+    out[i], out[n + i] = m ^ 0.5, max(h, min(1, 1000 * h)) / m ^ 0.5
+  end
+  return out
+end
+
 -- the first one: given, or one without symmetry
-local function first_vector(options, n)
+local function first_vector(options, n, weights)
   for _, name in ipairs { "u", "dp" } do
     local given = options[name]
     if given ~= nil and lists.count(given) ~= n then
@@ -53,8 +71,8 @@ local function first_vector(options, n)
   end
   local u, dp, out = options.u or {}, options.dp or {}, {}
   for i = 1, n do
-    out[i] = u[i] or (options.dp and 0 or 1 / (1 + i))
-    out[n + i] = dp[i] or (options.u and 0 or 1 / (2 + i * i))
+    out[i] = u[i] or (options.dp and 0 or 1 / (1 + i) / weights[i])
+    out[n + i] = dp[i] or (options.u and 0 or 1 / (2 + i * i) / weights[n + i])
   end
   for i = 1, 2 * n do
     if type(out[i]) ~= "number" or not (abs(out[i]) < math.huge) then
@@ -68,59 +86,73 @@ local function first_vector(options, n)
   return out
 end
 
--- Gram and Schmidt: the vectors made orthonormal, and ln of what was left of each
-local function orthonormal(vectors)
-  local out, growth = {}, {}
+-- Gram and Schmidt: the vectors made orthonormal in what is measured of them, and ln of what was
+-- left of each
+local function orthonormal(vectors, measured)
+  local out, growth, size = {}, {}, #vectors[1]
   for j, w in ipairs(vectors) do
-    local whole = dot(w, w)
+    w = measured(w)
+    local whole = dot(w, w, size)
     for _ = 1, 2 do -- twice, for round-off
       for _, e in ipairs(out) do
-        local share = dot(w, e)
+        local share = dot(w, e, size)
         local left = {}
         for i = 1, #w do left[i] = w[i] - share * e[i] end
         w = left
       end
     end
-    local left = dot(w, w)
+    local left = dot(w, w, size)
     if not (left > 1e-24 * whole) then return nil, j end
     out[j], growth[j] = scaled(w, left ^ -0.5), 0.5 * log(left)
   end
+  for j, w in ipairs(out) do out[j] = table.move(w, 1, size, 1, {}) end
   return out, growth
 end
 
--- vector i of a basis: a unit vector, or where constraints take a part of it away, which may be all
--- of a unit vector, one along no axis
-local function basis_vector(i, size, is_bound)
-  local out = lists.zeros(size)
-  out[i] = 1
-  for j = 1, is_bound and size or 0 do out[j] = math.sin(i * j + j * j) end
+-- vector i of a basis along no axis: a vector in an invariant subspace would stay there until
+-- round-off leads it out, with the rate of another one, and constraints may take an axis away
+local function basis_vector(i, weights)
+  local out = {}
+  for j, x in ipairs(weights) do
+    out[j] = (math.cos(2.7 * i * j + 1.3 * j) + (i == j and 1 or 0)) / x
+  end
   return out
 end
 
 -- k vectors: the first, then those of a basis that are not in their span; of each what `allowed`
 -- leaves
-local function frame(first, k, allowed, is_bound)
-  local out, size = orthonormal { allowed(first) }, #first
+local function frame(first, k, s, allowed, weights)
+  local measured, size = s.measured(s.q, s.t), #first
+  local out = orthonormal({ allowed(first) }, measured)
   for i = 1, size do
     if out and #out == k then break end
     local more = table.move(out or {}, 1, out and #out or 0, 1, {})
-    more[#more + 1] = allowed(basis_vector(i, size, is_bound))
-    if largest(more[#more]) > 1e-8 then out = orthonormal(more) or out end
+    more[#more + 1] = allowed(basis_vector(i, weights))
+    if largest(more[#more]) > 1e-8 then out = orthonormal(more, measured) or out end
   end
-  if #out < k then
-    option.fail(WHERE, "constraints leave %d independent tangent vectors: fewer exponents", #out)
+  if not out or #out < k then
+    option.fail(WHERE, "constraints leave only %d independent tangent vectors: fewer exponents",
+      out and #out or 0)
   end
   return out
 end
 
 ---- a block of steps ----
 
--- ln of the length of (u, dp) along the run, as a watched number
-local function growth_of(n)
-  return function(x, _, _, p)
-    local sum = 0
-    for i = 1, n do sum = sum + x[n + i] ^ 2 + p[i] ^ 2 end
-    return 0.5 * log(sum)
+-- (u, dp) in a row of a run of the prolonged system
+local function vector_of(path, row)
+  local x, p = path.q[row], path.p[row]
+  local n = #x // 2
+  return lists.joined(lists.part(x, n, n), lists.part(p, 0, n)):totable()
+end
+
+-- x -> the change that the constraints leave of it at the start: where a run of no steps begins
+local function allowed_by(lifted, s)
+  if not s.project then return function(x) return x end end
+  local n = s.n
+  return function(w)
+    return vector_of(lifted:run { q = lists.joined(s.q, lists.part(w, 0, n)),
+      p = lists.joined(lists.part(w, n, n), s.p), t0 = s.t, steps = 0, project = true }, 1)
   end
 end
 
@@ -134,19 +166,14 @@ local function run_beside(lifted, s, j, steps, every)
   local n, w = s.n, s.vectors[j]
   local fine, path = blame.try(lifted.run, lifted, { q = lists.joined(s.q, lists.part(w, 0, n)),
     p = lists.joined(lists.part(w, n, n), s.p), t0 = s.t, steps = steps, every = every,
-    project = s.project, watch = { growth = growth_of(n), x = function(x) return x end,
-      p = function(_, _, _, y) return y end } })
+    project = s.project })
   if not fine then
     local code = type(path) == "table" and path.code
     if steps > 1 and OUTGROWN[code] then return nil end
     error(path, 0)
   end
-  local x, p = {}, {}
-  for i = 1, 2 * n do
-    x[i], p[i] = path:column("x" .. i)[#path], path:column("p" .. i)[#path]
-  end
-  return path, { q = lists.part(x, 0, n), p = lists.part(p, n, n),
-    vector = lists.joined(lists.part(x, n, n), lists.part(p, 0, n)):totable() }
+  local x, p = path.q[#path], path.p[#path]
+  return path, { q = lists.part(x, 0, n), p = lists.part(p, n, n), vector = vector_of(path, #path) }
 end
 
 -- Do two ends of a block belong to one orbit? Implicit steps solve for orbit and vector together:
@@ -172,7 +199,8 @@ local function advance(lifted, s, steps, every)
     if steps > 1 and not is_same_orbit(s, finish, its_end) then return nil end
     vectors[j] = its_end.vector
   end
-  local next_ones, growth = orthonormal(vectors)
+  local now = s.t + steps * lifted.h
+  local next_ones, growth = orthonormal(vectors, s.measured(finish.q, now))
   if not next_ones then
     if steps > 1 then return nil end
     option.fail(WHERE, "there are only %d independent tangent vectors: fewer exponents", growth - 1)
@@ -203,11 +231,20 @@ local function note(record, t)
   record.megno[i] = record.mean / age
 end
 
+-- ln of the length of (u, dp) in a row
+local function length_of(s, path, row)
+  local w = vector_of(path, row)
+  local size, x = #w, s.measured(lists.part(path.q[row], 0, s.n), path.t[row])(w)
+  return 0.5 * log(dot(x, x, size))
+end
+
 -- the rows of a block that begins after `done` steps; those of every `every` steps are kept
-local function note_block(record, path, done, steps, every, last)
-  local ln = path:column "growth"
+local function note_block(record, s, path, done, steps, every, last)
+  local before = 0 -- of a unit vector, which row 1 may have projected
   for i = 2, #path do
-    follow(record, path.t[i], path.t[i] - path.t[i - 1], ln[i] - ln[i - 1])
+    local ln = length_of(s, path, i)
+    follow(record, path.t[i], path.t[i] - path.t[i - 1], ln - before)
+    before = ln
     local at = i == #path and done + steps or done + (i - 1) * every
     if at % every == 0 or at == last then note(record, path.t[i]) end
   end
@@ -228,7 +265,7 @@ local function follow_all(lifted, s, steps, every, h)
     local now = next_length(length, done, steps, every)
     local path, used, apart = advance(lifted, s, now, every)
     if path then
-      note_block(record, path, done, now, every, steps)
+      note_block(record, s, path, done, now, every, steps)
       done, s.t = done + now, t0 + (done + now) * h
       if max(used, apart) < 0.25 and length < every * 4096 then length = length * 2 end
     else
@@ -249,12 +286,13 @@ local function follow_on_group(along, s, steps, every, h)
   local done = 0
   while done < steps do
     local now = next_length(SHORT, done, steps, every)
-    local vectors, growth = orthonormal(along(s, now, s.vectors))
-    if not vectors then
+    local vectors = along(s, now, s.vectors)
+    local next_ones, growth = orthonormal(vectors, s.measured(s.q, record.t0 + (done + now) * h))
+    if not next_ones then
       option.fail(WHERE, "there are only %d independent tangent vectors: fewer exponents",
         growth - 1)
     end
-    done, s.vectors = done + now, vectors
+    done, s.vectors = done + now, next_ones
     s.t = record.t0 + done * h
     for j, x in ipairs(growth) do s.sums[j] = s.sums[j] + x end
     follow(record, s.t, now * h, growth[1])
@@ -274,14 +312,16 @@ megno: the mean of MEGNO (Cincotta & Simo 2000), which tends to 2 on a regular o
 exponent, megno} of all rows; q, p, t: the end. exponents = k, from 1 to 2 dim Q: k vectors that are
 kept orthonormal; exponents: their rates of growth, the largest first, and sum of them, the rate at
 which volumes of that dimension grow (Benettin et al. 1980). Vectors are rescaled as they grow, so
-that no time is too long. On a group they are changes g^-1 dg and that of the body momentum.]]
+that no time is too long. Lengths are taken in units of the masses at the start, under constraints
+of what of dp these leave, so that volumes are those of Liouville: all exponents of a symplectic
+rule have the sum 0. On a group they are changes g^-1 dg and that of the body momentum.]]
 
 -- the state of the orbit at the start
 local function state_of(solver, options, n)
   if solver.system.place then
     prolonged.check_start(options)
     local s = on_group.start(solver.system, options)
-    s.sums = {}
+    s.sums, s.n = {}, n
     return s
   end
   local q, p, t0 = prolonged.start_of(solver, options)
@@ -303,15 +343,17 @@ M.lyapunov = blame.caller(function(solver, options)
   local every = option.whole(options, "every", WHERE, 1, steps, max(1, steps // 1000))
   local k = option.whole(options, "exponents", WHERE, 1, 2 * n, 1)
   local s, record = state_of(solver, options, n), nil
-  local first = first_vector(options, n)
-  local function all(x) return x end
-  s.vectors = frame(first, k, own and on_group.allowed(solver.system, s) or all, s.project)
+  local by_map, lifted = own or own_step.is(solver), nil
+  if not by_map then lifted = prolonged.solver_of(solver, prolong.system(solver.system)) end
+  local allowed = own and on_group.allowed(solver.system, s) or allowed_by(lifted, s)
+  local weights = weights_of(solver, s)
+  s.measured = tangent_space.measured(solver.system, weights)
+  s.vectors = frame(first_vector(options, n, weights), k, s, allowed, weights)
   for j = 1, k do s.sums[j] = 0 end
-  if own or own_step.is(solver) then
+  if by_map then
     local along = own and on_group.map(solver, WHERE) or own_step.map(solver, WHERE)
     record = follow_on_group(along, s, steps, every, solver.h)
   else
-    local lifted = prolonged.solver_of(solver, prolong.system(solver.system))
     record = follow_all(lifted, s, steps, every, solver.h)
   end
   local last, out, sum = #record.t, {}, 0

@@ -157,6 +157,20 @@ function M.conditions(system)
   end
 end
 
+--- G = dg/dq as a function of (q, t), rows of n numbers, nil without a constraint; on a group in
+-- g^-1 dg (right: dg g^-1).
+function M.slope(system)
+  local f = functions_of(system)
+  local n = system.place and system.place.dimension or system.Q.dimension
+  if not f.g then return nil end
+  local across = of_constraint(f, n)
+  return function(q, t)
+    local G, out = across(q, t), {}
+    for c = 1, f.place and #G or G.rows do out[c] = lists.part(G[c], 0, n) end
+    return out
+  end
+end
+
 local MOST = 64  -- unknowns of an implicit function
 
 -- constant mass: v' = M^-1 (rest - what the equations have without v'), so that multipliers alone

@@ -57,6 +57,29 @@ function M.projection(rows)
   return function(x) return without(x, e):totable() end
 end
 
+--- (q, t) -> (w -> w followed by what lengths and volumes of it are taken of): of w = (u, dp) the
+-- part D (u, P dp), D = diag(weights), P dp what G^T leaves of dp in these weights. On the surface
+-- g = 0 the two-form sees no more of dp, so that these volumes are those of Liouville, which a
+-- symplectic step keeps.
+function M.measured(system, weights)
+  local n, slope = #weights // 2, multipliers.slope(system)
+  local function scaled(row, first)
+    local out = {}
+    for i = 1, n do out[i] = row[i] * weights[first + i] end
+    return out
+  end
+  return function(q, t)
+    local rows = slope and slope(q, t) or {}
+    for c, row in ipairs(rows) do rows[c] = scaled(row, n) end
+    local e = span(rows)
+    return function(w)
+      local dp = scaled(lists.part(w, n, n), n)
+      if #e > 0 then dp = without(dp, e) end
+      return lists.joined(w, scaled(w, 0), dp):totable()
+    end
+  end
+end
+
 --- Orthonormal changes of 2 n entries that span all that these rows leave.
 function M.basis(rows, n)
   local e, out = span(rows), {}
