@@ -27,7 +27,9 @@ typedef struct {
     dm_graph *change;       /* inputs as of `end`; NULL: none, as above 24 dimensions */
     const dm_node *changed; /* [n + d + arcs]: what `end` has more than q0 and mu, angles */
     dm_graph *axes;         /* inputs q0[n], mu[d], x; NULL: only by way of `end` */
-    const dm_node *turned;  /* [d][n + d]: g0 exp(x e_a), mu carried there, for x of any size */
+    /* [d][n + d], then [n]: what g0 exp(x e_a) and mu carried there have more than g0 and mu, for x
+     * of any size; what is to be added to q0 for what rounding took */
+    const dm_node *turned;
 } dm_chart_trace;
 
 /* Values; and values with, behind them, those entries of their matrix of derivatives that are not

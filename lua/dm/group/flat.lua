@@ -10,11 +10,17 @@ local linear = require "dm.base.linear"
 
 local M = {}
 
+local function nothing(list)
+  local out = {}
+  for i = 1, #list do out[i] = 0 end
+  return out
+end
+
 -- products and maps of entries, or of whatever flat coordinates have no choice in them
 local function plain(kit, flat, unflat)
   return { flat = flat, element = unflat,
-    turn = kit.euclidean and function(a, x) return kit.exp(linear.unit(kit.dimension, a) * x) end,
-    turned = kit.euclidean and function(_, _, mu) return mu end,
+    turn = kit.euclidean and function(a, x) return linear.unit(kit.dimension, a) * x end,
+    turned = kit.euclidean and function(_, _, mu) return nothing(mu) end,
     carry = function(a, b) return flat(kit.compose(unflat(a), unflat(b))) end,
     exp = function(xi) return flat(kit.exp(xi)) end,
     near = function(xi) return flat(kit.near(xi)) end,
@@ -63,16 +69,16 @@ local function without_relation(place, N)
 end
 
 -- turns about the axes of the algebra one after the other: of their factor alone
-local function turns_of(parts, kit, dimensions)
+local function turns_of(parts, counts, dimensions)
   for _, part in ipairs(parts) do
     if not part.turn then return end
   end
-  local function turn(a, x)
-    local out = {}
+  local function turn(a, x, q, right)
+    local out, first = {}, 0
     for k, part in ipairs(parts) do
-      local here = a >= 1 and a <= dimensions[k]
-      append(out, here and part.turn(a, x) or part.flat(kit.parts[k].identity()))
-      a = a - dimensions[k]
+      local own, here = cut(q, first, counts[k]), a >= 1 and a <= dimensions[k]
+      append(out, here and part.turn(a, x, own, right) or nothing(own))
+      a, first = a - dimensions[k], first + counts[k]
     end
     return out
   end
@@ -81,7 +87,7 @@ local function turns_of(parts, kit, dimensions)
     for k, part in ipairs(parts) do
       local own, here = core.vector(cut(mu, first, dimensions[k])), a - first
       local turns = here >= 1 and here <= dimensions[k]
-      append(out, turns and part.turned(here, x, own) or own)
+      append(out, turns and part.turned(here, x, own) or nothing(own))
       first = first + dimensions[k]
     end
     return out
@@ -141,7 +147,7 @@ local function product(kit, matrix)
   for k, part in ipairs(kit.parts) do
     dimensions[k], cayley = part.dimension, cayley and parts[k].cayley
   end
-  local turn, turned = turns_of(parts, kit, dimensions)
+  local turn, turned = turns_of(parts, counts, dimensions)
   local scale, velocity, scales = homogeneous_product(parts, counts, dimensions)
   local jumps = false
   for _, part in ipairs(parts) do jumps = jumps or part.jumps end
@@ -177,15 +183,11 @@ local function difference(kit, flat)
   end
 end
 
-local function nothing(list)
-  local out = {}
-  for i = 1, #list do out[i] = 0 end
-  return out
-end
-
 --- What a place is made of (group/place.lua), of a kit: `kit.smooth` where it has closed forms, or
 -- by entries where `matrix` is asked for. Where they are known for angles of any
--- size, turn(a, x) is exp of x along axis a, and turned(a, x, mu) carries mu there. jumps: may the
+-- size, turn(a, x, q, right) is what q exp(x e_a) (right: exp(x e_a) q) has more than q, and
+-- turned(a, x, mu) what mu carried there has more than mu, both without a difference of numbers
+-- that are nearly equal. jumps: may the
 -- coordinates of an element by itself have another sign than those of a run?
 function M.of(kit, matrix)
   local out

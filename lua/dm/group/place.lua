@@ -175,9 +175,10 @@ end
 -- functions that are traced: chart(q0, e, xi, rate) gives the coordinates of g0 near(e) tau(xi),
 -- then the velocity of xi(t) with this rate; finish(q0, xi, mu) those of g0 tau(xi), then mu
 -- carried there by the coadjoint action, then squares of the angles of exp(xi), which a step bounds
--- (dm_lie_reach in integ/lie/lie.h). turns(q0, mu, x) gives, for every axis a of the algebra, the
--- coordinates of g0 exp(x e_a) and mu carried there, for x of any size; nothing where that has no
--- closed form. Nothing at all where the group has no such tau.
+-- (dm_lie_reach in integ/lie/lie.h). turns(q0, mu, x) gives, for every axis a of the algebra, what
+-- the coordinates of g0 exp(x e_a) and mu carried there have more than those of g0 and mu, for x of
+-- any size, then what is to be added to those of g0 for rounding; nothing where that has no closed
+-- form. Nothing at all where the group has no such tau.
 function M.chart(place, tau)
   local kit, right = place.kit, place.right
   local map, slope, element = maps(place, tau)
@@ -200,11 +201,10 @@ function M.chart(place, tau)
   local function turns(q0, mu, x)
     local out, list = {}, kits.list_of(q0)
     for a = 1, place.dimension do
-      local f = place.turn(a, x)
-      append(out, kits.list_of(right and place.carry(f, list) or place.carry(list, f)))
+      append(out, kits.list_of(place.turn(a, x, list, right)))
       append(out, kits.list_of(place.turned(a, right and -x or x, mu)))
     end
-    return out
+    return append(out, place.mend(list))
   end
   return chart, finish, tau == "exp" and place.turn and turns or nil
 end

@@ -117,16 +117,18 @@ local function coordinates(kit)
     local moved = so3.rotation(a) * core.vector { b[5], b[6], b[7] }
     return sequence(turns.carry(a, b), core.vector { a[5], a[6], a[7] } + moved)
   end
-  -- along an axis, and the covector carried there: (f, m) -> R^T (f, m - v x f)
-  local function turn(a, x)
-    if a > 3 then return sequence(turns.turn(a - 3, x), { 0, 0, 0 }) end
-    return sequence({ 1, 0, 0, 0 }, linear.unit(3, a) * x)
+  -- gains along an axis, and of the covector carried there: (f, m) -> R^T (f, m - v x f)
+  local function turn(a, x, q, right)
+    local still, along = { 0, 0, 0 }, a <= 3 and linear.unit(3, a) * x
+    if a <= 3 then return sequence({ 0, 0, 0, 0 }, right and along or so3.rotation(q) * along) end
+    local moved = right and turns.turned(a - 3, -x, { q[5], q[6], q[7] }) or still
+    return sequence(turns.turn(a - 3, x, q, right), moved)
   end
   local function turned(a, x, mu)
     local f, m = parts(mu)
     local function around(y) return turns.turned(a - 3, x, y) end
     if a > 3 then return sequence(around(f), around(m)) end
-    return sequence(f, m - (linear.unit(3, a) * x):cross(f))
+    return sequence({ 0, 0, 0 }, -(linear.unit(3, a) * x):cross(f))
   end
   local function velocity(q, v)
     local turning = turns.velocity(q, v)

@@ -113,6 +113,12 @@ end
 -- (w, s v)
 local function joined(w, v, s) return { w, s * v[1], s * v[2], s * v[3] } end
 
+-- cos(x/2) - 1 and sin(x/2), both without a loss of digits
+local function half_turn(x)
+  local w, s = core.cos(0.25 * x), core.sin(0.25 * x)
+  return -2 * s * s, 2 * s * w
+end
+
 --- Coordinates of a run (group/flat.lua); `tidy` is a step of Newton's method to |q| = 1.
 M.smooth = { carry = times, scale = length, velocity = velocity, scales = 1,
   exp = function(xi)
@@ -125,14 +131,15 @@ M.smooth = { carry = times, scale = length, velocity = velocity, scales = 1,
     local s, turned = within(1, 0.25 * t, 12), xi:cross(eta)
     return eta + turned * (0.5 * s * s) + xi:cross(turned) * within(3, t, 14)
   end,
-  turn = function(a, x)
-    local out = { core.cos(0.5 * x), 0, 0, 0 }
-    out[1 + a] = core.sin(0.5 * x)
-    return out
+  turn = function(a, x, q, right)
+    local out, w, s = { 0, 0, 0, 0 }, half_turn(x)
+    out[1], out[1 + a] = w, s
+    if right then return times(out, q) end
+    return times(q, out)
   end,
   turned = function(a, x, mu)
-    local w, s = core.cos(0.5 * x), core.sin(0.5 * x)
-    local c, d, out = w * w - s * s, 2 * w * s, { mu[1], mu[2], mu[3] }
+    local w, s = half_turn(x)
+    local c, d, out = -2 * s * s, 2 * s * (1 + w), { 0, 0, 0 }
     local i, j = a % 3 + 1, (a + 1) % 3 + 1
     out[i], out[j] = c * mu[i] + d * mu[j], c * mu[j] - d * mu[i]
     return out

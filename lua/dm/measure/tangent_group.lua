@@ -121,19 +121,29 @@ local function give_pade(tangent, kit, d)
   end
 end
 
--- turns about axes for angles of any size: w stays where g turns, and (1, x e_a) adds x coad(e_a,
--- p) to dp
+-- gains of turns about axes (group/flat.lua): w stays where g turns, and (1, x e_a) adds x Ad_g e_a
+-- to w and x coad(e_a, p) to dp; exp(x e_a) from the right takes w along
 local function give_turns(tangent, own, kit, d)
   if not own.turn then return end
-  local zero, one = core.zeros(d), own.flat(kit.identity())
-  function tangent.smooth.turn(a, x)
-    if a <= d then return kits.list_of(joined(own.turn(a, x), zero)) end
-    return kits.list_of(joined(one, linear.unit(d, a - d) * x))
+  local zero, one = core.zeros(d), core.vector(own.flat(kit.identity()))
+  local function turn(a, x, q, right)
+    local g, w = part(q, 0, #one), part(q, #one, d)
+    if a > d then
+      local along = linear.unit(d, a - d) * x
+      if not right then along = kit.Ad(own.element(g), along) end
+      return kits.list_of(joined(0 * one, along))
+    end
+    local moved = right and kit.Ad(kit.exp(linear.unit(d, a) * x), w) - w or zero
+    return kits.list_of(joined(own.turn(a, x, g, right), moved))
   end
+  tangent.smooth.turn = turn
   function tangent.smooth.turned(a, x, mu)
     local dp, p = part(mu, 0, d), part(mu, d, d)
     if a <= d then return joined(own.turned(a, x, dp), own.turned(a, x, p)) end
-    return joined(dp + kit.coad(linear.unit(d, a - d), p) * x, p)
+    return joined(kit.coad(linear.unit(d, a - d), p) * x, zero)
+  end
+  function tangent.smooth.mend(q)
+    return kits.list_of(joined(own.mend(part(q, 0, #one)), zero))
   end
 end
 

@@ -265,7 +265,7 @@ static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *
     const dml_signature turns = {.what = "the turns of a group",
                                  .arguments = 3,
                                  .length = {N, D, DML_SCALAR_ARGUMENT},
-                                 .outputs = D * (N + D)};
+                                 .outputs = D * (N + D) + N};
     dml_traced traced;
     if (lua_isnil(L, fn)) return;
     dml_trace(L, fn, &chart, arena, &traced);

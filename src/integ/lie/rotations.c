@@ -9,6 +9,7 @@
 #include "integ/lie/turns.h"
 #include "integ/method/lanes.h"
 #include "integ/rules/compositions/composition.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,15 +18,18 @@ extern const dm_method dm_method_suzuki, dm_method_kahan_li;
 
 /* A state, or members of a group of lanes: what the kernels of turns.h read and write, entries of
  * so many lanes each. after[n + d + 2] is (q, mu) after the turns, then w and t of the kick, whose
- * results lie behind q in before[n + 2d + 2], where the next step finds them. */
+ * results lie behind q in before[n + 2d + 2], where the next step finds them. Where the turns are
+ * gains, so is what the kick gives, and (q, mu) are sums with low-order parts. */
 typedef struct {
     double *before, *after;
+    double *mu, *low; /* [d]; [n + d] */
 } room;
 
 /* at the head of the workspace, behind it the room of one state */
 typedef struct {
     uint32_t n, d;
     int timed;          /* L depends on t */
+    int sums;           /* turns are gains */
     dm_splitting table; /* its drifts are the gammas of the composition */
     dm_turns one, wide; /* kernels for a state, and for lanes of members */
     room alone, group[DM_LANES_GROUPS];
@@ -95,7 +99,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 /* doubles of a room of one lane */
 static size_t room_size(const dm_model *m) {
-    return (size_t)dm_turns_inputs(m) + dm_turns_kick_inputs(m);
+    return (size_t)dm_turns_inputs(m) + dm_turns_kick_inputs(m) + m->n + 2 * (size_t)dm_momenta(m);
 }
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
@@ -108,6 +112,8 @@ static void lay_room(room *r, const dm_model *m, const dm_turns *k, uint32_t lan
     memset(at, 0, room_size(m) * lanes * sizeof *at);
     r->before = at;
     r->after = at + (size_t)dm_turns_inputs(m) * lanes;
+    r->mu = r->after + (size_t)dm_turns_kick_inputs(m) * lanes;
+    r->low = r->mu + (size_t)dm_momenta(m) * lanes;
     dm_kernel_prepare_lanes(&k->turns, lanes, r->after);
     dm_kernel_prepare_lanes(&k->kick, lanes, r->before + (size_t)m->n * lanes);
 }
@@ -117,6 +123,7 @@ static dm_status open(dm_stepper *s) {
     const dm_model *m = s->model;
     *l = (layout){.n = m->n, .d = m->group->momenta};
     l->timed = !(m->structure & DM_AUTONOMOUS);
+    l->sums = dm_turns_sum(m);
     find_table(&l->table, s->rule);
     if (!dm_turns_find(&l->one, m, 1)) return DM_NO_MEMORY;
     lay_room(&l->alone, m, &l->one, 1, s->work + head());
@@ -125,6 +132,14 @@ static dm_status open(dm_stepper *s) {
 }
 
 /* ---- steps ---- */
+
+/* high += x in as many entries, and x becomes the sum */
+static void sum_up(double *high, double *low, double *x, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        dm_sum_add(high + i, low + i, x[i]);
+        x[i] = high[i];
+    }
+}
 
 /* one stage of length a h of all lanes from t on: turns, then the torque at its end and a kick
  * there; w and h are written for every lane */
@@ -137,9 +152,14 @@ static void stage(const layout *l, const dm_turns *k, const room *r, uint32_t la
         w[i] = kick[i] = 0.5 * length[i];
         time[i] = t + length[i];
     }
+    const size_t n = (size_t)l->n * lanes, d = (size_t)l->d * lanes;
     dm_kernel_eval(&k->turns, r->before, r->after);
-    memcpy(r->before, r->after, (size_t)l->n * lanes * sizeof *r->before);
-    dm_kernel_eval(&k->kick, r->after, r->before + (size_t)l->n * lanes);
+    if (l->sums)
+        sum_up(r->before, r->low, r->after, n);
+    else
+        memcpy(r->before, r->after, n * sizeof *r->before);
+    dm_kernel_eval(&k->kick, r->after, r->before + n);
+    if (l->sums) sum_up(r->mu, r->low + n, r->before + n, d);
 }
 
 /* the torque at t, where the state in hand is behind the turns */
@@ -159,14 +179,20 @@ static void enter(const layout *l, const dm_turns *k, const room *r, uint32_t la
     const size_t n = (size_t)l->n * lanes, d = (size_t)l->d * lanes;
     memcpy(r->after, state, (n + d) * sizeof *state);
     memcpy(r->before, state, n * sizeof *state);
+    memcpy(r->mu, state + n, d * sizeof *state);
+    memcpy(r->low, state + 2 * n, n * sizeof *state);
+    memcpy(r->low + n, state + 3 * n, d * sizeof *state);
     find_torque(l, k, r, lanes, t);
 }
 
-/* And back; an element is no sum: there are no low-order parts. */
+/* And back; an element that is no sum has no low-order parts. */
 static void leave(const layout *l, const room *r, uint32_t lanes, double *state) {
     const size_t n = (size_t)l->n * lanes, d = (size_t)l->d * lanes;
     memcpy(state, r->before, (n + d) * sizeof *state);
     memset(state + 2 * n, 0, 2 * n * sizeof *state);
+    if (!l->sums) return;
+    memcpy(state + 2 * n, r->low, n * sizeof *state);
+    memcpy(state + 3 * n, r->low + n, d * sizeof *state);
 }
 
 /* all stages of step k of a burst; its start has the torque of the end before, at a time that may

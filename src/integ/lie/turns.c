@@ -16,6 +16,7 @@ typedef struct {
     uint32_t n, d;
     dm_node *with; /* [n + 3d] what stands for the inputs of a trace */
     dm_node *out;  /* [n + d + arcs] */
+    dm_node *gain; /* [n + d] of (q, mu) so far; NULL: nobody asked */
 } writing;
 
 /* nodes in the arena of the model */
@@ -58,8 +59,11 @@ static void turn_axis(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node x
     x->with[n + d] = xi;
     dm_transplant(x->g, x->trace->axes, x->trace->turned + a * ((size_t)n + d), n + d, x->with,
                   x->out);
-    memcpy(q, x->out, n * sizeof *q);
-    memcpy(mu, x->out + n, d * sizeof *mu);
+    for (uint32_t i = 0; i < n + d; i++) {
+        dm_node *const to = i < n ? q + i : mu + i - n;
+        *to = dm_add(x->g, *to, x->out[i]);
+        if (x->gain) x->gain[i] = dm_add(x->g, x->gain[i], x->out[i]);
+    }
 }
 
 /* entry of the inertia or of its inverse, as the model has them */
@@ -107,6 +111,15 @@ static void tidy(writing *x, dm_node *q) {
     dm_transplant(x->g, x->trace->end, x->trace->carried, x->n, x->with, q);
 }
 
+/* the same as a gain, of the coordinates that a step begins with */
+static void mend(writing *x) {
+    const uint32_t n = x->n, d = x->d;
+    memset(x->with, 0, (n + 3 * (size_t)d) * sizeof *x->with);
+    dm_inputs(x->g, x->with, 0, n);
+    dm_transplant(x->g, x->trace->axes, x->trace->turned + d * ((size_t)n + d), n, x->with, x->out);
+    for (uint32_t i = 0; i < n; i++) x->gain[i] = dm_add(x->g, x->gain[i], x->out[i]);
+}
+
 /* half turns of all blocks but the last, a whole one of that, and back */
 static void turn_all(writing *x, dm_node *q, dm_node *mu, const uint32_t *block, dm_node h) {
     const dm_node half = dm_mul(x->g, dm_constant(x->g, 0.5), h);
@@ -124,16 +137,21 @@ static uint32_t build_turns(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     writing x;
     if (!begin(&x, m, dm_turns_inputs(m))) return 0;
     const uint32_t n = x.n, d = x.d;
-    dm_node *q = take(&x, n + 2 * (size_t)d), *mu = q + n;
+    dm_node *q = take(&x, n + 2 * (size_t)d), *mu = q + n, *gain = take(&x, n + (size_t)d);
     uint32_t *block = take(&x, d);
-    if (!q || !block) return 0;
+    if (!q || !block || !gain) return 0;
     dm_inputs(x.g, q, 0, n + 2 * d);
+    memset(gain, 0, (n + (size_t)d) * sizeof *gain);
     const dm_node w = dm_input(x.g, n + 2 * d), h = dm_input(x.g, n + 2 * d + 1);
-    for (uint32_t a = 0; a < d; a++) mu[a] = dm_add(x.g, mu[a], dm_mul(x.g, w, q[n + d + a]));
+    for (uint32_t a = 0; a < d; a++) {
+        gain[n + a] = dm_mul(x.g, w, q[n + d + a]);
+        mu[a] = dm_add(x.g, mu[a], gain[n + a]);
+    }
+    if (dm_turns_sum(m)) x.gain = gain;
     find_blocks(block, m);
     turn_all(&x, q, mu, block, h);
-    tidy(&x, q);
-    return dm_lanes_build(out, m, x.g, q, n + d, lanes);
+    x.gain ? mend(&x) : tidy(&x, q);
+    return dm_lanes_build(out, m, x.g, x.gain ? gain : q, n + d, lanes);
 }
 
 /* does a turn about axis a leave the momenta of its block as they are? So do all turns by which

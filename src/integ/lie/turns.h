@@ -8,11 +8,17 @@
 /* Entries of w lanes each. */
 typedef struct {
     /* takes q[n], mu[d], torque[d], w, h: gives (q, mu) after the kick mu += w torque and the
-     * symmetric sequence of flows of mu_a^2/(2 I_a) of length h, a counting blocks of axes */
+     * symmetric sequence of flows of mu_a^2/(2 I_a) of length h, a counting blocks of axes; or,
+     * where dm_turns_sum, what they have more than before */
     dm_kernel turns;
     /* takes q[n], mu[d], w, t: gives mu + w torque [d], then the torque there [d] */
     dm_kernel kick;
 } dm_turns;
+
+/* Has the group gains of turns that can be summed to twice the digits? */
+static inline int dm_turns_sum(const dm_model *m) {
+    return m->group->trace[DM_TAU_EXP].axes != NULL;
+}
 
 static inline uint32_t dm_turns_inputs(const dm_model *m) {
     return m->n + 2 * dm_momenta(m) + 2;

@@ -160,6 +160,12 @@ local _, _, spun = finish(free, "rotations(4)", 0.1, 10000, spin, 100)
 local lost = 0
 for i = 1, #spun do lost = max(lost, far(spun.q[i] * spun.p[i], spin.p), far(spun.q[i]:transpose() * spun.q[i], one)) end
 ok(lost < 1e-12 and spun:drift "energy".largest < 1e-5, ("rotations(4): spatial momentum and R^T R (%.1e)"):format(lost))
+for _, row in ipairs { { "rotations(2)", 2e5 }, { "rotations(4)", 1e5 } } do
+  local _, _, long = finish(heavy, row[1], 0.05, row[2], tilt, 500)
+  local J, off = long:momentum(G), 0
+  for i = 1, #long do off = max(off, abs(J[i][3] - J[1][3])) end
+  ok(off < 5e-14, ("%s: the vertical momentum of a top after %d steps (%.1e)"):format(row[1], row[2], off))
+end
 local gliding = dm.system { Q = SR, L = function(q, v)
   return (v[1] ^ 2 + 2 * v[2] ^ 2 + 3 * v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2) / 2 - q[2]:dot(q[2]) / 2 - q[1][3][3] * q[2][1]
 end }
