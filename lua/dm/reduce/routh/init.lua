@@ -351,16 +351,16 @@ least norm, of equal norms the one whose first entry is positive, or the one of 
 > 0; names: of theta and x. On a group action(theta, g), of an abelian group, and section(x), which
 has to be given, make elements, for instance a top's turns about the vertical: x are coordinates
 near the section, states and reconstructed paths have elements. connection(x): m rows of dim Q - m
-numbers, in place of the mechanical connection. Invariance is checked at a dozen points, and the
-first that violates it is named: what differs nowhere there, such as a force along the group that
-sets in only beyond some distance, is not seen, and the reduced run leaves it out. Constraints and
-forces that the group keeps are reduced too. The params of the system are those of the shape, with
-the momentum as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is
-called mu): ensembles and stability maps vary them. A run that jumps over a shape with a singular
-mass or locked inertia fails, with reason "pole" or "collapse". The reduced system also has
-connection, curvature, locked_inertia, amended_potential, lift, start, and its paths have
-reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is
-singular.]])
+numbers, in place of the mechanical connection. Invariance of L under cyclic coordinates is proved,
+or searched, by bounds between a dozen points; all else is checked at these points. The first that
+violates it is named: what differs nowhere there, such as a force along the group that sets in only
+beyond some distance, is not seen, and the reduced run leaves it out. Constraints and forces that
+the group keeps are reduced too. The params of the system are those of the shape, with the momentum
+as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is called mu):
+ensembles and stability maps vary them. A run that jumps over a shape with a singular mass or locked
+inertia fails, with reason "pole" or "collapse". The reduced system also has connection, curvature,
+locked_inertia, amended_potential, lift, start, and its paths have reconstruct. Raises when L is no
+invariant, a force pushes along the group, or the locked inertia is singular.]])
 
 class.method("dm.system", "at_momentum", M.at_momentum, [[
 shape:at_momentum(mu) -> dm.system
