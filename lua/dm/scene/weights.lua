@@ -15,6 +15,7 @@ local CALL, PLACE, PLAIN, ROOT, SINE = 3, 1.2, 0.2, 3, 17
 local SMALL = 4      -- coordinates of one point that is written out
 local FEW = 0.3      -- matrices in a step equation, below which it is sweeps that solve it
 local UNKNOWN = 5    -- operations of L: kernels of which no number is told
+local LATENCY = 5    -- a root and its quotient, where a step has nothing else to do beside them
 
 ---- what is known of a rule, and of a model ----
 
@@ -39,7 +40,8 @@ end
 local QUICK = { abs = true, min = true, max = true, where = true, sign = true, floor = true,
   ceil = true, fma = true, sqrt = true }
 
--- how much longer some of their operations take: of L, forces and constraints
+-- how much longer some of their operations take: of L, forces and constraints; how many of them are
+-- roots and quotients
 local function slow_operations(model)
   if not model.slow then
     local text = model:graphs()
@@ -51,9 +53,9 @@ local function slow_operations(model)
     for name in text:gmatch "(%a[%w_]*)%(" do
       if not QUICK[name] then sines = sines + 1 end
     end
-    model.slow = ROOT * (roots + quotients) + SINE * sines
+    model.slow, model.roots = ROOT * (roots + quotients) + SINE * sines, roots + quotients
   end
-  return model.slow
+  return model.slow, model.roots
 end
 
 -- what the formulas need: e, an evaluation; n, coordinates; bound, multipliers
@@ -64,10 +66,12 @@ local function sizes_of(report, model)
   local lifted = model.system.place ~= nil
   local n, told = model.system.Q.dimension + (lifted and 1 or 0), report.operations > 0
   local operations = told and report.operations or UNKNOWN * s.operations
-  return { n = n, is_lifted = lifted, bound = s.constraints + s.rolling, forced = s.forced,
+  local slow, roots = slow_operations(model)
+  return { n = n, roots = roots, is_lifted = lifted, bound = s.constraints + s.rolling,
+    forced = s.forced,
     mass_varies = not s.constant_mass or (lifted and not told),
     separable = s.separable and not (lifted and not told), is_bent = not s.quadratic_in_v,
-    e = CALL + PLACE * n + PLAIN * operations + slow_operations(model) }
+    e = CALL + PLACE * n + PLAIN * operations + slow }
 end
 
 ---- kinds of rules: what an evaluation costs, a step equation, an iteration, a matrix, a step ----
@@ -108,11 +112,13 @@ local function of_sweeps(z, s, cold)
   local n, e = z.n, z.e
   local sweep = 12.5 + 0.28 * e + n + (0.5 * n + 0.032 * e) * s
   if not z.separable then sweep = sweep + 8 + 0.23 * n * s end
-  return { evaluation = sweep / s, solve = 51 + (cold and 27 * s ^ 2 or 0) }
+  return { evaluation = sweep / s, solve = 51 + (cold and 85 + 15 * s ^ 2 or 0) }
 end
 
 -- two iterations of one point are one kernel
-local function of_one_point(z) return { iteration = 15 + 0.84 * z.e + 0.8 * z.n } end
+local function of_one_point(z, cold)
+  return { iteration = 15 + 0.84 * z.e + 0.8 * z.n, solve = cold and 80 or 0 }
+end
 
 -- lie(s) on a group, with operations of its own kernel
 local function of_group(report) return { evaluation = 146 + 0.065 * report.operations } end
@@ -121,7 +127,8 @@ local function of_explicit(z, own)
   local n, e = z.n, z.e
   local indirect = z.separable and not z.mass_varies and 0 or z.is_bent and 3.5 or 1
   if own and not z.is_bent then
-    return { evaluation = 18 + 0.4 * e + 2.8 * n + indirect * (2 + 1.35 * n ^ 2) }
+    local lift = z.is_lifted and 40 or 0
+    return { evaluation = 18 + lift + 0.4 * e + 2.8 * n + indirect * (2 + 1.35 * n ^ 2) }
   end
   -- v(q, p) is Newton's method with the mass at its iterates, more of them where L is not quadratic
   -- in v; rk8 has a kernel of its own for one that is
@@ -131,7 +138,7 @@ end
 local function of_rattle(z, composed)
   local e = z.e
   if z.bound == 0 and not z.forced then
-    return composed and { evaluation = 20 + 0.9 * e, step = 6 }
+    return composed and { evaluation = 20 + 0.9 * e + LATENCY * z.roots, step = 6 }
       or { evaluation = 0.48 * e, step = 7 }
   end
   return { evaluation = 36 + (z.forced and 28 or 0) + (composed and 8 + 0.34 * e or 0),
@@ -160,7 +167,9 @@ local function of_stages(report, z, rule, facts)
   end
   local cold = facts.composed or rule:find "^controlled" ~= nil
   if report.matrices >= FEW * max(report.solves, 1) then return of_newton(z, s, k, cold) end
-  if s == 1 and z.n <= SMALL and z.separable and not z.mass_varies then return of_one_point(z) end
+  if s == 1 and z.n <= SMALL and z.separable and not z.mass_varies then
+    return of_one_point(z, cold)
+  end
   local cost = of_sweeps(z, s, cold)
   cost.matrix = of_newton(z, s, k, cold).matrix
   return cost
@@ -174,7 +183,8 @@ local function of_evaluations(z, rule, facts)
     return of_explicit(z, rule:find "rk8%f[^%w]" ~= nil)
   end
   if facts.composed or rule:find "verlet" or rule:find "euler" or rule:find "blanes" then
-    return { evaluation = 0.74 * e + 0.18 * n, step = 1.6 + 0.43 * n }
+    return { evaluation = 0.74 * e + 0.18 * n + (z.roots > 0 and LATENCY or 0),
+      step = 1.6 + 0.43 * n + (rule == "symplectic-euler(a)" and 3.5 + 0.3 * n or 0) }
   end
   return { evaluation = 13.5 + 0.24 * e + 2.15 * n, step = 17 + 7.6 * n }
 end
