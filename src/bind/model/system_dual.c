@@ -11,9 +11,9 @@ static void check_alone(lua_State *L) {
     for (const char *const *key = beside; *key; key++, lua_pop(L, 1))
         if (lua_getfield(L, 1, *key) != LUA_TNIL)
             luaL_error(L,
-                       "field '%s' needs a Lagrangian, and this H has none with a formula: d2H/dp2 "
-                       "is singular, or H is not quadratic in p",
-                       *key);
+                       "field '%s'%s needs a Lagrangian, and this H has none with a formula: "
+                       "d2H/dp2 is singular, or H is not quadratic in p",
+                       *key, key == beside ? " (also |q| = 1 of a space S(n))" : "");
 }
 
 static void check_given(lua_State *L) {
