@@ -4,6 +4,7 @@
 #ifndef DM_WEIGHT_H
 #define DM_WEIGHT_H
 
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 
@@ -15,9 +16,12 @@ typedef struct {
 /* top is w rounded to 24 bits, of whatever size: h^2 a_ij of h = 1e-23 is no number of a float;
  * rest is what a double holds of the remainder */
 static inline dm_weight dm_weight_of(long double w) {
-    int power;
-    const float digits = (float)frexpl(w, &power);
-    const double top = ldexp((double)digits, power);
+    double top = (double)(float)w;
+    if (!(fabs(top) >= FLT_MIN && fabs(top) <= FLT_MAX)) {
+        int power;
+        const float digits = (float)frexpl(w, &power);
+        top = ldexp((double)digits, power);
+    }
     return (dm_weight){top, (double)(w - (long double)top)};
 }
 

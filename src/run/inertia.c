@@ -366,8 +366,8 @@ int dm_inertia_is_fading(const dm_inertia *x) {
     return x->seen.known && x->seen.left <= STEPS;
 }
 
-int dm_inertia_is_steep(const dm_inertia *x) {
-    return x->seen.known && x->seen.left <= DM_INERTIA_STEEP;
+int dm_inertia_is_steep(const dm_inertia_seen *s) {
+    return s->known && s->left <= DM_INERTIA_STEEP;
 }
 
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state) {

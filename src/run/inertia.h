@@ -82,7 +82,7 @@ double dm_inertia_left(const dm_inertia *x, double before, double now, double si
 
 /* May it vanish in the next step? */
 #define DM_INERTIA_STEEP 1.25
-int dm_inertia_is_steep(const dm_inertia *x);
+int dm_inertia_is_steep(const dm_inertia_seen *s);
 
 /* How many values are negative at a state, and the size of the one next to zero; 0: no velocity is
  * known there. */

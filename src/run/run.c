@@ -309,7 +309,7 @@ static int vanishes_inside(loop *l, int steep, int open) {
 static dm_status advance(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     while (x && l->done < end && !is_finished(l)) {
-        const int steep = dm_inertia_is_steep(x), open = x->seen.open;
+        const int steep = dm_inertia_is_steep(&x->seen), open = x->seen.open;
         const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
         const long next = due > l->done ? dm_lesser(due, end) : end;
         if (l->done == x->seen.looked) keep(l);

@@ -27,8 +27,8 @@ local run, run_doc = core.method("dm.solver", "run")
 -- a run of a reduced system that fails says what of the reduction is in the way
 local function guarded(solver, options)
   local routh = package.loaded["dm.reduce.routh"]
-  local fine, system = blame.try(function() return solver.system end)
-  if not (fine and system) then return run(solver, options) end
+  local system = core.system_of(solver)
+  if not system then return run(solver, options) end
   if routh and routh.info(system) then
     return require "dm.reduce.run.failure".run(run, solver, options)
   end

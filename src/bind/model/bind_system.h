@@ -20,6 +20,8 @@ typedef struct {
     int hamiltonian;  /* 1: H(q, p, t) is stepped, there is no L (mech/hamiltonian.c) */
     int field;        /* 1: of cells of a mesh; L gets no symbols for q and v, its sums read them */
     double h;         /* step of a discrete Lagrangian, else 0 */
+    int constrained;  /* 1: it has one of the functions below; known once `asked` */
+    int asked;
 } dml_system;
 
 #define DML_SYSTEM "dm.system"

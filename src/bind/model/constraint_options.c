@@ -37,11 +37,13 @@ int dml_has_function(lua_State *L, int arg, int which) {
     return has_field(L, arg, keys[which]);
 }
 
-/* Forces and controls count, too. */
+/* Forces and controls count, too. Options of a system stay as they are. */
 int dml_isconstrained(lua_State *L, int arg) {
-    for (const char *const *key = keys; *key; key++)
-        if (has_field(L, arg, *key)) return 1;
-    return 0;
+    dml_system *s = dml_checksystem(L, arg);
+    for (const char *const *key = keys; !s->asked && *key; key++)
+        s->constrained |= has_field(L, arg, *key);
+    s->asked = 1;
+    return s->constrained;
 }
 
 void dml_check_functions(lua_State *L, int hyperdual, int pair) {

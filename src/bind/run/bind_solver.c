@@ -305,6 +305,12 @@ static const dml_row methods[] =
       "constraint and rolling, the largest |g| and "
       "|phi| at the end of a step."},
      {NULL, NULL, NULL}};
+static int system_of(lua_State *L) {
+    if (!luaL_testudata(L, 1, DML_SOLVER)) return 0;
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    return 1;
+}
+
 static const dml_row functions[] = {
     {"solver", dml_solver_new,
      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=, "
@@ -327,6 +333,9 @@ static const dml_row functions[] = {
      "those of the checkpoint; rule: for a rule that is an object, which a file "
      "does not hold. Raises when the file is not a whole checkpoint or the system is another "
      "one."},
+    {"system_of", system_of,
+     "core.system_of(x) -> dm.system or nil\n"
+     "The system of a solver; nil of anything else."},
     {NULL, NULL, NULL}};
 
 static const dml_row solver_row[] = {{"solver", dml_solver_of,

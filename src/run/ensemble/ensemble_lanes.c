@@ -115,7 +115,7 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     double *now = x->b->lanes.alone;
     if (!inertia || done == 0) return 0;
     const int one = !failed && done == inertia->seen.looked + 1;
-    const int steep = one && dm_inertia_is_steep(inertia), open = one && inertia->seen.open;
+    const int steep = one && dm_inertia_is_steep(&inertia->seen), open = one && inertia->seen.open;
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
     const double t = dm_hand_time(x, i, now, done);
     int over = dm_inertia_look(inertia, now, t, done) == DM_INERTIA_CHANGED;
@@ -174,11 +174,19 @@ static void leave(dm_hand *x, long i) {
     dm_hand_keep_last_row(x, i);
 }
 
+/* May the next step of a member be looked into? Then it begins at a state that is kept. */
+static int looks_into(const dm_hand *x) {
+    int out = 0;
+    for (long i = 0; i < x->count && x->b->inertia && !out; i++)
+        out = dm_hand_runs(x, i) && (dm_inertia_is_steep(&x->seen[i]) || x->seen[i].open);
+    return out;
+}
+
 /* a burst of a method that tells who failed */
 static void advance_told(dm_hand *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
-    if (x->b->inertia && count == 1) dm_block_keep(x->b);
+    if (count == 1 && looks_into(x)) dm_block_keep(x->b);
     s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     for (long i = 0; i < x->count; i++)
         if (dm_hand_runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);

@@ -317,4 +317,11 @@ for _, m in ipairs { 1e-16, 1e-27, 1e20 } do
   local off = fine and (path.q[51] - in_ones.q[51]):norm() or path
   ok(fine and off < 1e-13, ("masses beside the diagonal of the size %g are regular"):format(m), off)
 end
+
+-- L is convex in v, and its mass touches zero
+do
+  local touching = dm.system { Q = dm.R(1), L = function(q, v) return q[1] ^ 2 * v[1] ^ 2 / 2 end }
+  local fine, why = run(touching, "midpoint", 0.01, { q = { 1 }, v = { -1 }, steps = 100 })
+  ok(not fine and why.code == "inertia", "a mass that touches zero ends the run", tostring(why))
+end
 tap.done()

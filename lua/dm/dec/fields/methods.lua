@@ -27,20 +27,15 @@ dm.prismal{t0, t1, ...}, without h: prisms over uneven slices of time.]])
 
 local run, run_doc = core.method("dm.solver", "run")
 
--- the field that a solver is of, as a system, or nothing
-local function field_of(solver)
-  local fine, system = blame.try(function() return solver.system end)
-  local has, field = blame.try(function() return system.field end)
-  return fine and has and field and system or nil
-end
-
+-- of a run of a field
 local function guarded(solver, options)
-  local system = field_of(solver)
-  if not system then return run(solver, options) end
+  local system = core.system_of(solver)
+  if not (system and system.field) then return run(solver, options) end
   return require "dm.dec.fields.failure".run(run, solver, system, options, solver.h)
 end
 
-core.method("dm.solver", "run", blame.relay(guarded, "run"), run_doc .. [[
+-- dm.reduce.methods relays it
+core.method("dm.solver", "run", guarded, run_doc .. [[
 
 A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
 inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.]])

@@ -4,6 +4,7 @@
 #include "chain/virtual_work.h"
 #include "integ/rules/explicit/runge_kutta.h"
 #include "mech/constraints.h"
+#include "numbers/small_copy.h"
 
 #include <gsl/gsl_errno.h>
 #include <math.h>
@@ -61,15 +62,15 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     memset(v, 0, n * sizeof *v); /* a function of (q, p, t) alone: no memory of the last v */
     e->status = dm_legendre_inverse(e->m, v, y, y + n, t, e->scratch);
     if (e->status != DM_OK) return GSL_EBADFUNC;
-    memcpy(e->x, y, n * sizeof *y);
+    dm_small_copy(e->x, y, n);
     e->x[2 * n] = t;
     e->status = settle(e, e->x, t);
     if (e->status != DM_OK) return GSL_EBADFUNC;
     dm_kernel_eval(&e->m->force, e->x, e->force);
-    memcpy(slope, v, n * sizeof *slope);
-    memcpy(slope + n, e->force, n * sizeof *slope);
+    dm_small_copy(slope, v, n);
+    dm_small_copy(slope + n, e->force, n);
     dm_constraints_add_force(slope + n, e->m->constraints, e->x, e->constraint);
-    dm_work_add(e->m->work, slope + n, e->x, e->beside);
+    if (e->m->work) dm_work_add(e->m->work, slope + n, e->x, e->beside);
     e->evaluations++;
     return GSL_SUCCESS;
 }

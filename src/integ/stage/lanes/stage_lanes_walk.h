@@ -72,7 +72,10 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, in
     return measured ? moved_of(moved, width) : (V){0};
 }
 
+/* Speed: P3, members by midpoint and gauss(2). */
 HOW static __attribute__((noinline)) V move_by_units(const lanes_sweeps *it, const lanes_walk *a) {
+    if (it->r == 1) return walk_stages(it, a, 1, 2, NULL);
+    if (it->r == 2) return walk_stages(it, a, 2, 2, NULL);
     return walk_stages(it, a, it->r, 2, NULL);
 }
 
