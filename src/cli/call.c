@@ -162,20 +162,35 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
 
 /* ---- messages ---- */
 
-/* the traceback on top without the lines of dm.blame, which raised again on behalf of the caller */
-static void leave_out_blame(lua_State *L) {
+/* from the end of a line back to its start, the newline before it */
+static const char *line_start(const char *text, const char *at) {
+    while (at > text && *at != '\n') at--;
+    return at;
+}
+
+/* The traceback on top without lines inside our modules, and `error` and tail calls beside them:
+ * they are no lines of the script. All of them stay where the message itself is about such a line:
+ * the mistake is there. */
+static void leave_out_modules(lua_State *L) {
     static const char raised[] = "\n\t[C]: in function 'error'", tail[] = "\n\t(...tail calls...)";
-    const char *text = lua_tostring(L, -1), *blame = strstr(text, "/dm/base/blame.lua:");
-    if (!blame) return;
-    const char *end = blame + strcspn(blame, "\n");
-    while (blame > text && *blame != '\n') blame--;
+    static const char mark[] = "/lua/dm/";
     const size_t before = sizeof raised - 1, after = sizeof tail - 1;
-    if ((size_t)(blame - text) >= before && strncmp(blame - before, raised, before) == 0)
-        blame -= before;
-    if (strncmp(end, tail, after) == 0) end += after;
-    lua_pushlstring(L, text, (size_t)(blame - text));
-    lua_pushstring(L, end);
-    lua_concat(L, 2);
+    const char *text = lua_tostring(L, -1), *from = text,
+               *trace = strstr(text, "\nstack traceback:");
+    const char *first = strstr(text, mark);
+    if (!trace || (first && first < trace)) return;
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    for (const char *at = trace; (at = strstr(at, mark)) != NULL;) {
+        const char *start = line_start(text, at);
+        if ((size_t)(start - from) >= before && strncmp(start - before, raised, before) == 0)
+            start -= before;
+        luaL_addlstring(&b, from, (size_t)(start - from));
+        from = at += strcspn(at, "\n");
+        if (strncmp(at, tail, after) == 0) from = at += after;
+    }
+    luaL_addstring(&b, from);
+    luaL_pushresult(&b);
     lua_replace(L, -2);
 }
 
@@ -199,7 +214,7 @@ static int add_traceback(lua_State *L) {
     lua_settop(L, 1);
     dml_explain(L);
     luaL_traceback(L, L, lua_tostring(L, 1), 1);
-    leave_out_blame(L);
+    leave_out_modules(L);
     return 1;
 }
 

@@ -93,7 +93,7 @@ local function try_map(action)
   local fine, message = blame.try(image, action, kit.identity(), z)
   if fine or type(message) ~= "string" then return end
   error(("%s; map(g, z) gets g in %s, %s, and z, a vector of %d number%s, and returns such a "
-    .. "vector"):format(message, name, require "dm.group.form".of(kit), action.dimension,
+    .. "vector"):format(message, name, require "dm.group.starts".form(kit), action.dimension,
       action.dimension == 1 and "" or "s"), 0)
 end
 

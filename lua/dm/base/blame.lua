@@ -57,10 +57,10 @@ local function finish(f, object, fine, ...)
     message = misused(f, object) or message
   end
   if type(message) == "string" then message = M.bare(message) end
-  if is_misplaced(message) then
-    message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "")
-  end
-  error(message, 2)  -- the caller: finish took its place by a tail call
+  local _, here = pcall(error, "", 3) -- of the caller: finish took its place by a tail call
+  if is_misplaced(message) then message.message = here .. message.message:gsub(INSIDE, "") end
+  if type(message) == "string" and here ~= "" and message:sub(1, #here) == here then here = "" end
+  error(type(message) == "string" and here .. message or message, 0)
 end
 
 --- Is it a stop: what Ctrl-C or the end of core.within raises, in a C loop or between two

@@ -6,6 +6,7 @@ local core = require "dm.core"
 local form = require "dm.dec.form"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
+local pointwise = require "dm.dec.pointwise"
 
 local M = {}
 
@@ -88,7 +89,8 @@ local function sample(f, points)
   local out = {}
   f = core.one(f, "f(x, y, ...)")
   for i = 1, #points do
-    local v = f(table.unpack(points[i]:totable()))
+    local point = points[i]:totable()
+    local v = pointwise.told(#point, f, table.unpack(point))
     if type(v) == "number" then v = { v } end
     out[i] = v
   end

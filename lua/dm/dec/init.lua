@@ -9,6 +9,7 @@ require "dm.dec.chain"
 require "dm.dec.field"
 local named = require "dm.dec.named"
 local option = require "dm.base.options"
+local pointwise = require "dm.dec.pointwise"
 
 local M = {}
 
@@ -117,15 +118,6 @@ local function values_of(K, k, x)
   return values
 end
 
--- those of f; it is told that takes the first coordinate for the point
-local function integrals_of(K, k, f, ...)
-  local fine, values = blame.try(K.integrals, K, k, f, ...)
-  if fine then return values end
-  local is_number = type(values) == "string" and values:find("index a number value", 1, true)
-  error(is_number and ("%s; f(x, y, ...) gets the %d coordinates of a point, numbers")
-    :format(values, K.ambient) or values, 0)
-end
-
 class.method("dm.mesh", "form", function(K, k, x, options)
   options = option.check(options or {}, { "dual", "order", "chart" }, "mesh:form")
   local is_dual = options.dual
@@ -133,7 +125,8 @@ class.method("dm.mesh", "form", function(K, k, x, options)
   local listed = is_dual and K.dimension - k or k
   local order = option.whole(options, "order", "mesh:form", 1, 21)
   local chart = option.callable(options, "chart", "mesh:form", "(x, y, ...)")
-  local values = type(x) == "function" and integrals_of(K, k, x, is_dual, order, chart)
+  local values = type(x) == "function"
+    and pointwise.told(K.ambient, K.integrals, K, k, x, is_dual, order, chart)
     or values_of(K, listed, x)
   return form.new(K, k, is_dual and "dual" or "primal", values)
 end, [[

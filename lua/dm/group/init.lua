@@ -45,7 +45,7 @@ local LOOSE = 1e-6  -- how far a matrix may be from its group: what products dri
 -- are vectors
 local function looks(kit, space)
   if kit.manifold then return "" end
-  return ("; an element of %s is %s"):format(tostring(space), require "dm.group.form".of(kit))
+  return ("; an element of %s is %s"):format(tostring(space), require "dm.group.starts".form(kit))
 end
 
 -- an element; a matrix of numbers that is not on the group is an error

@@ -95,7 +95,9 @@ function M.vector(x, n, what)
     error(("%s must be a vector of %d entries (got %s)"):format(what, n, class), 0)
   end
   if length ~= n then error(("%s must have %d entries (got %d)"):format(what, n, length), 0) end
-  return core.vector(x)
+  local fine, out = blame.try(core.vector, x)
+  if not fine then error(("%s: %s"):format(what, blame.bare(out)), 0) end
+  return out
 end
 
 --- x as a number or symbol; a vector of one entry will do.

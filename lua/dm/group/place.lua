@@ -1,5 +1,5 @@
 --- A group as the configuration space of a system (docs/design/groups.md): flat coordinates of
--- elements, functions of elements as functions of coordinates, starts of runs.
+-- elements, functions of elements as functions of coordinates. starts.lua has starts of runs.
 --
 -- A place is what a system keeps of its space, made by `M.of`:
 --   space, kit     the group
@@ -14,7 +14,6 @@
 --                  difference would lose digits
 --   mend(list)     what tidy adds
 --   follow(list, last)  those of the same element that are near to `last`
-local blame = require "dm.base.blame"
 local changes = require "dm.group.change"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
@@ -60,8 +59,17 @@ end
 -- the first d entries of a vector of N
 local function body(place, v) return v:slice(1, place.dimension) end
 
+-- one list for each factor is a likely mistake
+local function refuse_lists(place, v, what)
+  local first = type(v) == "table" and kits.class_of(v[1])
+  if first ~= "table" and first ~= "dm.vector" then return end
+  error(("%s must be one flat list of %d numbers%s (got a list of lists)"):format(what,
+    place.dimension, place.kit.parts and ", factor after factor" or ""), 0)
+end
+
 --- d numbers with zeros behind them, N in all.
 function M.padded(place, v, what)
+  refuse_lists(place, v, what)
   local x, out = kits.vector(v, place.dimension, what), core.zeros(place.size)
   for i = 1, place.dimension do out[i] = x[i] end
   return out
@@ -251,116 +259,6 @@ function M.homogeneous(place)
     return append(append(unit, kits.list_of(mu)), s)
   end
   return rates, momenta
-end
-
----- starts ----
-
-local LOOSE = 1e-9  -- how far a start may be off its group
-
-local function form_of(place)
-  return ("an element of %s is %s"):format(tostring(place.space),
-    require "dm.group.form".of(place.kit))
-end
-
---- Flat coordinates of the element q, which is on the group or (project) brought there.
-function M.on_group(place, q, project)
-  local kit = place.kit
-  local fine, g = blame.try(kit.element, q)
-  if not fine then error(("%s; %s"):format(g, form_of(place)), 0) end
-  local defect, why = kit.defect(g)
-  if defect <= LOOSE then
-    local list = place.flat(g)
-    if kits.is_finite(list) then return list end
-  end
-  local name = tostring(place.space)
-  if not kits.is_finite(kit.entries(g)) then
-    error(("field 'q': the element of %s is not finite"):format(name), 0)
-  end
-  local can, near = blame.try(kit.project, g)
-  local found = can and kit.defect(near) <= LOOSE
-  if project and found then return place.flat(near) end
-  error(("field 'q': this is no element of %s, %s%s"):format(name,
-    why or ("it is off by %.3g"):format(defect),
-    found and ": project = true starts at the nearest one" or can and "" or ": " .. near), 0)
-end
-
--- a reduced system (dm.euler_poincare) knows its own start
-local function start_reduced(place, options, out)
-  if place.reduced then place.reduced.start(options, out) end
-  if out.a ~= nil then
-    error("field 'a': this system carries no quantity along (dm.euler_poincare, advected =)", 0)
-  end
-end
-
--- q, v, p in flat coordinates, in a copy of the options
-local function flat_options(place, options)
-  local out = {}
-  for key, value in pairs(options) do out[key] = value end
-  if options.q0 ~= nil or options.q1 ~= nil then
-    error(("field '%s': a system on %s starts from q and v or from q and p")
-      :format(options.q0 ~= nil and "q0" or "q1", tostring(place.space)), 0)
-  end
-  if options.q ~= nil then out.q = core.vector(M.on_group(place, options.q, options.project)) end
-  if options.v ~= nil then out.v = M.padded(place, options.v, "field 'v'") end
-  if options.p ~= nil then out.p = M.padded(place, options.p, "field 'p'") end
-  return out
-end
-
---- q, v, p of a run in flat coordinates, in a copy of its options.
-function M.start(place, options)
-  if not place.reduced and options.a == nil then
-    local lone = options.v ~= nil or options.p ~= nil
-    if lone and options.q == nil and options.q0 == nil then
-      error(("field 'q' is missing: %s"):format(form_of(place)), 0)
-    end
-    return flat_options(place, options)
-  end
-  local out = {}
-  for key, value in pairs(options) do out[key] = value end
-  start_reduced(place, options, out)
-  return flat_options(place, out)
-end
-
---- The same of a state that a system is asked about; a reduced one takes its usual quantity, or
--- that of its last run.
-function M.state(place, options)
-  local reduced = place.reduced
-  if reduced then reduced.a = reduced.usual or reduced.a end
-  return flat_options(place, options)
-end
-
--- the source of members `key`, a function of their number or a table, with `how` of each
-local function each(source, how, key)
-  if type(source) == "function" then
-    source = wanted.single(source, key)
-    return function(i) return how(source(i), i) end
-  end
-  local out = {}
-  if not lists.count(source) then return source end -- refused where it is read
-  for i = 1, #source do out[i] = how(source[i], i) end
-  return out
-end
-
---- q, v, p of the members of an ensemble, in a copy of its options.
-function M.starts(place, options)
-  local out = {}
-  for key, value in pairs(options) do out[key] = value end
-  start_reduced(place, options, out)
-  if options.q ~= nil then
-    out.q = each(options.q, function(q) return M.on_group(place, q, options.project) end,
-      "q")
-  elseif out.q ~= nil then
-    local flat = place.flat(out.q)
-    out.q = function() return flat end
-  end
-  for _, key in ipairs { "v", "p" } do
-    if options[key] ~= nil then
-      out[key] = each(options[key], function(x, i)
-        return M.padded(place, x, ("'%s' of member %d"):format(key, i))
-      end, key)
-    end
-  end
-  return out
 end
 
 ---- rows ----

@@ -233,7 +233,7 @@ local function help_elements(space)
   end
   write(wrapped(("%s: a group of dimension %d. An element is %s; an element of its algebra is a "
     .. "vector of %d numbers."):format(tostring(space),
-    space.dimension, require "dm.group.form".of(kit), space.dimension),
+    space.dimension, require "dm.group.starts".form(kit), space.dimension),
     text_width(), ""))
 end
 

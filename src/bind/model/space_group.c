@@ -1,5 +1,5 @@
-/* space_group.c - systems on groups: calls of lua/dm/group/place.lua, where elements become flat
- * coordinates and back. */
+/* space_group.c - systems on groups: calls of lua/dm/group/place.lua and starts.lua, where
+ * elements become flat coordinates and back. */
 #include "bind/model/space_group.h"
 #include "bind/core/state.h"
 #include "bind/model/bind_space.h"
@@ -9,13 +9,16 @@
 
 #include <string.h>
 
-/* function `name` of the module */
-static void push_module(lua_State *L, const char *name) {
+/* function `name` of a module of Lua */
+static void push_function(lua_State *L, const char *module, const char *name) {
     lua_getglobal(L, "require");
-    lua_pushliteral(L, "dm.group.place");
+    lua_pushstring(L, module);
     lua_call(L, 1, 1);
     lua_getfield(L, -1, name);
     lua_remove(L, -2);
+}
+static void push_module(lua_State *L, const char *name) {
+    push_function(L, "dm.group.place", name);
 }
 
 /* Spheres are unfolded before. */
@@ -73,25 +76,30 @@ int dml_placed(lua_State *L, int arg) {
     return dml_checksystem(L, arg)->placed;
 }
 
-/* how(place, x) in place of x at the absolute index `at` */
-static void convert(lua_State *L, int arg, int at, const char *how) {
+/* A copy takes their place; what is wrong is raised at the line of the script. */
+void dml_place_options(lua_State *L, int arg, int options, const char *how) {
     if (!dml_placed(L, arg)) return;
+    arg = lua_absindex(L, arg), options = lua_absindex(L, options);
+    push_function(L, "dm.group.starts", "ask");
+    lua_pushstring(L, how);
+    dml_systemfield(L, arg, "place");
+    lua_pushvalue(L, options);
+    lua_call(L, 3, 2);
+    if (!lua_toboolean(L, -2)) luaL_error(L, "%s", lua_tostring(L, -1));
+    lua_replace(L, options);
+    lua_pop(L, 1);
+}
+
+/* how(place, f) in place of f on top: f is written for elements, and sees coordinates. */
+void dml_place_function(lua_State *L, int arg, const char *how) {
+    if (!dml_placed(L, arg)) return;
+    const int f = lua_gettop(L);
     arg = lua_absindex(L, arg);
     push_module(L, how);
     dml_systemfield(L, arg, "place");
-    lua_pushvalue(L, at);
+    lua_pushvalue(L, f);
     lua_call(L, 2, 1);
-    lua_replace(L, at);
-}
-
-/* A copy takes their place: those of the user stay as they are. */
-void dml_place_options(lua_State *L, int arg, int options, const char *how) {
-    convert(L, arg, lua_absindex(L, options), how);
-}
-
-/* Events and watches are written for elements, and see coordinates. */
-void dml_place_function(lua_State *L, int arg, const char *how) {
-    convert(L, arg, lua_gettop(L), how);
+    lua_replace(L, f);
 }
 
 /* The kit makes the element when somebody asks for it. */

@@ -44,7 +44,7 @@ static void flatten(lua_State *L, int sees_v) {
     lua_createtable(L, 0, 2);
     lua_pushvalue(L, 2), lua_setfield(L, -2, "q");
     if (sees_v) lua_pushvalue(L, 3), lua_setfield(L, -2, "v");
-    dml_place_options(L, 1, lua_gettop(L), "state");
+    dml_place_options(L, 1, lua_gettop(L), sees_v ? "state" : "position");
     lua_getfield(L, top + 1, "q"), lua_replace(L, 2);
     if (sees_v) lua_getfield(L, top + 1, "v"), lua_replace(L, 3);
     lua_settop(L, top);

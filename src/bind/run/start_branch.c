@@ -84,9 +84,10 @@ static void carry_on(lua_State *L) {
 void dml_stepping_names(lua_State *L) {
     rename_start(L);
     carry_on(L);
+    const int goes_on = lua_getiuservalue(L, 1, DML_SOLVER_START) != LUA_TNIL;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     dml_carried(L, lua_gettop(L));
-    dml_place_options(L, -1, 2, "start");
+    dml_place_options(L, -1, 2, goes_on ? "more" : "start");
     lua_settop(L, 2);
 }
 

@@ -55,15 +55,29 @@ static int refuse_call(lua_State *L) {
     return refuse(L, "a call");
 }
 
+/* Is the key at 2 one that a vector has: a whole number, or the name of a method? */
+static int is_of_vectors(lua_State *L) {
+    if (lua_isinteger(L, 2)) return 1;
+    luaL_getmetatable(L, "dm.vector");
+    lua_getfield(L, -1, "methods");
+    if (lua_istable(L, -1)) lua_pushvalue(L, 2), lua_rawget(L, -2);
+    const int found = lua_isfunction(L, -1);
+    lua_settop(L, 2);
+    return found;
+}
+
 /* x.y of a symbol: the message guesses which function should have got another argument there. */
 static int refuse_field(lua_State *L) {
     lua_settop(L, 2);
+    const int vector = is_of_vectors(L);
     const char *key = luaL_tolstring(L, 2, NULL);
     const char *traced = traced_function(L);
-    const char *hint = strcmp(traced, "constraint") == 0
-                           ? "constraint gets (q, t); a condition on velocities is `rolling`"
-                       : strcmp(traced, "the function") == 0
+    const char *hint = strcmp(traced, "the function") == 0
                            ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
+                       : vector ? "velocities and momenta of a product are one flat list of "
+                                  "numbers, factor after factor: xi:slice(1, 3)"
+                       : strcmp(traced, "constraint") == 0
+                           ? "constraint gets (q, t); a condition on velocities is `rolling`"
                            : "the params of a system are the fourth argument, after q, v, t";
     return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s (%s)", key,
                       traced, hint);

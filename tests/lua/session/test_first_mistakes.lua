@@ -29,6 +29,48 @@ raises("(got body)", path.momentum, path, dm.SO(3), { side = "body" })
 local fine, message = pcall(top.reduce, top, { group = dm.SO(3), rule = "lie(1)", h = 0.1 })
 ok(not fine and message:find(" at g = ", 1, true), "no shape x without a base", message)
 
+-- starts and states on groups: an element, not flat coordinates
+local step = top:solver { rule = "lie(1)", h = 0.1 }
+local I = dm.identity(3)
+raises("field 'q' is missing: an element of SO(3) is a matrix of 3 x 3", step.run, step,
+  { steps = 2 })
+raises("field 'q' is missing", step.run, step, { steps = 2, v = { 0, 0, 1 } })
+for _, ask in ipairs { "energy", "mass", "momentum" } do
+  raises("the element q is missing, argument 1: an element of SO(3)", top[ask], top)
+  raises("argument 2 behind the element is missing: a vector of 3 numbers", top[ask], top, I)
+  raises("(q and v come one after the other)", top[ask], top, { q = I, v = { 0, 0, 1 } })
+end
+raises("a unit quaternion is an element of dm.SU(2)", step.run, step,
+  { q = { 1, 0, 0, 0 }, v = { 0, 0, 1 }, steps = 2 })
+raises("field 'v': entry 3 must be a number, got string", step.run, step,
+  { q = I, v = { 0, 0, "1" }, steps = 2 })
+raises("must be one flat list of 3 numbers (got a list of lists)", step.run, step,
+  { q = I, v = { { 0, 0, 1 } }, steps = 2 })
+-- a run that goes on has its element
+ok(dm.resume(path):run({ steps = 2 }).t[3] == 0.4, "a run on a group goes on")
+for _, start in ipairs { { q = I, steps = 2 }, { v = { 0, 0, 1 }, steps = 2 } } do
+  raises("goes on from a checkpoint", function() dm.resume(path):run(start) end)
+end
+-- where elements are lists, velocities are not
+local product = dm.product(dm.SO(3), dm.R(3))
+for _, L in ipairs { function(_, xi) return xi[1]:dot(xi[1]) end,
+  function(_, xi) return xi[2][1] end } do
+  raises("of a product are one flat list of numbers, factor after factor: xi:slice(1, 3)",
+    dm.system, { Q = product, L = L })
+end
+local pair = dm.system { Q = product, L = function(_, xi) return xi:dot(xi) / 2 end }
+raises("one flat list of 6 numbers, factor after factor (got a list of lists)", pair.energy, pair,
+  { I, { 0, 0, 0 } }, { { 0, 0, 1 }, { 0, 0, 0 } })
+local two = pair:solver { rule = "lie(1)", h = 0.1 }
+raises("one flat list of 6 numbers", two.run, two, { q = { I, { 0, 0, 0 } }, steps = 2,
+  p = { dm.vector { 0, 0, 1 }, dm.vector { 0, 0, 0 } } })
+-- a reduced run begins at the identity, with v or p
+local reduced = dm.euler_poincare { group = dm.SO(3), l = function(xi) return xi:dot(xi) / 2 end }
+local round = reduced:solver { rule = "lie(1)", h = 0.1 }
+raises("fields 'v' and 'p' are missing", round.run, round, { steps = 2 })
+ok(dm.resume(round:run { v = { 0, 0, 1 }, steps = 2 }):run({ steps = 2 }).t[3] == 0.4,
+  "a reduced run goes on")
+
 -- bundles
 for _, form in ipairs { function(x) return { -x[2] } end, function(x) return { x[3], 1 } end } do
   raises("option 'form' has no value at 120 random points", dm.connection,
@@ -42,6 +84,11 @@ raises("a list { x, g } of 2 numbers and an element of SO(2)", A, { 0, 0 }, { 1,
 -- meshes
 local K = dm.mesh { grid = 2 }
 raises("gets the 2 coordinates of a point", K.form, K, 0, function(x) return x[1] end)
+raises("gets the 2 coordinates of a point", K.poisson, K,
+  { f = function(x) return x[1] end, fixed = { boundary = 0 } })
+raises("gets the 2 coordinates of a point", K.poisson, K,
+  { fixed = { boundary = function(x) return x[1] end } })
+raises("gets the 2 coordinates of a point", K.euler, K, { vorticity = function(x) return x[1] end })
 local a = K:form(0, function(x) return x end)
 local _, why = xpcall(function() return a.valus[1] end, debug.getregistry().dm_explain)
 ok(why:find("a dm.form has no 'valus'; did you mean 'values'?", 1, true), "a field that is not there",

@@ -234,6 +234,17 @@ lacks(text, "     1\t", "not on a terminal that cannot turn pages")
 text = session { "y = dm.moving_frame { action = 1 }" }
 has(text, "stdin:1: ", "an error of a module names the line that was typed")
 lacks(text, "blame.lua", "and its traceback only what the user wrote")
+text = session { "S = dm.system { Q = dm.SO(3), L = function(g, xi) return xi:dot(xi) end }",
+  "S:energy({ 1, 0, 0, 0 }, { 0, 0, 1 })", "S:energy(dm.identity(3), { 1, 2 })",
+  "dm.system { Q = dm.SO(3), L = function(g, xi) return g:dot(xi) end }",
+  "dm.system { Q = dm.SO(3), L = function(_, xi) return xi[1]^2 end,",
+  "force = function() return { 1, 0 } end }" }
+has(text, "stdin:1: field 'q': the group element must be a matrix", "elements that are none")
+has(text, "stdin:1: field 'v' must have 3 entries (got 2)", "velocities that are none")
+lacks(text, "lua/dm/", "no line of a module")
+text = session { "dm.euler_poincare { group = dm.SO(3), l = function(xi, a) return a[3] end }" }
+has(text, "stdin:1: attempt to index", "a mistake in a function that was typed on the same line")
+lacks(text, "stdin:1: stdin:1:", "names this line once")
 text = session { "error 'oops'", "error { 1 }", "x = = 1", "local t <close> = 1",
   "setmetatable({}, { __tostring = function() error 'in tostring' end })", "1 + 1" }
 has(text, "oops\nstack traceback:", "an error with its traceback")

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local form = require "dm.dec.form"
 local option = require "dm.base.options"
+local pointwise = require "dm.dec.pointwise"
 
 local M = {}
 
@@ -11,7 +12,8 @@ local function finite(x) return type(x) == "number" and x - x == 0 end
 
 -- f at row i of a matrix of points, a number; `maybe`: or nil
 function M.at_point(f, points, i, where, what, maybe)
-  local x = core.one(f, what)(table.unpack(points[i]:totable()))
+  local point = points[i]:totable()
+  local x = pointwise.told(#point, core.one(f, what), table.unpack(point))
   if maybe and x == nil then return nil end
   if not finite(x) then
     option.fail(where, "%s must give finite numbers (got %s at point %d)", what, option.got(x), i)

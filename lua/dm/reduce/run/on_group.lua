@@ -1,7 +1,7 @@
 --- Back to the group from a path of dm.euler_poincare.
 local core = require "dm.core"
 local option = require "dm.base.options"
-local place = require "dm.group.place"
+local starts = require "dm.group.starts"
 
 local M = {}
 
@@ -9,7 +9,7 @@ local M = {}
 function M.reconstruct(path, options)
   local own, what = path.system.place, "path:reconstruct"
   option.check(options, { "q", "project" }, what, "{ q = g0 }")
-  local g0 = place.on_group(own, option.need(options, "q", what, "the element at the start"),
+  local g0 = starts.on_group(own, option.need(options, "q", what, "the element at the start"),
     options.project)
   local columns, n, d = { path:column "t" }, own.size, own.dimension
   local q = {}
