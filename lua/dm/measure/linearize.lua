@@ -17,13 +17,13 @@ local abs, sqrt, max, huge = math.abs, math.sqrt, math.max, math.huge
 
 ---- matrices of small changes, as functions of a state (q, v, t), and its rates ----
 
--- d(q, v)/dt: M a = L_qq q + (L_qv - L_vq) v
+-- d(q, v)/dt: M a = L_qq q + (L_qv - L_vq) v; L does not depend on t
 local function by_hessian(system)
   local given, n = system.given, system.Q.dimension
-  local params, traced = given.params, {}
+  local params, traced = given.params, nil
   return function(q, v, t)
-    traced[t] = traced[t] or core.trace(function(x, y) return given.L(x, y, t, params) end, n, n)
-    local H = traced[t]:hessian(q, v)
+    traced = traced or core.trace(function(x, y) return given.L(x, y, t, params) end, n, n)
+    local H = traced:hessian(q, v)
     local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
     for i = 1, n do
       for k = 1, n do
@@ -212,7 +212,7 @@ local function of_group(system, options, what)
   return A, is_constant, w
 end
 
-local function in_coordinates(system, options, what)
+local function in_coordinates(system, options, what, kept)
   local n, t = system.Q.dimension, options.t or 0
   local second = options.v or options.p
   if #options.q ~= n or second and #second ~= n then
@@ -227,7 +227,10 @@ local function in_coordinates(system, options, what)
   if options.generator then
     return comoving.matrix(system, q, x, t, options.generator, what)
   end
-  local at, rates = (system.given.L and field or phase_field)(system)
+  if not kept.at then
+    kept.at, kept.rates = (system.given.L and field or phase_field)(system)
+  end
+  local at, rates = kept.at, kept.rates
   local A = at(q, x, t)
   return A, function()
     return is_steady(A, at, rates, function(y, u) return y + u end, q, x, t)
@@ -265,8 +268,8 @@ local function check_generator(options, system, what)
 end
 
 -- the matrix at a state, whether it is that of the motion as a function, and the rate along a
--- generator
-local function matrix_of(system, options)
+-- generator; kept: what was traced, for the next state of the same system and parameters
+local function matrix_of(system, options, kept)
   options, system = starts.lists(options, system)
   local what = "system:linearize"
   option.check(options, { "q", "v", "p", "t", "generator" }, what, "{ q =, v = }")
@@ -277,7 +280,7 @@ local function matrix_of(system, options)
   check_plain(system, what)
   check_generator(options, system, what)
   local of = reduced and of_reduced or system.place and of_group or in_coordinates
-  local A, is_constant, w = of(system, options, what)
+  local A, is_constant, w = of(system, options, what, kept or {})
   check_matrix(A, what)
   if options.generator then
     w, is_constant = w or is_constant, function() return true end
@@ -285,8 +288,11 @@ local function matrix_of(system, options)
   return A, is_constant, w
 end
 
---- The same with coefficients as they are at the state, whatever the motion.
-function M.frozen(system, options) return result_of((matrix_of(system, options))) end
+--- The same with coefficients as they are at the state, whatever the motion; kept: a table that one
+-- call leaves to the next, of the same system and parameters.
+function M.frozen(system, options, kept)
+  return result_of((matrix_of(system, options, kept)))
+end
 
 M.linearize = blame.caller(function(system, options)
   local A, is_constant, w = matrix_of(system, options)

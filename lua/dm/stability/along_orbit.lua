@@ -70,7 +70,7 @@ end
 local function note(out, system, state)
   local linearize = require "dm.measure.linearize".frozen
   local fine, its = blame.try(linearize, system,
-    { q = state.q, v = state.v, p = state.p, t = state.t })
+    { q = state.q, v = state.v, p = state.p, t = state.t }, out.traced)
   if not fine then return nil, (tostring(its):gsub("^[^\n]-lua:%d+: ", "")) end
   local first = out.matrices[1]
   out.constant = out.constant and not (first and differ(its.matrix, first))
@@ -126,7 +126,7 @@ local function look_along(linear)
   local count, before = PLACES, nil
   repeat
     before = linear.fastest
-    for _, k in ipairs(orbits.places(linear.states, count)) do note_state(linear, k) end
+    for _, k in ipairs(orbits.places(linear, count)) do note_state(linear, k) end
     count = 2 * count
   until linear.constant or count > MANY or #linear.states < count
     or count > 2 * PLACES and linear.fastest <= (1 + FEW) * before
@@ -201,7 +201,8 @@ local function along_orbit(map, cell)
   local start = { q = map.start.q(cell), v = map.start.v and map.start.v(cell),
     p = map.start.p and map.start.p(cell), t = options.t0 or 0 }
   local T = options.t or options.steps * map.h[1]
-  local out = { fastest = 0, matrices = {}, ranges = {}, constant = true, system = system }
+  local out = { fastest = 0, matrices = {}, ranges = {}, constant = true, system = system,
+    traced = {} }
   local first, why = note(out, system, start)
   if not first then return nil, why end
   local states, done = { start }, T

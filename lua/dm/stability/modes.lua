@@ -27,7 +27,7 @@ local function means_of(linear, look)
   local means, count, settled = nil, PLACES, false
   repeat
     local seen, before = {}, means
-    for _, i in ipairs(orbits.places(linear.states, count)) do
+    for _, i in ipairs(orbits.places(linear, count)) do
       seen[#seen + 1] = look(linear, i) or nil
     end
     if #seen == 0 then seen[1] = linear.first end

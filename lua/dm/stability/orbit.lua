@@ -46,19 +46,29 @@ function M.states(system, start, T, fastest, project)
   return out, done
 end
 
---- Numbers of `count` states of a list that are evenly far apart in it, and of as many that have
--- the shortest steps before them, where most happens.
-function M.places(states, count)
-  local taken, by_step, out = {}, {}, {}
-  local every = max(1, (#states - 1) / count)
+-- the steps before the states of an orbit, the shortest first
+local function steps_of(states)
+  local out = {}
+  for i = 2, #states do out[i - 1] = states[i].t - states[i - 1].t end
+  table.sort(out)
+  return out
+end
+
+--- Numbers of `count` states of an orbit { states = } that are evenly far apart in it, and of as
+-- many that have the shortest steps before them, where most happens; its sorted steps are kept.
+function M.places(orbit, count)
+  local states, out = orbit.states, {}
+  orbit.steps = orbit.steps or steps_of(states)
+  local longest = orbit.steps[min(count, #orbit.steps)]
+  local taken, every, left = {}, max(1, (#states - 1) / count), count
   for x = 1, #states, every do taken[math.floor(x + 0.5)] = true end
-  for i = 2, #states do by_step[i - 1] = i end
-  local function step(i) return states[i].t - states[i - 1].t end
-  table.sort(by_step, function(a, b)
-    local x, y = step(a), step(b)
-    return x < y or x == y and a < b
-  end)
-  for k = 1, min(count, #by_step) do taken[by_step[k]] = true end
+  local function take(fits)
+    for i = 2, #states do
+      if left > 0 and fits(states[i].t - states[i - 1].t) then taken[i], left = true, left - 1 end
+    end
+  end
+  take(function(step) return step < longest end)
+  take(function(step) return step == longest end)
   for i = 1, #states do if taken[i] then out[#out + 1] = i end end
   return out
 end
