@@ -30,12 +30,11 @@ local part = lists.part
 
 -- g0, g1 as coordinates of matrices
 local function ends_of(Ld, g0, g1)
-  local kit, P = kits.of(Ld.Q), Ld.place
-  local out = {}
-  for k, g in ipairs { g0, g1 } do
-    local fine, x = blame.try(kit.element, g)
+  local element, out, given = require("dm.group").element, {}, { g0, g1 }
+  for k = 1, 2 do
+    local fine, x = blame.try(element, Ld.Q, given[k])
     if not fine then error(("g%d: %s"):format(k - 1, x), 0) end
-    out[k] = core.vector(P.flat(x))
+    out[k] = core.vector(Ld.place.flat(x))
   end
   return out[1], out[2]
 end

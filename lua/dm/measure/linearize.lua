@@ -4,6 +4,8 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local comoving = require "dm.measure.comoving"
 local core = require "dm.core"
+local groups = require "dm.group"
+local kits = require "dm.group.kit"
 local left = require "dm.measure.left"
 local lists = require "dm.base.lists"
 local on_group = require "dm.measure.on_group"
@@ -168,12 +170,17 @@ end
 
 ---- of a state ----
 
+local function vector_of(place, x, key)
+  return kits.vector(x, place.dimension, ("field '%s'"):format(key))
+end
+
 -- of changes (g^-1 dg, dxi); of an H alone (g^-1 dg, dmu)
 local function state_on_group(system, options)
   local place, t = system.place, options.t or 0
-  local g, x = place.kit.element(options.q), options.v and core.vector(options.v)
+  local g = groups.element(place.space, options.q)
+  local x = options.v and vector_of(place, options.v, "v")
   if not system.given.L then
-    x = options.p and core.vector(options.p) or x and system:legendre(g, x, t)
+    x = options.p and vector_of(place, options.p, "p") or x and system:legendre(g, x, t)
   end
   if system.given.L and options.p then x = system:velocity(g, options.p, t) end
   return g, x and core.vector(x) or core.zeros(place.dimension), t
@@ -241,7 +248,7 @@ end
 local function of_reduced(system, options, what)
   local own, t = system.place, options.t or 0
   local reduced, kit = own.reduced, own.kit
-  local g = kit.element(options.q or kit.identity())
+  local g = groups.element(own.space, options.q or kit.identity())
   local a = reduced.usual or reduced.a
   if reduced.carry and not a then
     error(what .. ": the quantity that is carried along is missing, a =", 0)
@@ -250,7 +257,7 @@ local function of_reduced(system, options, what)
   local x, of_h = options.v or core.zeros(own.dimension), reduced.name == "H"
   if of_h and options.v then x = system:legendre(g, options.v, t) end
   if options.p then x = of_h and options.p or system:velocity(g, options.p, t) end
-  x = core.vector(x)
+  x = vector_of(own, x, options.p and "p" or "v")
   local A, moved = comoving.reduced_matrix(system, x, a)
   return A, function() return moved:norm() <= SAME * largest_of(A) * max(1, x:norm()) end
 end

@@ -2,6 +2,7 @@
 -- is u = g^-1 dg, of the body momentum dp.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local groups = require "dm.group"
 local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
 local left = require "dm.measure.left"
@@ -216,7 +217,7 @@ end
 
 --- The state that options of a run begin at.
 function M.start(system, start)
-  local g = system.place.kit.element(start.q)
+  local g = groups.element(system.place.space, start.q)
   local p = start.p or momentum(system, g, start.v, start.t0)
   return { q = g, p = core.vector(p), t = start.t0 or 0 }
 end

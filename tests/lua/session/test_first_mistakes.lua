@@ -46,6 +46,18 @@ raises("field 'v': entry 3 must be a number, got string", step.run, step,
   { q = I, v = { 0, 0, "1" }, steps = 2 })
 raises("must be one flat list of 3 numbers (got a list of lists)", step.run, step,
   { q = I, v = { { 0, 0, 1 } }, steps = 2 })
+-- what is no rotation is one nowhere, not read as a start
+local off = dm.matrix { { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
+raises("this is no element of SO(3)", top.linearize, top, { q = off })
+raises("field 'v' must have 3 entries (got 2)", top.linearize, top, { q = I, v = { 0, 0 } })
+for _, key in ipairs { "v", "p" } do
+  raises("this is no element of SO(3)", step.tangent, step,
+    { q = off, [key] = { 0, 0, 1 }, steps = 2 })
+end
+local Ld = dm.discrete_lagrangian(top, { rule = "lie(1)", h = 0.1 })
+raises("g1: this is no element of SO(3)", Ld, I, off)
+raises("g0: this is no element of SO(3)", Ld.legendre_minus, Ld, off, I)
+raises("g1: the group element must be a matrix of 3 x 3 (got nil)", Ld, I)
 -- a run that goes on has its element
 ok(dm.resume(path):run({ steps = 2 }).t[3] == 0.4, "a run on a group goes on")
 for _, start in ipairs { { q = I, steps = 2 }, { v = { 0, 0, 1 }, steps = 2 } } do
