@@ -226,7 +226,8 @@ write(home .. "/bin/less", "#!/bin/sh\necho less $*\ncat\n")
 os.execute("chmod +x " .. home .. "/bin/less")
 text = session({ "?dm.chart" }, "", ("env -u PAGER PATH=%s/bin:$PATH"):format(home))
 has(text, "less -FRX\ndm.chart{system", "without PAGER: less, which ends by itself at the end of a page")
-text = play("", "wait > \nsend ?dm.chart\\r\nwait > \nsend \\004\n", "PAGER='cat -n' TERM=dumb")
+text = play("", "wait > \nsend ?dm.chart\\r\nwait chart:table() -> string\nwait > \npause 50\nsend \\004\n",
+  "PAGER='cat -n' TERM=dumb")
 has(text, "dm.chart{system", "help on a terminal without commands of its own")
 lacks(text, "     1\t", "not on a terminal that cannot turn pages")
 
