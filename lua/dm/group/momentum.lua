@@ -43,7 +43,24 @@ local function of_action(place, group, move)
   end
 end
 
--- the action in the options, where there is one; what it does at the identity must be nothing
+-- an action, on the left or on the right: the identity moves nothing, a b moves as both, one after
+-- the other
+local function check_action(kit, K, move)
+  local stream = core.random(5)
+  local function some(k, i) return k.exp(kits.normals(stream, i, k.dimension, 0.3)) end
+  local function moved(k, g) return kit.element(move(k, g)) end
+  local g, a, b = some(kit, 0), some(K, 1), some(K, 2)
+  if not (kit.distance(moved(K.identity(), g), g) <= 1e-12) then
+    error("option 'action': the identity must not move an element", 0)
+  end
+  local both = moved(K.compose(a, b), g)
+  local left, right = moved(a, moved(b, g)), moved(b, moved(a, g))
+  if not (kit.distance(both, left) <= 1e-9 or kit.distance(both, right) <= 1e-9) then
+    error("option 'action': a b must move an element as b and then a do, or as a and then b do", 0)
+  end
+end
+
+-- the action in the options, where there is one
 local function given_action(place, group, options)
   local move = type(options) == "table" and options.action or nil
   if move == nil then return end
@@ -51,11 +68,8 @@ local function given_action(place, group, options)
     error("option 'action' must be a function of (k, g) that returns the moved element, behind the "
       .. "group that acts", 0)
   end
-  local kit, K = place.kit, kits.of(group)
-  local g = kit.exp(kits.normals(core.random(5), 0, kit.dimension, 0.3))
-  if not (kit.distance(kit.element(move(K.identity(), g)), g) <= 1e-12) then
-    error("option 'action': the identity must not move an element", 0)
-  end
+  local K = kits.of(group)
+  check_action(place.kit, K, move)
   return of_action(place, group, move), K.dimension
 end
 

@@ -57,8 +57,9 @@ local function mistaken(place, q)
   return ""
 end
 
---- Flat coordinates of the element q, which is on the group or (project) brought there.
-function M.on_group(place, q, project)
+--- Flat coordinates of the element q, which is on the group or (project) brought there; asked: of
+-- a state that is no start, which is never brought.
+function M.on_group(place, q, project, asked)
   local kit = place.kit
   local fine, g = blame.try(kit.element, q)
   if not fine then
@@ -78,7 +79,8 @@ function M.on_group(place, q, project)
   if project and found then return place.flat(near) end
   error(("field 'q': this is no element of %s, %s%s"):format(name,
     why or ("it is off by %.3g"):format(defect),
-    found and ": project = true starts at the nearest one" or can and "" or ": " .. near), 0)
+    found and (asked and ": G:project(g) is an element near it"
+      or ": project = true starts at the nearest one") or can and "" or ": " .. near), 0)
 end
 
 -- a reduced system (dm.euler_poincare) knows its own start
@@ -90,14 +92,16 @@ local function start_reduced(place, options, out)
 end
 
 -- q, v, p in flat coordinates, in a copy of the options
-local function flat_options(place, options)
+local function flat_options(place, options, asked)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   if options.q0 ~= nil or options.q1 ~= nil then
     error(("field '%s': a system on %s starts from q and v or from q and p")
       :format(options.q0 ~= nil and "q0" or "q1", tostring(place.space)), 0)
   end
-  if options.q ~= nil then out.q = core.vector(M.on_group(place, options.q, options.project)) end
+  if options.q ~= nil then
+    out.q = core.vector(M.on_group(place, options.q, options.project, asked))
+  end
   if options.v ~= nil then out.v = places.padded(place, options.v, "field 'v'") end
   if options.p ~= nil then out.p = places.padded(place, options.p, "field 'p'") end
   return out
@@ -142,7 +146,7 @@ function M.position(place, options)
     error(("the element q is missing, argument 1: %s"):format(form_of(place)), 0)
   end
   if reduced then reduced.a = reduced.usual or reduced.a end
-  return flat_options(place, options)
+  return flat_options(place, options, true)
 end
 
 --- The same of a position with v or p.

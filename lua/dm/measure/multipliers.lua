@@ -7,6 +7,7 @@
 local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
 local tangent_group = require "dm.measure.tangent_group"
@@ -325,7 +326,7 @@ local function state(system, q, v, t, what)
   if not fine or type(symbol) == "table" then
     error(("%s: t must be a number (got %s)"):format(what, type(t)), 0)
   end
-  return place and place.kit.element(q) or core.vector(q), core.vector(v), t or 0
+  return place and groups.element(place.space, q) or core.vector(q), core.vector(v), t or 0
 end
 
 M.multipliers = blame.caller(function(system, q, v, t)

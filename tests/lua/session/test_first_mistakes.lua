@@ -26,6 +26,12 @@ raises("the generator must return one value, not 2", path.momentum, path,
   function() return 0, 0 end)
 ok(path:momentum(function() return { 0, 0, 1 } end)[3] == path.p[3][3], "a right generator")
 raises("(got body)", path.momentum, path, dm.SO(3), { side = "body" })
+raises("a b must move an element as b and then a do", path.momentum, path, dm.SO(3),
+  { action = function(k, g) return k * g * k end })
+for _, action in ipairs { function(k, g) return k * g end,
+  function(k, g) return g * k end, function(k, g) return k * g * k:transpose() end } do
+  ok(#path:momentum(dm.SO(3), { action = action }) == 3, "actions on either side")
+end
 local fine, message = pcall(top.reduce, top, { group = dm.SO(3), rule = "lie(1)", h = 0.1 })
 ok(not fine and message:find(" at g = ", 1, true), "no shape x without a base", message)
 
@@ -49,6 +55,10 @@ raises("must be one flat list of 3 numbers (got a list of lists)", step.run, ste
 -- what is no rotation is one nowhere, not read as a start
 local off = dm.matrix { { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
 raises("this is no element of SO(3)", top.linearize, top, { q = off })
+raises("this is no element of SO(3)", top.acceleration, top, off, { 0, 0, 1 })
+raises("G:project(g) is an element near it", top.energy, top, off, { 0, 0, 1 })
+raises("project = true starts at the nearest one", step.run, step,
+  { q = off, v = { 0, 0, 1 }, steps = 2 })
 raises("field 'v' must have 3 entries (got 2)", top.linearize, top, { q = I, v = { 0, 0 } })
 for _, key in ipairs { "v", "p" } do
   raises("this is no element of SO(3)", step.tangent, step,
