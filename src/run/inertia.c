@@ -1,10 +1,8 @@
 #include "run/inertia.h"
 
-#include "linalg/lu.h"
 #include "linalg/signature.h"
 #include "mech/constraints.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -109,7 +107,14 @@ static void place_constraints(const dm_inertia *x, double *G, const double *at, 
     }
 }
 
-/* M at a state, into the outputs of the kernel behind its n momenta; 0: no velocity is known */
+/* M at (q, v, t), which lies in x->room, into the outputs of the kernel behind its n momenta */
+static void evaluate(const dm_inertia *x) {
+    double *out = x->room + 2 * (size_t)x->model->n + 1;
+    dm_kernel_prepare(&x->model->mass, out);
+    dm_kernel_eval(&x->model->mass, x->room, out);
+}
+
+/* the same at a state; 0: no velocity is known */
 static int find_mass(const dm_inertia *x, const double *state, double t) {
     const dm_model *m = x->model;
     const size_t n = m->n;
@@ -119,8 +124,7 @@ static int find_mass(const dm_inertia *x, const double *state, double t) {
     at[2 * n] = t;
     if (sees_velocity(m) && dm_legendre_inverse(m, at + n, state, state + n, t, work) != DM_OK)
         return 0;
-    dm_kernel_prepare(&m->mass, out);
-    dm_kernel_eval(&m->mass, at, out);
+    evaluate(x);
     return 1;
 }
 
@@ -201,6 +205,23 @@ int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *
     return 1;
 }
 
+double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t) {
+    const size_t n = x->model->n;
+    double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(x->model);
+    memcpy(at, q, n * sizeof *at);
+    memcpy(at + n, v, n * sizeof *at);
+    at[2 * n] = t;
+    evaluate(x);
+    place_mass(x, A, out + n);
+    return A;
+}
+
+uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t) {
+    double least;
+    dm_inertia_mass(x, q, v, t);
+    return count(x, &least);
+}
+
 const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t) {
     const dm_model *m = x->model;
     const size_t n = m->n;
@@ -238,23 +259,6 @@ static double look_ahead(const dm_inertia *x, const double *state, double t, dou
     return least;
 }
 
-/* Is d2L/dv2 singular to round-off at the start: by its own values, whose entries lose some digits
- * where terms of L cancel, or since round-off of q changes a sign? */
-static int is_degenerate(const dm_inertia *x, const double *state, double t) {
-    static const double LOST = 16 * DBL_EPSILON, ROUNDING = 32 * DBL_EPSILON;
-    const size_t n = x->model->n;
-    double *near = x->aside, least;
-    uint32_t negative;
-    if (x->seen.least <= LOST * (double)n) return 1;
-    memcpy(near + n, state + n, n * sizeof *near);
-    for (int side = -1; side < 2; side += 2) {
-        for (size_t i = 0; i < n; i++)
-            near[i] = state[i] * (1.0 + (i % 2 ? side : -side) * ROUNDING);
-        if (dm_inertia_at(x, near, t, &negative, &least) && negative != x->seen.negative) return 1;
-    }
-    return 0;
-}
-
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
     dm_inertia_seen *s = &x->seen;
     const size_t n = x->model->n;
@@ -263,7 +267,7 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     if (!s->known) return DM_OK;
     find_scales(x, M);
     s->negative = count(x, &s->least);
-    s->degenerate = is_degenerate(x, state, t);
+    s->degenerate = dm_inertia_is_degenerate(x, state, t);
     if (s->degenerate) return DM_SINGULAR;
     int changed = 0;
     const double ahead = look_ahead(x, state, t, h, &changed), falls = s->least - ahead;
@@ -273,37 +277,6 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     dm_inertia_expect(x);
     dm_inertia_foresee(x, state, t, 0);
     return DM_OK;
-}
-
-/* v over its largest entry; 0: that is none */
-static int normalize(double *v, uint32_t n) {
-    double largest = 0.0;
-    for (uint32_t i = 0; i < n; i++)
-        if (fabs(v[i]) > fabs(largest)) largest = v[i];
-    for (uint32_t i = 0; i < n; i++) v[i] /= largest;
-    return largest != 0.0 && isfinite(largest);
-}
-
-/* by inverse iteration, from entries that are all unlike */
-int dm_inertia_direction(const dm_inertia *x, const double *state, double t, double *v) {
-    static const double SHIFT = 1e-13;
-    const dm_model *m = x->model;
-    const uint32_t n = m->n;
-    double *out = x->room + 2 * (size_t)n + 1, *A = out + outputs(m);
-    uint32_t *pivot = (uint32_t *)(void *)(A + (size_t)n * n);
-    int good = order(m) == n && find_mass(x, state, t);
-    if (good) place_mass(x, A, out + n);
-    for (size_t i = 0; i < n; i++) {
-        A[i * n + i] += SHIFT;
-        v[i] = 1.0 / (double)(i + 1);
-    }
-    good = good && dm_lu_factor(A, pivot, n) == DM_OK;
-    for (int k = 0; k < 3 && good; k++) {
-        dm_lu_solve(v, A, pivot, n);
-        good = normalize(v, n);
-    }
-    for (size_t i = 0; i < n; i++) v[i] *= x->scale[i];
-    return good && normalize(v, n);
 }
 
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t) {

@@ -62,10 +62,6 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
  * round-off there, and a value is about to vanish. */
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
 
-/* v[n], the largest entry 1, with d2L/dv2 v zero to round-off at a start that is degenerate; 0:
- * nothing is known of it, as under constraints. */
-int dm_inertia_direction(const dm_inertia *x, const double *state, double t, double *v);
-
 /* Has it changed since? */
 int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);
 
@@ -103,8 +99,22 @@ int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, const double *to, double t
 int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, const double *to,
                              double t, double h, int steep, int open);
 
+/* d2L/dv2 at a velocity, scaled, A[n*n] until something else is asked; behind the inputs of its
+ * kernel lie dL/dv[n] and d2L/dv2[n*n]. And how many of its values are negative. */
+double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t);
+uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t);
+
 /* How fast values move there, in units of the scales; `surely`: by the velocity itself. */
 double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int surely);
+
+/* ---- starts that are degenerate (inertia_start.c) ---- */
+
+/* Is d2L/dv2 singular to round-off at a start whose mass was found and counted just now? */
+int dm_inertia_is_degenerate(const dm_inertia *x, const double *state, double t);
+
+/* v[n], the largest entry 1, with d2L/dv2 v zero to round-off at a start that is degenerate; 0:
+ * nothing is known of it, as under constraints. */
+int dm_inertia_direction(const dm_inertia *x, const double *state, double t, double *v);
 
 /* ---- tangent maps (inertia_prolonged.c) ---- */
 

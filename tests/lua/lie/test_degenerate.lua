@@ -70,4 +70,60 @@ for _, small in ipairs { 1e-6, 1e-12, 1e-30 } do
     steps = 3 }, ("a moment of %g is stepped"):format(small))
 end
 
+---- folds of the momentum ----
+
+-- x^4/4 - x^2/2 along u, whose p = x^3 - x has a fold at x = 3^-1/2: each p there belongs to two
+-- velocities, at the fold to one that is found to the root of round-off
+local function folded(G, along, side)
+  local d = G.dimension
+  return dm.system { Q = G, trivialization = side, L = function(g, w)
+    local x, T = 0, 0
+    for i = 1, d do x = x + along[i] * w[i] end
+    for i = 1, d do T = T + (1 + 0.1 * i) * (w[i] - along[i] * x) ^ 2 / 2 end
+    return T + x ^ 4 / 4 - x ^ 2 / 2 - 0.1 * g[1][2]
+  end }
+end
+
+local FOLD = { 0.6, 0, 0.8, 0, 0, 0 }
+for _, G in ipairs { dm.SO(3), dm.SE(3), dm.SL(2), dm.SO(4), dm.GL(2) } do
+  local d = G.dimension
+  local g0 = G:exp { table.unpack(near, 1, d) }
+  for _, side in ipairs { "left", "right" } do
+    for _, along in ipairs { { 1, 0, 0, 0, 0, 0 }, FOLD } do
+      local system, v, what = folded(G, along, side), {}, ("%s, %s, fold"):format(G, side)
+      local function start(x)
+        local rest = 0
+        for i = 1, d do rest = rest + along[i] * U[i] end
+        for i = 1, d do v[i] = U[i] + (x - rest) * along[i] end
+        return { q = g0, v = v, steps = 2 }
+      end
+      for _, rule in ipairs { "lie(1)", "lie(2)", "rkmk4" } do
+        local solver = system:solver { rule = rule, h = 1e-8 }
+        local _, said = pcall(solver.run, solver, start(3 ^ -0.5))
+        ok(tostring(said):find("degenerate at the start: d2L/dv2 is zero to round-off along xi = ("
+          .. (along == FOLD and "0.75, 0, 1" or "1, 0, 0"), 1, true), what .. ", " .. rule, said)
+        local lost = solver:ensemble { members = 3, steps = 2, q = function() return g0 end,
+          v = function() return v end }:failures()
+        ok(#lost == 3 and lost[3].code == "singular" and lost[3].step == 1
+          and lost[3].message:find "degenerate at the start", what .. ": members, " .. rule)
+      end
+      local path = system:solver { rule = "lie(1)", h = 1e-8 }:run(start(3 ^ -0.5 - 1e-3))
+      local energy = path:energy()
+      ok(math.abs(energy[3] - energy[1]) < 1e-9, what .. ": 1e-3 beside it is stepped")
+      local closer = system:solver { rule = "rkmk4", h = 1e-10 }
+      local _, closest = pcall(closer.run, closer, start(3 ^ -0.5 - 1e-5))
+      ok(not tostring(closest):find "at the start", what .. ": 1e-5 beside it is none", closest)
+    end
+  end
+end
+for _, rule in ipairs { "gauss(2)", "verlet", "rk4" } do
+  local flat = dm.system { Q = dm.R(2), L = function(_, v)
+    return v[1] ^ 4 / 4 - v[1] ^ 2 / 2 + v[2] ^ 2 / 2
+  end }
+  local _, said = pcall(function()
+    flat:solver { rule = rule, h = 0.01 }:run { q = { 0, 0 }, v = { 3 ^ -0.5, 1 }, steps = 1 }
+  end)
+  ok(tostring(said):find("round-off along v = (1, 0)", 1, true), "a fold on R^2, " .. rule, said)
+end
+
 tap.done()
