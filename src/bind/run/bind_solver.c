@@ -306,7 +306,7 @@ static const dml_row methods[] =
       "|phi| at the end of a step."},
      {NULL, NULL, NULL}};
 static int system_of(lua_State *L) {
-    if (!luaL_testudata(L, 1, DML_SOLVER)) return 0;
+    if (!luaL_testudata(L, 1, DML_SOLVER)) return lua_pushnil(L), 1;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     return 1;
 }

@@ -252,6 +252,12 @@ M["core.summary"] = [=[
 > s.first, s.largest, s.slope, s.late
 1.0	9.0	2.0	8.0]=]
 
+M["core.system_of"] = [=[
+> core = require "dm.core"
+> s = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+> core.system_of(s:solver { rule = "verlet", h = 0.1 }) == s, core.system_of(s)
+true	nil]=]
+
 M["core.tiling"] = [=[
 > core = require "dm.core"
 > core.tiling({ 2 }, { 3 }, { 0, 1 })
