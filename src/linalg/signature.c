@@ -107,39 +107,17 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
     return negative;
 }
 
-/* The largest entry of the diagonal in rows that are left, their last `left` ones first. */
-static uint32_t take_largest(const double *A, uint32_t n, uint32_t *rows, uint32_t left) {
-    uint32_t found = 0;
-    for (uint32_t i = 1; i < left; i++)
-        if (A[rows[i] * n + rows[i]] > A[rows[found] * n + rows[found]]) found = i;
-    const uint32_t k = rows[found];
-    rows[found] = rows[left - 1];
-    return k;
-}
-
-/* Rows stay where they are, and half of A is enough.
- * Speed: ensembles, double spherical pendulum by midpoint. */
 int dm_all_positive(double *A, uint32_t n, double far, double *least) {
-    uint32_t rows[DM_POSITIVE_MOST];
-    if (n > DM_POSITIVE_MOST) return 0;
-    for (uint32_t i = 0; i < n; i++) rows[i] = i;
-    *least = INFINITY;
-    for (uint32_t left = n; left-- > 0;) {
-        const uint32_t k = take_largest(A, n, rows, left + 1);
-        const double pivot = A[k * n + k];
-        if (!(pivot > far && pivot < INFINITY)) return 0;
-        if (pivot < *least) *least = pivot;
-        const double by = 1.0 / pivot;
-        for (uint32_t a = 0; a < left; a++) {
-            const uint32_t i = rows[a];
-            const double factor = by * A[i * n + k];
-            for (uint32_t b = 0; b <= a; b++) {
-                const uint32_t j = rows[b];
-                A[i * n + j] = A[j * n + i] = A[i * n + j] - factor * A[j * n + k];
-            }
-        }
+    rest r = {.A = A, .n = n};
+    for (*least = INFINITY; r.first < n; r.first++) {
+        const uint32_t k = find_diagonal(&r);
+        const double pivot = *at(&r, k, k);
+        if (!(pivot > far)) return 0;
+        *least = fmin(*least, pivot);
+        exchange(&r, r.first, k);
+        eliminate_one(&r);
     }
-    return 1;
+    return *least < INFINITY;
 }
 
 static const double FAR = 1e-6; /* of ones on the diagonal, far above round-off */

@@ -10,9 +10,7 @@
 uint32_t dm_negative_values(double *A, uint32_t n, double *least);
 
 /* Are all values of A[n*n] positive by far? With the pivots, and the least of them, that
- * dm_negative_values finds for such a matrix, but for round-off. 0 where one is not above `far`, or
- * n is above DM_POSITIVE_MOST. A is overwritten. */
-enum { DM_POSITIVE_MOST = 2048 };
+ * dm_negative_values finds for such a matrix. 0 where one is not above `far`. A is overwritten. */
 int dm_all_positive(double *A, uint32_t n, double far, double *least);
 
 /* Are all values positive, by far, of every symmetric matrix whose diagonal entries are at least
