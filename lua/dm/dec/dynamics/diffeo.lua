@@ -73,8 +73,9 @@ end
 M.diffeo = blame.caller(function(K, L)
   check_mesh(K, "the first argument")
   if type(L) == "function" then
-    local members = setmetatable({}, { __mode = "v" }) -- by time, while somebody has them
-    return setmetatable({ from = K, family = option.single(L, "f(t)"), members = members }, Diffeo)
+    -- images: meshes by time, while somebody has them
+    return setmetatable({ from = K, family = option.single(L, "f(t)"),
+      images = setmetatable({}, { __mode = "v" }) }, Diffeo)
   end
   check_mesh(L, "the second argument")
   return new(K, L)
@@ -95,8 +96,10 @@ Diffeo.__call = blame.caller(function(phi, t)
   if type(t) ~= "number" or t - t ~= 0 then
     option.fail("phi(t)", "a time is needed (got %s)", option.got(t))
   end
-  local member = phi.members[t] or new(phi.from, motion.mesh_at(phi, t))
-  phi.members[t] = member
+  local image = phi.images[t] -- forms and fields of it are of this very mesh
+  if image then return setmetatable({ from = phi.from, to = image }, Diffeo) end
+  local member = new(phi.from, motion.mesh_at(phi, t))
+  phi.images[t] = member.to
   return member
 end)
 
