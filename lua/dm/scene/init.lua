@@ -147,7 +147,9 @@ local PILOT_TIMES = { 256, 3000, 1, 0.6180339887498949 }
 local CHECK_TIMES = { 2048, 20000, 8, 0.4142135623730951 }
 -- of CPU; with a profile that was given no clock shall decide
 local SECONDS, WITHOUT_CLOCK = 20, 600
--- parts of the seconds that are over when reference, models, rules are to be done
+-- Parts of the seconds that are over when reference, models, rules are to be done. The reference
+-- cannot have more: its values at other times, the run of the choice and its check and the rows
+-- cost as much again (Kepler's orbit, T = 1.2e4: 0.6 made it 3.6 s for 3).
 local REFERENCE_TIME, MODELS_TIME, RULES_TIME = 0.45, 0.55, 0.72
 local LEAST = 0.08  -- of them, for each of these, where those before took longer
 
@@ -249,6 +251,18 @@ local function keep_deadline(scene, given)
   return conclude(scene)
 end
 
+-- models of linear equations, for which the time may be too short
+local function linear_models(scene)
+  local left = scene.began + MODELS_TIME * scene.allowed - core.cpu()
+  if left > 0 then
+    local fine, out = core.within(left, linear.models, scene.problem, scene.options)
+    if fine then return out end
+    core.pass_stop()
+  end
+  scene.search.models_cut = true
+  return {}
+end
+
 -- find the choice, once
 local function decide(scene)
   if scene.best then return scene end
@@ -272,7 +286,7 @@ local function decide(scene)
   end
   allow(MODELS_TIME, 1 / 4)
   scene.rungs = reduce.ladder(scene.search, given, splits,
-    elsewhere and linear.models(scene.problem, scene.options) or {}, less)
+    elsewhere and linear_models(scene) or {}, less)
   allow(RULES_TIME, 1 / 4)
   search.models(scene.search, scene.rungs)
   scene.finalists = search.finalists(scene.search)

@@ -53,26 +53,55 @@ local function nearest(means, omega)
   return best
 end
 
--- means without those that are one with the mean before
-local function apart(means)
-  local out = {}
-  for _, mean in ipairs(means) do
-    if #out == 0 or out[#out] - mean > SAME * mean then out[#out + 1] = mean end
+-- is omega one with a frequency of the list?
+local function is_one_of(omega, list)
+  for _, other in ipairs(list) do
+    if abs(omega - other) <= SAME * omega then return true end
+  end
+  return false
+end
+
+-- turns of coordinates that are the nearest to a mean of the first list, not to one of `steady`
+local function turns_of(left, steady, turns)
+  local all, out = table.move(steady, 1, #steady, #left + 1, { table.unpack(left) }), {}
+  for _, omega in ipairs(turns) do
+    local mean = nearest(all, omega)
+    for _, one in ipairs(left) do
+      if one == mean then out[#out + 1] = omega break end
+    end
   end
   return out
+end
+
+-- { mean = turn }: pairs of a turn and a mean, the nearest by their ratio first, each once; a turn
+-- that is one with another stands for no second mean
+local function paired(left, turns)
+  local list, own, taken = {}, {}, {}
+  for _, mean in ipairs(left) do
+    for _, omega in ipairs(turns) do
+      list[#list + 1] = { mean = mean, omega = omega, far = abs(math.log(mean / omega)) }
+    end
+  end
+  table.sort(list, function(x, y)
+    return x.far < y.far or x.far == y.far and x.omega < y.omega
+  end)
+  for _, x in ipairs(list) do
+    if not own[x.mean] and not is_one_of(x.omega, taken) then
+      own[x.mean], taken[#taken + 1] = x.omega, x.omega
+    end
+  end
+  return own
 end
 
 -- In the place of means that change the turns of coordinates that are the nearest to them:
 -- coordinates turn with what they have of all oscillations, the steady ones too. Where none is, the
 -- means of those that change little.
 local function turns_for(left, steady, turns, is_calm)
-  local all, own, out = table.move(steady, 1, #steady, #left + 1, { table.unpack(left) }), {}, {}
-  for _, omega in ipairs(turns) do
-    local mean = nearest(all, omega)
-    if mean then own[mean] = nearest({ own[mean] or omega, omega }, mean) end
-  end
+  local own, out = paired(left, turns_of(left, steady, turns)), {}
+  for _, omega in pairs(own) do out[#out + 1] = omega end
   for _, mean in ipairs(left) do
-    if own[mean] or is_calm[mean] or #turns == 0 then out[#out + 1] = own[mean] or mean end
+    local alone = not own[mean] and (is_calm[mean] or #turns == 0)
+    if alone and not is_one_of(mean, out) then out[#out + 1] = mean end
   end
   return out
 end
@@ -96,7 +125,7 @@ function M.frequencies(linear, look)
     list[#list + 1] = mean
     is_calm[mean] = changes_less(linear, mode, CALM)
   end
-  for _, omega in ipairs(turns_for(apart(left), modes, turns, is_calm)) do
+  for _, omega in ipairs(turns_for(left, modes, turns, is_calm)) do
     modes[#modes + 1] = omega
   end
   table.sort(modes, function(a, b) return a > b end)

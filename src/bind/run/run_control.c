@@ -124,3 +124,10 @@ dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_steppin
     c->control.room = lua_newuserdatauv(L, dm_control_room(n) * sizeof(double), 0);
     return &c->control;
 }
+
+long dml_control_most(const dml_solver *s, int ended) {
+    enum { MOST = 200000, BYTES = 1 << 28 };
+    const size_t row = (1 + 2 * dm_state_size(s->n)) * sizeof(double); /* t, q and p */
+    const long fit = (long)(BYTES / row);
+    return ended && fit > MOST ? fit : MOST;
+}

@@ -143,7 +143,7 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
     if (!isfinite(plan->until)) return;
     const int control = has(L, "control");
     plan->steps = own || (control && plan->at) ? LONGEST_OWN_TIME
-                  : control                    ? DML_CONTROL_MOST
+                  : control                    ? dml_control_most(s, has(L, "seconds"))
                                                : dml_stepping_cover(L, plan->until - from, s->h);
     if (own && !plan->at)
         luaL_error(L,

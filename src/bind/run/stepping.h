@@ -112,8 +112,6 @@ void dml_stepping_leave(lua_State *L, const dml_stepping *r);
 /* Keep what a run cost, for solver:report(). */
 void dml_stepping_report(const dml_stepping *r, long steps, double seconds);
 
-enum { DML_CONTROL_MOST = 200000 }; /* controlled steps of a run that keeps every one */
-
 typedef struct {
     dm_control control;
     dm_hidden hidden;
@@ -123,6 +121,9 @@ typedef struct {
  * 2, for a run up to the time `until` (run_control.c). Leaves things on the stack that must
  * stay. */
 dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_stepping *r, double until);
+
+/* Controlled steps of a run that keeps every one, `ended` by seconds or not. */
+long dml_control_most(const dml_solver *s, int ended);
 
 /* solver:run, as a C function (solver_run.c). */
 int dml_solver_run(lua_State *L);

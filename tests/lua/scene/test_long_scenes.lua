@@ -106,6 +106,15 @@ do
   seen, distance = looks(1e8)
   ok(seen == "rk8 looks, gauss(7), rk8, gauss(7)" and distance < 1e-6, "one of them looks along a stiff oscillation", seen .. " " .. distance)
 end
+-- more controlled steps than are kept of a run without an end: what may go on is for the seconds
+do
+  local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  local path = spring:solver({ rule = "rk8", h = 0.01 }):run { q = { 1 }, v = { 0 }, t = 2300, seconds = 200, control = { tolerance = 1e-3, largest = 0.01 } }
+  ok(#path > 200001 and path.t[#path] == 2300, "controlled steps that seconds end", #path)
+  tap.raises("steps allowed were over", function()
+    spring:solver({ rule = "rk8", h = 0.01 }):run { q = { 1 }, v = { 0 }, t = 2300, control = { tolerance = 1e-3, largest = 0.01 } }
+  end)
+end
 -- seconds that are over before a rule is tried
 tap.raises("no rule could be tried within 1 seconds", choice.choose, { finalists = {}, search = { candidates = {} }, allowed = 1, began = 0 })
 tap.done()

@@ -136,4 +136,50 @@ do
     ok(count >= 3 and count <= 4, "and four have four", count)
   end
 end
+
+-- quartic oscillators beside each other, coupled by nothing: one frequency each, that of its amplitude, though the mean over the orbit of another one is nearer
+do
+  local function exact(k, A) -- x'' = -k x - 1.8 x^3
+    local square = k + 1.8 * A ^ 2
+    local a, b = 1, sqrt(1 - 0.9 * A ^ 2 / square)
+    for _ = 1, 40 do a, b = (a + b) / 2, sqrt(a * b) end
+    return sqrt(square) * a
+  end
+  local seed = 5
+  local function random()
+    seed = seed * 16807 % 2147483647
+    return seed / 2147483647
+  end
+  for trial = 1, 12 do
+    local n, k, A, own = 2 + trial % 4, {}, {}, {}
+    for i = 1, n do k[i], A[i] = i * 0.5 + 0.4 * random(), 0.1 + 0.9 * random() end
+    for i = 1, n do own[i] = exact(k[i], A[i]) end
+    table.sort(own)
+    local beside = dm.system { Q = dm.R(n), L = function(q, v)
+      local L = 0
+      for i = 1, n do L = L + v[i] ^ 2 / 2 - k[i] * q[i] ^ 2 / 2 - 0.45 * q[i] ^ 4 end
+      return L
+    end }
+    local told, seen = {}, {}
+    for _, r in ipairs(map_of(beside, A, dm.zeros(n), { t = 100, rule = "gauss(2)" }):resonances(1)) do
+      if not seen[r.omega] then seen[r.omega], told[#told + 1] = true, r.omega end
+    end
+    table.sort(told)
+    ok(#told == n, "as many frequencies as oscillators", trial, #told, n)
+    for i = 1, n do near(told[i] or 0, own[i], 0.012 * own[i], ("frequency %d of %d"):format(i, n)) end
+  end
+end
+
+-- weakly coupled ones, of which one hardly moves: what it has of the other is no third frequency
+for _, c in ipairs { { 1.4526, 1.161, 4.0685, 2.553, -0.0182, -0.41107, -0.00093, -0.40419, -0.06888 },
+  { 1.318, 0.6914, 1.3274, 3.8322, 0.00116, -0.02699, -0.3848, 0.00362, 0.58596 }, { 0.8816, 0.818, 2.3822, 3.6234, -0.00102, -0.06019, -0.20361, 0.02512, 0.32929 } } do
+  local two = dm.system { Q = dm.R(2), L = function(q, v)
+    return (c[1] * v[1] ^ 2 + c[2] * v[2] ^ 2 - c[3] * q[1] ^ 2 - c[4] * q[2] ^ 2) / 2 - c[5] * q[1] * q[2] - 0.45 * (q[1] ^ 4 + q[2] ^ 4)
+  end }
+  local seen, count = {}, 0
+  for _, r in ipairs(map_of(two, { c[6], c[7] }, { c[8], c[9] }, { t = 200, rule = "gauss(2)" }):resonances(1)) do
+    if not seen[r.omega] then seen[r.omega], count = true, count + 1 end
+  end
+  ok(count == 2, "two oscillators have two frequencies", count)
+end
 tap.done()
