@@ -151,7 +151,8 @@ number of steps or the same duration t, and told apart by its rows: bounded, wro
 further from the resolved flow than the accuracy), drifting (a slope of the energy above 5 standard
 errors that moves it by more than drift = 1e-6 of the kinetic energy),
 chaotic (MEGNO above 4, by the exact tangent map; chaos = false leaves that out, as is the default
-for implicit rules and more than 4096 cells: chaos that keeps its energy is bounded then), off (an energy that has gone far elsewhere), blow-up,
+for implicit rules and more than 4096 cells: chaos that keeps its energy is bounded then),
+off (an energy that has gone far elsewhere), blow-up,
 left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost, no start (map:at
 says why), no value (of watch).
 With a duration t cells are compared with the resolved flow, two unlike rules with unlike steps that
