@@ -39,7 +39,7 @@ end
 -- the last time asked for, which rounding may have put behind until_t: T*i/n does that for i = n
 local function within(at, until_t)
   local last = at[#at]
-  if type(last) ~= "number" or last <= until_t then return at end
+  if type(last) ~= "number" or not (last > until_t) then return at end
   if last - until_t > 1e-15 * math.abs(until_t) then
     option.fail("scene:run", "option 'at': t = %.17g is after until_t = %.17g, up to which the "
       .. "tolerance is known", last, until_t)

@@ -13,10 +13,12 @@ local prolong = require "dm.measure.prolong"
 local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
 
 local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
-local abs, max, sqrt, log = math.abs, math.max, math.sqrt, math.log
+local abs, max, min, sqrt, log = math.abs, math.max, math.min, math.sqrt, math.log
+local ceil = math.ceil
 
 local ROWS = 64                 -- rows of a cell by which its class is told
 local DENSER = 4                -- times the rows that show the flow: right to the last step or not
+local EVERY = 4096              -- steps that are all looked at there
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
@@ -355,12 +357,17 @@ local function all_passes(job, part, chaos)
   return stopped
 end
 
+-- rows that show whether a cell is right: all of its steps where they are few
+local function close_rows(cell)
+  return max(DENSER * rows_beside(cell), min(ceil(cell.flow.horizon / cell.h), EVERY))
+end
+
 -- right or not alone, at many rows
 local function right_pass(job, part)
   for _, cell in ipairs(part) do cell.class, cell.is_close = NUMBER.bounded, true end
   flows.attach(job, part)
   local o = jobs.starts(job, part)
-  o.beside = M.beside(job, part, function(cell) return DENSER * rows_beside(cell) end)
+  o.beside = M.beside(job, part, close_rows)
   local e, stopped = jobs.guarded(job, job.system, o)
   M.tell_right(job, part, e)
   for _, cell in ipairs(part) do cell.flow = nil end

@@ -190,7 +190,7 @@ end
 
 class.method("dm.stability_map", "at", function(self, which, column)
   local i = find_row(self, which)
-  if type(column) ~= "number" then
+  if type(column) ~= "number" or column ~= column then
     fail("a column is its number, or a value of %s", self.column.name)
   end
   local j = type(which) == "table" and nearest_column(self, column) or column

@@ -238,6 +238,7 @@ ok(kept(all, "q2 held at 0"), "a pendulum on a rod swings in a plane", words)
 raises("tolerance", function() spring(1e6, { tolerance = 1e-30 }):run() end)
 raises("tolerance", function() spring(1e6, { rules = { "symplectic-euler(a)" }, tolerance = 1e-9, seconds = 1 }):run() end)
 raises("after until_t", scene.run, scene, { at = { 1, 9 } })
+raises("entry 1 is NaN", scene.run, scene, { at = { 0 / 0 } })
 local last_t = 5
 local rounded = scene:run { at = { last_t / 2, last_t * (1 + 2 ^ -52) } }
 ok(rounded:column "t"[2] == last_t, "a time that rounding has put behind until_t is that", rounded:column "t"[2])

@@ -110,4 +110,18 @@ for i = 1, 70 do ones[i] = 1 end
 local wide = many:stability { rule = "verlet", q = ones, v = dm.zeros(70), t = 100, h = { 0.06, 0.08 }, chaos = false, refine = false }
 ok(wide:at(1, 1).class == "bounded" and wide:at(1, 2).class == "wrong", "70 coordinates: right and wrong")
 ok(wide.notes[1]:find "^of 70 coordinates 48 are observed", "and what is observed", wide.notes[1])
+-- the limit of what is right: every step is looked at about it, not only some rows; Verlet's steps and the flow are cosines
+do
+  local function off(h)
+    local worst = 0
+    for n = 0, math.floor(20 / h + 1e-9) do worst = math.max(worst, math.abs(math.cos(2 * n * math.asin(h / 2)) - math.cos(n * h))) end
+    return worst / 2
+  end
+  local first = 0.04
+  while off(first) <= 1e-3 do first = first * 1.0001 end
+  local oscillator = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  local map = oscillator:stability { rule = "verlet", q = { 1 }, v = { 0 }, t = 20, h = { 1e-3, 1, 40, "log" }, accuracy = 1e-3, chaos = false }
+  near(map:limit(1, "right"), first, 0.006 * first, "right to the first step that is off")
+  tap.raises("a column is its number", map.at, map, { rule = "verlet" }, 0 / 0)
+end
 tap.done()
