@@ -91,3 +91,31 @@ dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *col
     }
     return DM_OK;
 }
+
+/* largest entry of A in row i and column i */
+static double cross_size(const double *A, uint32_t i, uint32_t n) {
+    double size = 0.0;
+    for (uint32_t j = 0; j < n; j++)
+        size = fmax(size, fmax(fabs(A[i * (size_t)n + j]), fabs(A[j * (size_t)n + i])));
+    return size;
+}
+
+int dm_equilibrate(double *A, double *unit, uint32_t n) {
+    enum { PASSES = 6 }; /* each takes the square root of what units are apart */
+    for (uint32_t i = 0; i < n; i++) unit[i] = 1.0;
+    for (int pass = 0; pass < PASSES; pass++) {
+        for (uint32_t i = 0; i < n; i++) {
+            const double size = cross_size(A, i, n);
+            if (!(size > 0.0 && isfinite(size))) return 0;
+            int power;
+            (void)frexp(size, &power);
+            const double s = ldexp(1.0, -power / 2);
+            for (uint32_t j = 0; j < n; j++) {
+                A[i * (size_t)n + j] *= s;
+                A[j * (size_t)n + i] *= s;
+            }
+            unit[i] *= s;
+        }
+    }
+    return 1;
+}

@@ -21,4 +21,9 @@ void dm_lu_solve_transposed(double *x, const double *LU, const uint32_t *pivot, 
  * DM_SINGULAR also when a pivot is zero to round-off of its column. */
 dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *column, uint32_t n);
 
+/* A[n*n] becomes D A D, D = diag(unit[n]) of powers of two, which round nothing: a largest entry
+ * of about 1 in every row and column, whatever the units of unknowns. 0: a row and its column are
+ * zero, or there is a NaN. */
+int dm_equilibrate(double *A, double *unit, uint32_t n);
+
 #endif

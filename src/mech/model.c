@@ -23,6 +23,7 @@
 #include "mech/mass_bounds.h"
 #include "mech/mass_convex.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -102,14 +103,30 @@ static void read_values(double *out, const dm_graph *g, const dm_node *nodes, si
     for (size_t i = 0; i < count; i++) dm_is_constant(g, nodes[i], out + i);
 }
 
-/* the inverse of the full matrix M[n*n]; scratch from the arena */
+/* the inverse of the full matrix M[n*n]; scratch from the arena. What is singular as it stands is
+ * judged again in units that make its entries comparable: M^-1 = D (D M D)^-1 D. There, rounding of
+ * the entries alone leaves a singular M an inverse of 1/(some DBL_EPSILON). */
+enum { ROUNDINGS = 1024 };
 static dm_status invert(const builder *b, double *inverse, const double *M) {
     const uint32_t n = b->m.n;
-    double *factors = dm_arena_take(b->arena, ((size_t)n * n + n) * sizeof *factors);
+    const size_t size = (size_t)n * n;
+    double *factors = dm_arena_take(b->arena, (size + 2 * (size_t)n) * sizeof *factors);
     uint32_t *pivot = dm_arena_take(b->arena, n * sizeof *pivot);
     if (!factors || !pivot) return DM_NO_MEMORY;
-    memcpy(factors, M, (size_t)n * n * sizeof *M);
-    return dm_lu_inverse(inverse, factors, pivot, factors + (size_t)n * n, n);
+    double *column = factors + size, *unit = column + n;
+    memcpy(factors, M, size * sizeof *M);
+    dm_status status = dm_lu_inverse(inverse, factors, pivot, column, n);
+    if (status != DM_SINGULAR) return status;
+    memcpy(factors, M, size * sizeof *M);
+    if (!dm_equilibrate(factors, unit, n)) return DM_SINGULAR;
+    status = dm_lu_inverse(inverse, factors, pivot, column, n);
+    if (status != DM_OK) return status;
+    for (size_t k = 0; k < size; k++) {
+        if (!(fabs(inverse[k]) * ROUNDINGS * DBL_EPSILON < 1.0)) return DM_SINGULAR;
+        inverse[k] *= unit[k / n] * unit[k % n];
+        if (!isfinite(inverse[k])) return DM_SINGULAR;
+    }
+    return DM_OK;
 }
 
 /* reciprocals in place of an inverse; a mass of zero is singular */

@@ -89,28 +89,10 @@ static dm_status take_memory(probe *p, dm_arena *arena) {
     return DM_OK;
 }
 
-/* rows and columns of K[N*N] to a largest entry of about 1, with the same factors; 0: a row is
- * zero */
-static int equilibrate(double *K, double *unit, uint32_t N) {
-    enum { PASSES = 4 };
-    for (int pass = 0; pass < PASSES; pass++) {
-        for (uint32_t i = 0; i < N; i++) {
-            double size = 0.0;
-            for (uint32_t j = 0; j < N; j++)
-                size = fmax(size, fmax(fabs(K[i * (size_t)N + j]), fabs(K[j * (size_t)N + i])));
-            if (!(size > 0.0)) return 0;
-            unit[i] = 1.0 / sqrt(size);
-        }
-        for (uint32_t i = 0; i < N; i++)
-            for (uint32_t j = 0; j < N; j++) K[i * (size_t)N + j] *= unit[i] * unit[j];
-    }
-    return 1;
-}
-
 /* by the pivots of K, which is lost */
 static int is_regular(double *K, double *unit, uint32_t *pivot, uint32_t N) {
     double least = INFINITY, most = 0.0;
-    if (!equilibrate(K, unit, N) || dm_lu_factor(K, pivot, N) != DM_OK) return 0;
+    if (!dm_equilibrate(K, unit, N) || dm_lu_factor(K, pivot, N) != DM_OK) return 0;
     for (uint32_t i = 0; i < N; i++) { /* the diagonal holds reciprocals */
         least = fmin(least, 1.0 / fabs(K[i * ((size_t)N + 1)]));
         most = fmax(most, 1.0 / fabs(K[i * ((size_t)N + 1)]));
