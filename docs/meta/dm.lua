@@ -4,6 +4,119 @@
 ---@class dm
 dm = {}
 
+---dm.action: an action of a group on a space, made by dm.action{group=, on=, map=, side=, domain=}
+---fields: group, on, map, side, domain, name, dimension (numbers of a point); of a joint or prolonged
+---action base, and points (how many); act(g, z) is the moved point.
+---@class dm.action
+local dm_action_class = {}
+
+---action:act(g, z) -> dm.vector
+---
+---The moved point; the same as action(g, z). Raises where g is no element of the group (to 1e-6),
+---where the point is not finite.
+---@param g? any
+---@param z? any
+---@return dm.vector
+function dm_action_class:act(g, z) end
+
+---action:cotangent() -> dm.action
+---
+---The cotangent lift on (z, p), 2 dim z numbers: (map(g, z), p') with <p', T map u> = <p, u>, that is
+---p' = (T map)^-T p, on the side of the action itself; its momentum map is action:momentum.
+---(Bogfjellmo's lift pulls p back, by T map^T: that of the inverse.)
+---@return dm.action
+function dm_action_class:cotangent() end
+
+---action:free(z) -> boolean
+---
+---Is the action locally free at z (no vector of the algebra leaves it where it is)? Then a moving
+---frame exists near z. Discrete stabilizers are not looked for.
+---@param z? any
+---@return boolean
+function dm_action_class:free(z) end
+
+---action:generator(z) -> dm.matrix, dim z x dim G
+---
+---Infinitesimal generators at z, a column for each basis vector of the algebra: d/dt map(exp(t e_a),
+---z) at t = 0, exact from the graph. z may hold symbols.
+---@param z? any
+---@return dm.matrix
+---@return any
+function dm_action_class:generator(z) end
+
+---action:invariant(f | system | Ld) -> true, defect   or   false, violation [, symmetry]
+---
+---Is a function f(z), the Lagrangian of a dm.system (under the lift to velocities) or a discrete
+---Lagrangian (under the joint action) invariant? Compared at random points to 1e-9; the first
+---violation has point, g, before, after, defect, and prints as a sentence. Systems of several bodies
+---are moved body by body; an action on one coordinate more than the system has moves (q, t), and is
+---tested by its generators. Where L is invariant up to a divergence dB/dt and a multiple c L of itself
+---alone, the third result is { generator, divergence, scale } as path:noether takes it (of a group of
+---more dimensions a list of these). Raises when the value is finite nowhere.
+---@param f? any
+---@return boolean
+---@return any|boolean
+---@return any
+---@return any
+function dm_action_class:invariant(f) end
+
+---action:isotropy(z) -> { dimension, basis, orbit_dimension }
+---
+---The algebra of the stabilizer of z: its dimension and an orthonormal basis, from the singular values
+---of the generators (below 1e-10 of the largest counts as zero), and the dimension of the orbit.
+---@param z? any
+---@return table
+function dm_action_class:isotropy(z) end
+
+---action:jet(n [, { independent = i | { i, j, ... } }]) -> dm.action
+---
+---The action on jets of order n: the point z, then the first, ..., n-th derivatives. With independent
+---= i the curve is a graph over entry i of z, and the derivatives are of the other entries by it: U_x
+---= D U / D X; with a list they are functions of these entries, u(x, t) for {1, 2}, the derivatives of
+---one order in the order u_xx, u_xt, u_tt, of each all dependent entries. Else the curve has a
+---parameter that the group leaves alone, and all entries are differentiated by it. Generators by
+---phi_(K, i) = D_i phi_K - u_(K, l) D_i xi^l.
+---@param n? any
+---@param options? table
+---@return dm.action
+function dm_action_class:jet(n, options) end
+
+---action:momentum(q, p) -> dm.vector of dim G entries
+---
+---The momentum map <J(q, p), xi> = <p, xi_Q(q)> of the cotangent lift. Also path:momentum(action),
+---Ld:momentum(action, q0, q1).
+---@param q? any
+---@param p? any
+---@return dm.vector
+function dm_action_class:momentum(q, p) end
+
+---action:on_pairs() -> dm.action
+---
+---The joint action on two points, action:on_points(2).
+---@return dm.action
+function dm_action_class:on_pairs() end
+
+---action:on_points(k) -> dm.action
+---
+---The joint (diagonal) action on k points, z = their numbers one after the other, or a list of them;
+---fields points = k, base = action.
+---@param k? any
+---@return dm.action
+function dm_action_class:on_points(k) end
+
+---action:tangent() -> dm.action
+---
+---The action on tangent vectors (z, u), 2 dim z numbers: (map(g, z), T map u).
+---@return dm.action
+function dm_action_class:tangent() end
+
+---action:transitive(z) -> boolean
+---
+---Does the orbit of z fill a neighbourhood: is its dimension that of the space?
+---@param z? any
+---@return boolean
+function dm_action_class:transitive(z) end
+
 ---dm.avi_cells: the cells of the potential of a field, each with a step of its own
 ---what field:solver{ rule = "avi" } runs
 ---@class dm.avi_cells
@@ -40,6 +153,150 @@ function dm_avi_cells_class:run(options, h, times) end
 ---The sums of the potential in the order of their cells: number of the sum in L, and cells.
 ---@return table
 function dm_avi_cells_class:sums() end
+
+---dm.box_run: the recorded levels of boxes; #run rows
+---fields: by the name of each component a matrix, run.u[i] (a vector of all nodes), t[i], z[i] (all
+---components, node after node, without what they gain), gain (by name: what a component gains round
+---the ring), moved (by name: how far what was given was from its row without z_t, on which it starts),
+---steps, h, boxes, solver
+---@class dm.box_run
+local dm_box_run_class = {}
+
+---run:animate(file, {of=, title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser moves the line through its rows, without a network. of: "u",
+---"p2", a component of boxes; seconds: how long all rows take.
+---@param file? string
+---@param options? table
+---@return string
+function dm_box_run_class:animate(file, options) end
+
+---run:balance("energy" | "momentum" | "multisymplectic") -> number[, number]
+---
+---The largest residual, over all boxes, of a local law D_t(density) + D_x(flux) = 0. With m the mean
+---over a box and D the differences: energy has the density S(m z) - <m z, K D_x z>/2 and the flux
+---<m z, K D_t z>/2; momentum exchanges M and K, density and flux; multisymplectic: <v, M w> and
+---<v, K w> of two first variations, random at the start (Bridges, Reich 2001). Round-off for quadratic
+---S, multisymplectic for every S; the others have order 2. The second number of "multisymplectic" is
+---the largest sum of its terms without signs: round-off is some 1e-16 of it, which is large where
+---variations grow.
+---@param energy? any
+---@return number
+---@return number
+function dm_box_run_class:balance(energy) end
+
+---run:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; boxes:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_box_run_class:checkpoint(file) end
+
+---run:column(name) -> dm.vector
+---
+---One number a row: "t"; "u7", node 7 of a component u; "energy" and "momentum", the densities of
+---run:balance summed over the ring: S(m z) - <m z, K D_x z>/2 and <m z, M D_x z>/2. Both stay to
+---round-off for quadratic S, else to order 2. In products with a component that gains a constant
+---round the ring its derivative stands, so that they flow nowhere.
+---@param name? any
+---@return dm.vector
+function dm_box_run_class:column(name) end
+
+---run:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
+---@param name? any
+---@return table
+function dm_box_run_class:drift(name) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
+---is an array of all nodes; dm.load reads it.
+---@param file? string
+---@return string
+function dm_box_run_class:npy(file) end
+
+---run:plot(name, {style=, rows=, file=, title=, size=, ...}) -> file name or nothing
+---
+---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
+---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot. Sizes and
+---letters as of dm.plot.
+---@param name? any
+---@param options? table
+---@return string|nil
+function dm_box_run_class:plot(name, options) end
+
+---run:vtk(file) -> {file, ...}
+---
+---A file file_00001.vtk, ... for every row, the nodes as a line with their values, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_box_run_class:vtk(file) end
+
+---dm.box_solver: boxes with a height, made by boxes:solver
+---fields: boxes, h, held (names of components with a gauge mode, whose first node is held)
+---@class dm.box_solver
+local dm_box_solver_class = {}
+
+---solver:run{z = {name = f, ...}, steps= | t=, every=, t0=, file=, checkpoint=} -> dm.box_run
+---
+---z: functions of x, or lists of a number for every node, for the components that have a z_t; others
+---follow, where they are left out, from rows without z_t, and where none tells them they start where
+---their means over the first two steps point to (only their means over steps occur in the equations).
+---What is given beside is moved onto its row without z_t (run.moved, and the text of a run, tell by
+---how much), or refused where it is off by a quarter of its size: at every level it would be off by
+---the same, with alternating signs. Where the kernel of M lies along no component y (K z_x - grad S) =
+---0 is solved for all y with y M = 0: what is left out follows, what is given is moved along the
+---kernel. file: a NumPy file that the rows go to as they come (t and the
+---components; dm.load reads it); the run keeps the first and the last one. checkpoint: a file for
+---where it ended, also where it was stopped (run:checkpoint).
+---@param options? table
+---@return dm.box_run
+function dm_box_solver_class:run(options) end
+
+---dm.boxes: M z_t + K z_x = grad S(z) on a ring, made by dm.multisymplectic
+---fields: M, K, S, names, from, to, cells, dx
+---@class dm.boxes
+local dm_boxes_class = {}
+
+---boxes:resume(file | run) -> dm.box_solver
+---
+---A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+---solver:run{steps=}, without z, gives the bits of a run that never stopped. Raises when the file is
+---not a whole checkpoint or the boxes are other ones.
+---@param file? string
+---@return dm.box_solver
+function dm_boxes_class:resume(file) end
+
+---boxes:solver{h=} -> dm.box_solver
+---
+---h: the height of a box. Refused where the step is singular since the ring has an even number of
+---cells and det K = 0. A component whose constant nothing determines (a gauge mode, as of KdV's
+---potential) is held at the first node: solver.held names it.
+---@param options? table
+---@return dm.box_solver
+function dm_boxes_class:solver(options) end
+
+---dm.branch: relative equilibria followed in the momentum by shape:continue
+---fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
+---changes of stability, crossings); columns, vectors: mu, energy, velocity, growth (largest real part
+---of a characteristic value), the coordinates of the shape by name or as x1, x2, ...; for groups of
+---several dimensions velocity1, velocity2, ...
+---@class dm.branch
+local dm_branch_class = {}
+
+---branch:series([x, y]) -> series for dm.plot
+---
+---Two columns of a branch against each other (default "mu", "energy"): dm.plot { up:series(),
+---down:series() } is a bifurcation diagram.
+---@param x? any
+---@param y? any
+---@return any
+function dm_branch_class:series(x, y) end
 
 ---dm.bundle: a discrete tangent bundle (V, d-, d+) of curve segments, made by dm.bundle{system=, h=}
 ---fields: system, segments, h, bias, dimension
@@ -167,6 +424,101 @@ function dm_bundle_class:vertical_minus(q, v, dq, t) end
 ---@return any
 function dm_bundle_class:vertical_plus(q, v, dq, t) end
 
+---dm.bundle_class: a class of (Q x G)/G or of a chain of pairs, made by A:splitting and A:split
+---fields: of A:splitting [1] = q, [2] = g, a representative of [q, g]; of A:split x, g, q.
+---@class dm.bundle_class
+local dm_bundle_class_class = {}
+
+---class:at(q) -> dm.bundle_class
+---
+---The same class by its representative at q, a point of the same fibre: [q', g] = [h q', h g h^-1]
+---with h q' = q. Raises where q is of another fibre.
+---@param q? any
+---@return dm.bundle_class
+function dm_bundle_class_class:at(q) end
+
+---dm.calculus: the differential invariants of an action, made by dm.differential_invariants
+---fields: action, names (of the invariants); methods give dm.formula.
+---@class dm.calculus
+local dm_calculus_class = {}
+
+---calculus:conservation_law(L) -> dm.formula
+---
+---The components of v with Ad(rho)^-1 v = c along extremals of the integral of L omega (Noether's
+---theorem in invariants): c_a = sum_b v_b (Ad rho)_ba. Its value takes a jet of the curve, f:value{x,
+---u, u_x, ...}, and gives c, the same all along the curve.
+---@param L? any
+---@return dm.formula
+function dm_calculus_class:conservation_law(L) end
+
+---calculus:euler_lagrange(L) -> dm.formula
+---
+---The Euler-Lagrange equations of the integral of L omega in invariants, a formula for each normalized
+---variation iota(du - u_x dx): H* E(L) with what the change of omega adds. L(I): a function of
+---I.kappa[1], kappa, I.kappa[2], D kappa, ... (by several variables in the order of a jet). For
+---kappa^2/2 in the plane kappa_ss + kappa^3/2. Raises for an unknown invariant.
+---@param L? any
+---@return dm.formula
+function dm_calculus_class:euler_lagrange(L) end
+
+---calculus:extremal{L=, start=, frame=, length=, steps=, rule=} -> { points, frame, s, kappa, path }
+---
+---The curve of an extremal of the integral of L omega, of that length in omega: E(L) = 0 stepped from
+---start = { kappa = { kappa, kappa_s } } (as many numbers as the equation has orders) with the frame,
+---in `steps` (100) steps of a rule (default "gauss(4)"). points: dm.matrix, a row each;
+---frame: the elements g = rho^-1 that bring the normalized point to the curve; the option frame is the
+---first of them (default the identity); s; every named invariant as a vector; path, the run itself.
+---Raises where E(L) is not linear in the highest derivatives, or degenerate.
+---@param options? table
+---@return table
+function dm_calculus_class:extremal(options) end
+
+---calculus:invariants(jet) -> { kappa = { kappa, kappa_s, ... }, ... }
+---
+---The named invariants and as many of their derivatives as a jet of numbers has: what f:value takes.
+---@param jet? any
+---@return table
+function dm_calculus_class:invariants(jet) end
+
+---calculus:iota(k) -> dm.formula
+---
+---Entry k of the jet, normalized, by the named invariants: of curves in the plane under SE(2) iota(6),
+---of u_xxxx, is kappa_ss + 3 kappa^3.
+---@param k? any
+---@return dm.formula
+function dm_calculus_class:iota(k) end
+
+---calculus:maurer_cartan() -> dm.formula
+---
+---(D rho) rho^-1, dim G formulas, its components in the basis of the algebra; by several variables
+---those of D_1 rho, then of D_2 rho.
+---@return dm.formula
+function dm_calculus_class:maurer_cartan() end
+
+---calculus:operator() -> H, H*
+---
+---The operator of d_V kappa = H(t), how the named invariants change with the normalized variations t1,
+---t2, ... (one: without a name), and its adjoint; dm.invariant_operator, which print. In the plane
+---D^2 + kappa^2.
+---@return any
+---@return any
+function dm_calculus_class:operator() end
+
+---calculus:recurrence() -> dm.formula
+---
+---What D iota(u_J) and iota(u_(J,x)) differ by, sum_a R^a iota(phi_J^a), for every entry of the jet up
+---to the order of the section and of the named invariants; by several variables for every D_i.
+---@return dm.formula
+function dm_calculus_class:recurrence() end
+
+---calculus:syzygies() -> dm.formula
+---
+---Expressions of the named invariants that vanish identically: where a derivative is reached in two
+---ways, up to two orders beyond the named invariants (Gauss and Codazzi of surfaces). None where the
+---invariants are free, as those of curves are unless too many are named.
+---@return dm.formula
+function dm_calculus_class:syzygies() end
+
 ---dm.cell_action: a sum over the cells of a mesh with gradient and Hessian
 ---made of the term of a stationary problem, a function of all values of a form
 ---@class dm.cell_action
@@ -205,10 +557,444 @@ function dm_cell_action_class:value(x) end
 ---@class dm.cell_table
 local dm_cell_table_class = {}
 
+---dm.chain: a sum of cells of a mesh with integer coefficients, made by K:chain(k, {{2, {i, j}}, ...})
+---fields: mesh, degree; c[i] is the coefficient of cell i; + - and integer * chain, ==
+---@class dm.chain
+local dm_chain_class = {}
+
+---c:boundary() -> dm.chain
+---
+---The boundary, exact: of [i, j] it is [j] - [i] (Leok, Def 3.13).
+---@return dm.chain
+function dm_chain_class:boundary() end
+
+---c:support() -> list of cell numbers
+---
+---The cells with coefficients that are not 0, ascending.
+---@return table
+function dm_chain_class:support() end
+
+---dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
+---fields: points (a list of {rule, h, error, ns, setup, steps, evaluations, newton, below}), rules
+---(names), failures (what could not be run, and why), floor (errors below it cannot be told from the
+---reference's), rival
+---@class dm.chart
+local dm_chart_class = {}
+
+---chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
+---
+---The cheapest measured point whose error is at most the given one, by CPU time.
+---@param error? any
+---@return table|nil
+function dm_chart_class:cheapest(error) end
+
+---chart:csv(file) -> file name   or   chart:csv() -> string
+---
+---A line per point: rule, h, error, ns, setup, steps, evaluations, newton.
+---@param file? string
+---@return string
+function dm_chart_class:csv(file) end
+
+---chart:order(rule) -> number   or   nil, sentence
+---
+---The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
+---whose error is well above (30 times) what the references differ by, above the rule's own round-off
+---where finer steps have larger errors, and below 0.3 of the range of the motion, as far as the slopes
+---between neighbours agree to a tenth or 0.4. nil, and why, with fewer than three such steps ("not
+---measurable", or "not asymptotic" where they are too coarse), or where slopes do not agree ("not
+---asymptotic").
+---@param rule? any
+---@return number|nil
+---@return any
+function dm_chart_class:order(rule) end
+
+---chart:pareto() -> list of points
+---
+---The points that no other beats in both error and time, from the cheapest to the most accurate.
+---@return table
+function dm_chart_class:pareto() end
+
+---chart:plot{file=, against = "ns" | "evaluations" | "newton" | "steps" | "h", ...} -> file or nothing
+---
+---Error over cost, both logarithmic, a line per rule with its measured order in the legend; without a
+---file in the terminal. Other options as in dm.plot.
+---@param options? table
+---@return any|nil
+function dm_chart_class:plot(options) end
+
+---chart:table() -> string
+---
+---A line per rule: measured order, number of points, least error and its cost; then the cheapest at
+---1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and why, how far the two
+---references are apart, and the load of the machine when it was measured.
+---@return string
+function dm_chart_class:table() end
+
 ---dm.columns: path.t, path.q, path.p
 ---columns[i] is row i, #columns the number of rows
 ---@class dm.columns
 local dm_columns_class = {}
+
+---dm.complex_vector: complex numbers at points, as path.psi[i] of a wave
+---fields: re, im (dm.vectors), x (points), weight (of integrals); #v; + - and * / by numbers
+---@class dm.complex_vector
+local dm_complex_vector_class = {}
+
+---v:abs2() -> dm.vector
+---
+---|v|^2, entry by entry: the density of a wave.
+---@return dm.vector
+function dm_complex_vector_class:abs2() end
+
+---v:arg() -> dm.vector
+---
+---The phase of the entries, from -pi to pi; 0 where an entry is 0.
+---@return dm.vector
+function dm_complex_vector_class:arg() end
+
+---v:dot(w) -> re, im
+---
+---<v, w>, the integral of conj(v) w by the weights of the points: linear in w. Raises for another
+---length.
+---@param w? any
+---@return any
+---@return any
+function dm_complex_vector_class:dot(w) end
+
+---v:norm() -> number
+---
+---The root of <v, v>: 1 for a normalized wave. On a ring the integral is exact for what the points
+---can show.
+---@return number
+function dm_complex_vector_class:norm() end
+
+---v:times(re, im) -> dm.complex_vector
+---
+---(re + i im) v.
+---@param re? any
+---@param im? any
+---@return dm.complex_vector
+function dm_complex_vector_class:times(re, im) end
+
+---dm.cone: an operator from chains of degree k to degree k + 1, made by K:cone(); p(c) is p of a chain
+---fields: mesh, rule, hub, poincare (has the mesh the homology of a point, so that d p + p d = 1 but
+---for the hub?), critical (critical[k], k from 0: cells in no pair of the matching; rules "matching",
+---"collapse")
+---@class dm.cone
+local dm_cone_class = {}
+
+---p:augment{at=, ring=, closed=, vertex=} -> dm.cone
+---
+---The cone of the mesh with one vertex w more, p.mesh of the result: w is joined to the vertex `at`
+---and the vertices of its ring, in the plane to one or two of them, in space to a path, or with closed
+---= true a circuit of them; or ring is a list of simplices. p(w tau) = +-([w, at, tau] - p of the rest
+---of its boundary) (Leok, Def 3.33, Ex 3.13, 3.16). vertex: the point of w, without it the mesh has no
+---metric.
+---@param options? table
+---@return dm.cone
+function dm_cone_class:augment(options) end
+
+---p:carry(f) -> dm.cone
+---
+---f p f^-1, the cone of the second mesh of an isomorphism f, a dm.simplicial_map: where its points are
+---plays no part (logically star-shaped complexes, Leok, Def 3.31).
+---@param f? any
+---@return dm.cone
+function dm_cone_class:carry(f) end
+
+---p:check() -> number
+---
+---The largest coefficient of d p + p d - 1 + projection over all cells: 0, exactly, but for rule
+---"linear", whose defect is round-off, or the homology that it cannot draw together.
+---@return number
+function dm_cone_class:check() end
+
+---p:cocone(a) -> dm.form
+---
+---The transpose H of p, of degree one less: (H a)(c) = a(p c). H d + d H = 1 but for homology, so that
+---a closed form without periods is d of its cocone.
+---@param a? any
+---@return dm.form
+function dm_cone_class:cocone(a) end
+
+---p:project(c) -> dm.chain
+---
+---The projection of d p + p d = 1 - projection: on a mesh that can be drawn together, vertices to the
+---hub and all else to nothing.
+---@param c? any
+---@return dm.chain
+function dm_cone_class:project(c) end
+
+---dm.connection: a discrete connection A_d on Q = base x group, made by dm.connection{group=, base=,
+---...}, Ld:connection{cyclic=} or system:mechanical_connection{group=, rule=, h=}; A(q0, q1) is A_d,
+---an element g. Points are lists { x, g } of a point of the base and an element of the group, which
+---acts on g from the left; of Ld:connection they are points of Q.
+---fields: group, base, given (which option it was made from), by, raw, completed (true where axiom
+---(iii) was mended), name.
+---@class dm.connection
+local dm_connection_class = {}
+
+---A:check() -> {equivariance, splitting, composition, worst, where}
+---
+---The largest defects, at random near points that are always the same, of the axioms (i) A_d(h q0, h
+---q1) = h A_d(q0, q1) h^-1, (ii) A_d(q, h q) = h, (iii) A_d(q0, h q1) = h A_d(q0, q1); the largest of
+---all, and where that is, { axiom, q0, q1, h }. Raw connections break (iii), mechanical ones of a
+---momentum other than 0 break (ii).
+---@return table
+function dm_connection_class:check() end
+
+---A:compose({q0, q1}, {r0, r1}) -> {q0, k r1}
+---
+---The extended composition of pairs whose inner points are on one fibre, q1 = k r0 (Leok 4.5.1): that
+---of the pair groupoid where q1 = r0; vertical composition, (q0, g q0) (q0, q1) = (q0, g q1). It is
+---the same for all connections. Raises where the fibres do not match.
+---@param options? table
+---@param options_? any
+---@return table
+function dm_connection_class:compose(options, options_) end
+
+---A:continuous(x) -> dm.matrix, dim G x dim S
+---
+---The continuous connection AA(x) that A_d tends to: A(v) = Ad_g (AA(x) x' + g^-1 g'), column a the
+---derivative of log A(x, x1) along x1^a at x1 = x. x may hold symbols.
+---@param x? any
+---@return dm.matrix
+---@return any
+function dm_connection_class:continuous(x) end
+
+---A:curvature(x, i, j) -> dm.vector of dim G entries
+---
+---That of the continuous connection, d_i AA_j - d_j AA_i - [AA_i, AA_j]. log(holonomy)/area of a small
+---loop in the plane (i, j), from i to j, tends to minus this: of a few steps where A(x1, x0) is the
+---inverse of A(x0, x1), else of many.
+---@param x? any
+---@param i? any
+---@param j? any
+---@return dm.vector
+function dm_connection_class:curvature(x, i, j) end
+
+---A:formation{q1, ...} -> list of { dx, g }
+---
+---Where each body stands relative to the first, itself included: A:relative(q1, qi). A formation is
+---locked as long as these stay what they are.
+---@param options? table
+---@return table
+function dm_connection_class:formation(options) end
+
+---A:holonomy({x0, ..., xm} [, q0]) -> h
+---
+---The lift of a closed loop of shapes from q0 (left out: { x0, identity }) ends at h q0. xm must be
+---x0, angles of dm.T(n) up to whole turns. Raises where the loop is open, and where an angle takes
+---half a turn or more in a step: the loop is too coarse.
+---@param options? table
+---@param q0? any
+---@return any
+function dm_connection_class:holonomy(options, q0) end
+
+---A:hor(q0, q1) -> point
+---
+---The second point of the horizontal component (q0, A_d(q0, q1)^-1 q1), on the fibre of q1.
+---@param q0? any
+---@param q1? any
+---@return any
+function dm_connection_class:hor(q0, q1) end
+
+---A:horizontal_splitting(x0, x1) -> q0, q1
+---
+---A representative of the class of (Q x Q)/G of horizontal pairs over (x0, x1): the one with q0 = (x0,
+---e).
+---@param x0? any
+---@param x1? any
+---@return any
+---@return any
+function dm_connection_class:horizontal_splitting(x0, x1) end
+
+---A:join{x=, g=, q=} -> {q0, ..., qk}
+---
+---The inverse of A:split: q_l = g_(l-1) ... g_0 qbar_l, where qbar is the lift of the shapes from
+---q.
+---@param options? table
+---@return table
+function dm_connection_class:join(options) end
+
+---A:lift(x0, x1, q0) -> point
+---
+---The second point of the horizontal lift of (x0, x1) that begins at q0, which lies over x0: (x1, g0
+---A(x0, x1)^-1). Raises where q0 is of another fibre.
+---@param x0? any
+---@param x1? any
+---@param q0? any
+---@return any
+function dm_connection_class:lift(x0, x1, q0) end
+
+---A:local_form(x0, x1) -> g
+---
+---A(x0, x1) = A_d((x0, e), (x1, e)).
+---@param x0? any
+---@param x1? any
+---@return any
+function dm_connection_class:local_form(x0, x1) end
+
+---A:multi_lift({x0, ..., xk}, q0) -> {qbar0, ..., qbark}
+---
+---The lift of a chain of shapes from q0 on: every pair of neighbours is horizontal.
+---@param options? table
+---@param q0? any
+---@return table
+function dm_connection_class:multi_lift(options, q0) end
+
+---A:one_form(q0, q1) -> g
+---
+---The discrete connection one-form A_d, the same as A(q0, q1): in a trivialization g1 A(x0, x1)
+---g0^-1.
+---@param q0? any
+---@param q1? any
+---@return any
+function dm_connection_class:one_form(q0, q1) end
+
+---A:order([{reference=, at=}]) -> number
+---
+---The order, measured: the slope, less 1, of sup |log(A_ref A_d^-1)| over pairs at the distances h =
+---0.4, 0.2, 0.1 in directions at random, from (of a rule about) points at random or the one `at`;
+---errors below 1e-12 are left out, and larger distances, up to 1.6, are tried then. reference: the
+---connection that is approximated; left out, gauss(8) for those of a rule, which take h as their step
+---too, and by = "exp" for those of a continuous form.
+---@param options? table
+---@return number
+function dm_connection_class:order(options) end
+
+---A:relative(q0, q1) -> dx, g
+---
+---What leads from q0 to q1: the command of shape, x1 - x0 (of angles the shortest way), and that of
+---the group, A_d(q0, q1), which is the identity where the connection takes the group along with the
+---shape (Leok 4.7.2).
+---@param q0? any
+---@param q1? any
+---@return any
+---@return any
+function dm_connection_class:relative(q0, q1) end
+
+---A:representative({q0, ..., qk}, q) -> list of points
+---
+---The class [q0, ..., qk] of points that are moved together, by the representative whose first point
+---is q, of the fibre of q0.
+---@param options? table
+---@param q? any
+---@return table
+function dm_connection_class:representative(options, q) end
+
+---A:split{q0, ..., qk} -> { x, g, q }
+---
+---The isomorphism alpha of Q^(k+1)/G [E5]: the shapes x = {x0, ..., xk} and the classes [q0, A_d(q_l,
+---q_(l+1))], g = their k elements at q = q0. class:at(q) gives them at another point of the fibre;
+---A:join takes them back.
+---@param options? table
+---@return table
+function dm_connection_class:split(options) end
+
+---A:splitting(q0, q1) -> { q0, g }
+---
+---The splitting phi([q0, q1]) = [q0, A_d(q0, q1)] of the discrete Atiyah sequence G~ -> (Q x Q)/G -> S
+---x S, by its representative at q0; class:at(q) gives the one at another point of the fibre.
+---@param q0? any
+---@param q1? any
+---@return table
+function dm_connection_class:splitting(q0, q1) end
+
+---A:variation(q0, q1, {dx, eta}) -> vertical, horizontal
+---
+---What a variation of q1 (eta = g1^-1 dg1, an algebra vector) does to the second points of ver(q0, q1)
+---and hor(q0, q1): { 0, Ad_(A^-1) eta + a } and { dx, -Ad_A a }, a = A^-1 dA along dx, lists of the
+---same kind as dq1; eta = Ad_A eta_v + eta_h.
+---@param q0? any
+---@param q1? any
+---@param options? table
+---@return any
+---@return any
+function dm_connection_class:variation(q0, q1, options) end
+
+---A:ver(q0, q1) -> point
+---
+---The second point of the vertical component (q0, A_d(q0, q1) q0), on the fibre of q0. A:compose of
+---the vertical and the horizontal pair is (q0, q1).
+---@param q0? any
+---@param q1? any
+---@return any
+function dm_connection_class:ver(q0, q1) end
+
+---dm.diffeo: a discrete diffeomorphism, or a family of them, made by dm.diffeo(K1, K2 | f)
+---fields: from, to (meshes; of a family to is nil); phi(t) is the member of a family at time t
+---@class dm.diffeo
+local dm_diffeo_class = {}
+
+---phi:compose(psi) -> dm.diffeo
+---
+---phi after psi, where psi ends on the mesh that phi begins with; else psi after phi. Raises where
+---neither fits.
+---@param psi? any
+---@return dm.diffeo
+function dm_diffeo_class:compose(psi) end
+
+---phi:dual(k) -> dm.matrix, dm.matrix
+---
+---The map of dual vertices: circumcentres of the k-cells (k = n by default), and those of their
+---images, a row each. The centre of an image is not the image of the centre.
+---@param k? any
+---@return dm.matrix
+---@return dm.matrix
+function dm_diffeo_class:dual(k) end
+
+---phi:dual_velocity(t [, k]) -> dm.matrix
+---
+---The velocity of the circumcentres of the k-cells (k = n by default) at time t, a row each.
+---@param t? any
+---@param k? any
+---@return dm.matrix
+function dm_diffeo_class:dual_velocity(t, k) end
+
+---phi:inverse() -> dm.diffeo
+---
+---The map back.
+---@return dm.diffeo
+function dm_diffeo_class:inverse() end
+
+---phi:material_velocity(t) -> dm.vector_field
+---
+---V(X, t) = d/dt phi_t(X) at the vertices X of the first mesh: exact where the family is a function of
+---t that gives points, by differences of order 6 where it gives meshes.
+---@param t? any
+---@return dm.vector_field
+function dm_diffeo_class:material_velocity(t) end
+
+---phi:pair() -> dm.pair
+---
+---The element (from, to) of the pair groupoid of realizations.
+---@return dm.pair
+function dm_diffeo_class:pair() end
+
+---phi:pull(a) -> dm.form or dm.vector_field
+---
+---A form of the image as a form of the first mesh: its value on a cell is that of a on the image of
+---the cell. It commutes with d and with the natural wedge, not with the metric one, nor with stars. A
+---field of vectors on cells by the inverse of the linear map of each cell.
+---@param a? any
+---@return dm.form|dm.vector_field
+function dm_diffeo_class:pull(a) end
+
+---phi:push(a) -> dm.form or dm.vector_field
+---
+---A form of the first mesh on the image, the pull-back by the inverse. A field of vectors on cells by
+---the linear map of each cell.
+---@param a? any
+---@return dm.form|dm.vector_field
+function dm_diffeo_class:push(a) end
+
+---phi:spatial_velocity(t) -> dm.vector_field
+---
+---v(x, t) = V(X, t) at the points x = phi_t(X): a field on the mesh at time t.
+---@param t? any
+---@return dm.vector_field
+function dm_diffeo_class:spatial_velocity(t) end
 
 ---dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, h=, Ld=}
 ---or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})
@@ -256,7 +1042,7 @@ function dm_discrete_lagrangian_class:coefficients() end
 ---x1)/2).(x1 - x0), a = b/I. Raises where Ld is not invariant; a value where the locked inertia is
 ---singular.
 ---@param options? table
----@return any
+---@return dm.connection
 function dm_discrete_lagrangian_class:connection(options) end
 
 ---system:emit_c() -> string
@@ -337,6 +1123,123 @@ function dm_discrete_lagrangian_class:two_form(q0, q1, t) end
 ---@return number
 function dm_discrete_lagrangian_class:value(q0, q1, t) end
 
+---dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete
+---fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape
+---numbers each.
+---@class dm.discrete_shape
+local dm_discrete_shape_class = {}
+
+---D:connection(q0, q1) -> dm.vector of dim G entries
+---
+---The discrete connection theta1 - theta0 - psi_mu(x0, x1) of two points of the unreduced system: zero
+---where their discrete momentum is mu; with mu = 0 the discrete mechanical connection.
+---@param q0? any
+---@param q1? any
+---@return dm.vector
+function dm_discrete_shape_class:connection(q0, q1) end
+
+---D:legendre_minus(x0, x1) -> dm.vector
+---
+---The reduced momentum at x0, s0 = -(D1 L^d + F1 - A^1), F1 the discrete force where there is one: p -
+---mu A of the unreduced path there.
+---@param x0? any
+---@param x1? any
+---@return dm.vector
+function dm_discrete_shape_class:legendre_minus(x0, x1) end
+
+---D:legendre_plus(x0, x1) -> dm.vector
+---
+---The reduced momentum at x1, s1 = D2 L^d + F2 - A^2.
+---@param x0? any
+---@param x1? any
+---@return dm.vector
+function dm_discrete_shape_class:legendre_plus(x0, x1) end
+
+---D:one_form(x0, x1) -> dm.vector, dm.vector
+---
+---The two halves of the one-form of Leok (2.3.29), mu psi_x0 - mu A(x0) and mu psi_x1 + mu A(x1), with
+---the connection of the shape.
+---@param x0? any
+---@param x1? any
+---@return dm.vector
+---@return dm.vector
+function dm_discrete_shape_class:one_form(x0, x1) end
+
+---D:psi(x0, x1 [, guess]) -> dm.vector of dim G entries
+---
+---psi_mu: how far the group variable goes from x0 to x1 at the momentum mu, the solution of
+---dLd/dpsi(x0, x1, psi) = mu (Leok 2.3); of several the one that Newton's method reaches from the
+---guess, by default h theta' of the straight line. Raises where there is none.
+---@param x0? any
+---@param x1? any
+---@param guess? any
+---@return dm.vector
+function dm_discrete_shape_class:psi(x0, x1, guess) end
+
+---D:residual(x0, x1, x2 [, kind]) -> dm.vector
+---
+---What is left of the discrete Routh equations at three points in a row: kind = "literal" (default),
+---D2 L^d + D1 L^d - A^2 - A^1 (Leok 2.3.29), or "direct", dLd/dx1 + dLd/dx1 at psi_mu, which is the
+---same without a connection; discrete forces F2 + F1 are in it (Leok 2.8.2), reactions are not.
+---@param x0? any
+---@param x1? any
+---@param x2? any
+---@param kind? any
+---@return dm.vector
+function dm_discrete_shape_class:residual(x0, x1, x2, kind) end
+
+---D:routhian(x0, x1) -> number
+---
+---The discrete classical Routhian Ld(x0, x1, psi_mu) - mu . psi_mu, whose discrete Euler-Lagrange
+---equations are the discrete Routh equations.
+---@param x0? any
+---@param x1? any
+---@return number
+function dm_discrete_shape_class:routhian(x0, x1) end
+
+---D:solver{...} -> dm.solver
+---
+---A solver of the discrete Routh equations, in C: the discrete Lagrangian D:routhian with its step as
+---a map, x1 and psi_mu solved for together by the equations of Ld in the coordinates of Q, so that it
+---steps what Ld steps (run it from q and p, or q0 and q1; p is the canonical momentum s + mu A). Of a
+---partitioned Runge-Kutta rule in the coordinates (theta, x) it is the solver of the shape, which
+---takes the same steps. path:reconstruct adds psi_mu from step to step. Constraints of the system are
+---those of the shape, with the multipliers of the unreduced equations (run with record = {
+---"impulses" }, Leok 2.8.1). Options as for dm.solver.
+---@param options? table
+---@return dm.solver
+function dm_discrete_shape_class:solver(options) end
+
+---D:step(x0, x1) -> x2, psi
+---
+---The next point of the discrete Routh equations after x0 and x1, and psi_mu(x1, x2), solved for
+---together, to round-off; of several solutions the one that the step of Ld takes. For long runs use
+---D:solver, which takes the same steps.
+---@param x0? any
+---@param x1? any
+---@return any
+---@return any
+function dm_discrete_shape_class:step(x0, x1) end
+
+---D:two_form(x0, x1) -> dm.matrix, dim shape x dim shape
+---
+---The matrix -d2W/dx0dx1 (row x0, column x1) of the reduced discrete symplectic form, W the discrete
+---Routhian: kept along paths, and regular where x1 determines the momentum.
+---@param x0? any
+---@param x1? any
+---@return dm.matrix
+---@return any
+function dm_discrete_shape_class:two_form(x0, x1) end
+
+---D:value(x0, x1) -> number
+---
+---The reduced discrete Lagrangian Ld(x0, x1, psi_mu). It is not what is stationary along paths: that
+---is D:routhian.
+---@param x0? any
+---@param x1? any
+---@return number
+function dm_discrete_shape_class:value(x0, x1) end
+
 ---dm.ensemble: the ends of many runs, made by solver:ensemble{members=}
 ---fields: q, p (matrices, a row per member; of a failed one its last good state), status[i] ("ok" or a code of dm.failure), steps[i] (finished), t, h (vectors where members have steps of their own), solver, rows (were some kept?), lanes (members that went side by side, 1: one by one), systems (made for the parameters of members, 1: one kernel served all); #ensemble members
 ---@class dm.ensemble
@@ -415,6 +1318,27 @@ function dm_ensemble_class:stride(i, names, share) end
 ---@return table
 function dm_ensemble_class:summary(name) end
 
+---dm.euler: flow on a surface by its vorticity, made by K:euler
+---fields: mesh, vorticity (a 0-form, at the start), report (of the solver of the stream function)
+---@class dm.euler
+local dm_euler_class = {}
+
+---euler:resume(file | run) -> dm.euler_solver
+---
+---A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+---solver:run{t=}, without vorticity, gives the bits of a run that never stopped. Raises when the file
+---is not a whole checkpoint or the flow is on another mesh.
+---@param file? string
+---@return dm.euler_solver
+function dm_euler_class:resume(file) end
+
+---euler:solver{h=, rule = "midpoint"} -> dm.euler_solver
+---
+---Steps of the implicit midpoint rule, solved to round-off; h > 0.
+---@param options? table
+---@return dm.euler_solver
+function dm_euler_class:solver(options) end
+
 ---dm.euler_engine: vorticity on a surface, stepped by mesh:euler's solvers
 ---Between calls it holds the vorticity and its low-order parts; nothing else matters.
 ---@class dm.euler_engine
@@ -461,6 +1385,22 @@ function dm_euler_engine_class:measure() end
 ---@return dm.vector
 function dm_euler_engine_class:vorticity() end
 
+---dm.euler_solver: steps of a flow, made by euler:solver
+---fields: euler, rule, h
+---@class dm.euler_solver
+local dm_euler_solver_class = {}
+
+---solver:run{t= | steps=, every=, t0=, vorticity=, file=, checkpoint=} -> dm.flow
+---
+---From the vorticity of the flow, or another one at time t0 (0), for the duration t or so many steps.
+---every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
+---with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
+---the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises
+---dm.failure with the run so far where a step finds no solution: h is too long.
+---@param options? table
+---@return dm.flow
+function dm_euler_solver_class:run(options) end
+
 ---dm.factor: what solves systems with one sparse matrix, made by A:factor
 ---fields: kind, condition (an estimate of the reciprocal one), unknowns
 ---@class dm.factor
@@ -478,6 +1418,390 @@ function dm_factor_class:solve(b) end
 ---fields: code ("no_convergence", "singular", "not_finite", "inertia", "too_short", "stopped"), step, time, residual, iterations, rule, message, path (what was computed before); constraint or rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value
 ---@class dm.failure
 local dm_failure_class = {}
+
+---dm.field_chart: errors of a field over its size, made by dm.chart{system = function(N) ... end,
+---N = {...}, ...}
+---fields: points (a list of {rule, size, width (of a cell), h, steps, error, ns}), rules (names),
+---failures (what could not be run, and why), name (of the size), against
+---@class dm.field_chart
+local dm_field_chart_class = {}
+
+---chart:csv(file) -> file name   or   chart:csv() -> string
+---
+---A line per point: rule, size, width, h, steps, error, ns.
+---@param file? string
+---@return string
+function dm_field_chart_class:csv(file) end
+
+---chart:order([rule]) -> number   or   nil, sentence
+---
+---The slope of ln error over ln width of a cell, between the two finest sizes of a rule (default: the
+---first).
+---@param rule? any
+---@return number|nil
+---@return any
+function dm_field_chart_class:order(rule) end
+
+---chart:plot{file=, against = "width" | "ns" | "h", ...} -> file or nothing
+---
+---Errors over the width of a cell (or CPU time, or the step), both logarithmic, a line per rule.
+---Other options as in dm.plot.
+---@param options? table
+---@return any|nil
+function dm_field_chart_class:plot(options) end
+
+---chart:table() -> string
+---
+---A line for every size of every rule: width of a cell, step, error, order from the size before, CPU
+---time; then what failed.
+---@return string
+function dm_field_chart_class:table() end
+
+---dm.flow: what a run of K:euler recorded
+---fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
+---rule, euler, solver, sweeps (rates that a step needed, in the mean), file; #run rows
+---@class dm.flow
+local dm_flow_class = {}
+
+---run:animate(file, {of = "w" | "psi", title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser shows the rows one after the other on the surface, which can
+---be turned, without a network; seconds: how long all of them take (10).
+---@param file? string
+---@param options? table
+---@return string
+function dm_flow_class:animate(file, options) end
+
+---run:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; euler:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_flow_class:checkpoint(file) end
+
+---run:column(name) -> dm.vector
+---
+---"t", "energy", "enstrophy" or "circulation" of every row.
+---@param name? any
+---@return dm.vector
+function dm_flow_class:column(name) end
+
+---run:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
+---@param name? any
+---@return table
+function dm_flow_class:drift(name) end
+
+---run:form(i) -> dm.form
+---
+---The vorticity of row i, a 0-form.
+---@param i? any
+---@return dm.form
+function dm_flow_class:form(i) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, w (of one number a vertex), energy, enstrophy, circulation;
+---dm.load reads it.
+---@param file? string
+---@return string
+function dm_flow_class:npy(file) end
+
+---run:plot("w" | "psi" | column, {row=, file=, title=, azimuth=, height=, label=}) -> file name
+---
+---or nothing
+---The vorticity (or the stream function) of a row, the last by default, as form:plot draws it; or a
+---column, such as "energy", over t. In the terminal, or with file = to a .png, .svg or .pdf.
+---@param w? any
+---@param options? table
+---@return string
+function dm_flow_class:plot(w, options) end
+
+---run:stream(i) -> dm.form
+---
+---The stream function of row i, div grad psi = w: 0 on boundaries, or at one vertex. d psi turned by
+---90 degrees is the velocity.
+---@param i? any
+---@return dm.form
+function dm_flow_class:stream(i) end
+
+---run:vtk(file) -> list of file names
+---
+---file_00001.vtk, ... for every row, with w and psi at the vertices, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_flow_class:vtk(file) end
+
+---dm.form: a number for every cell of a degree of a mesh, made by K:form(k, ...)
+---fields: mesh, degree, side ("primal", "dual"), values (a dm.vector); a[i], #a, + - * / with
+---numbers, == entry by entry
+---@class dm.form
+local dm_form_class = {}
+
+---a:at{i, j, ...} -> number
+---
+---The value on the cell with these vertices, in this order: odd orders change its sign. Of
+---dual forms the dual of the cell with these vertices.
+---@param options? table
+---@return number
+function dm_form_class:at(options) end
+
+---a:contract(X, {method = "extrusion" | "algebraic", side = "central" | "forward" | "backward"})
+---
+----> dm.form
+---The contraction i_X a of a primal k-form, a primal (k - 1)-form. "extrusion" (the default): the
+---derivative of the integral of a, as its Whitney interpolant, over the extrusion of a cell along X,
+---oriented (X, cell) (Leok, Lemma 3.5). Its value from each top cell differs: "central" takes the mean
+---by shares of the dual cell, "forward" the one that X points into, "backward" the one that -X points
+---into; where there is none, the nearest. "algebraic": (-1)^(k (n - k)) *(*a ^ X-flat), all dual
+---(Lemma 3.6). Both are exact on constants inside.
+---@param X? any
+---@param options? table
+function dm_form_class:contract(X, options) end
+
+---a:d() -> dm.form
+---
+---The exterior derivative, exact: d d = 0. On duals of k-cells it is (-1)^k times the transpose (Leok,
+---Def 3.16, 3.17, with the sign that keeps Def 3.19 right).
+---@return dm.form
+function dm_form_class:d() end
+
+---a:delta{pinv=} -> dm.form
+---
+---The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d a).b = a.(delta b),
+---on closed meshes or with natural boundary conditions (Leok, Def 3.19). That of primal forms is
+---M^-1 d^T M and needs no orientation.
+---@param options? table
+---@return dm.form
+function dm_form_class:delta(options) end
+
+---a:dot(b) -> number
+---
+---The L2 product of two forms of one kind, sum of |*s| / |s| a(s) b(s). Raises where it overflows.
+---@param b? any
+---@return number
+function dm_form_class:dot(b) end
+
+---f:grad{to = "vertices" | "cells", ...} -> dm.vector_field
+---
+---The gradient (df)-sharp of a function, options as in a:sharp; exact for linear functions. That of a
+---dual function is on cells.
+---@param options? table
+---@return dm.vector_field
+function dm_form_class:grad(options) end
+
+---a:hodge{pinv=} -> { exact, coexact, harmonic, potential, copotential, report }
+---
+---The decomposition of Hodge: a = exact + coexact + harmonic, orthogonal; exact = d potential, coexact
+---= delta copotential. Degree 0 has no potential, degree n no copotential. report says which solver
+---ran. Raises "zero dual volume" with the cell where delta needs an inverse, unless pinv = true, and
+---where negative stars leave the harmonic forms without a norm (Leok 3.12).
+---@param options? table
+---@return table
+function dm_form_class:hodge(options) end
+
+---a:lie(X, {method=, side=}) -> dm.form
+---
+---The Lie derivative i_X d a + d i_X a, options as in a:contract; d (L_X a) = L_X (d a) (Leok, Lemma
+---3.7).
+---@param X? any
+---@param options? table
+---@return dm.form
+function dm_form_class:lie(X, options) end
+
+---a:max() -> number
+---
+---The largest modulus of its values.
+---@return number
+function dm_form_class:max() end
+
+---a:norm() -> number
+---
+---The L2 norm. Raises where negative stars make its square negative.
+---@return number
+function dm_form_class:norm() end
+
+---a:pair(c) -> number
+---
+---The value of a form on a chain, its integral: sum of c_i a(cell i), in the order of the cells.
+---@param c? any
+---@return number
+function dm_form_class:pair(c) end
+
+---a:plot{file=, dual=, azimuth=, height=, title=, label=} -> file name or nothing
+---
+---Draw a form: of degree 0 by colours, the mean over each cell; of degree 1 edges coloured by value
+---per length, and arrows of its Whitney interpolant in each cell; of degree 2 by colours, value per
+---area.
+---Without a file in the terminal, as lines or, where cells have colours, in shades, with it through
+---gnuplot to a .png, .svg or .pdf. Surfaces in space are seen from azimuth and height (radians); of
+---meshes of dimension 3 the boundary is drawn.
+---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
+---font, fontsize, linewidth and ascii as of dm.plot.
+---@param options? table
+---@return string|nil
+function dm_form_class:plot(options) end
+
+---a:sharp{to = "vertices" | "cells", rule = "thesis", pinv=} -> dm.vector_field
+---
+---The field of a 1-form. A primal one to vertices (the default): the sum over the top cells s of a
+---vertex v of |*v in s| / |*v| times the sum of a[v, u] grad phi_u (Leok, Def 3.23 with the gradients
+---and weights that make it exact on d of linear functions); to cells: its Whitney interpolant at the
+---centre. A dual one to cells: least squares over the facets of a cell. rule = "thesis" is Def 3.23 as
+---printed, which is not exact on constants. Raises "zero dual volume" where one is divided by, unless
+---pinv = true: 0 there.
+---@param options? table
+---@return dm.vector_field
+function dm_form_class:sharp(options) end
+
+---a:star{pinv=} -> dm.form
+---
+---The Hodge star: a primal k-form becomes a dual (n - k)-form and back; star star = (-1)^(k (n - k)).
+---Raises "zero dual volume" with the cell where there is no way back, unless pinv = true: 0 there
+---(Leok, Def 3.18). Values on top cells are about ascending vertices, dual 0-forms are plain
+---functions: between them the sign of the coherent orientation enters.
+---@param options? table
+---@return dm.form
+function dm_form_class:star(options) end
+
+---a:wedge(b, {rule=}) -> dm.form, or a dm.vector
+---
+---The product of two forms. Both primal: rule "natural" (the default), the mean over all orders of
+---vertices; anticommutative, d (a ^ b) = da ^ b +- a ^ db, no metric (Leok, Def 3.47); "metric":
+---weighted by shares of dual volumes (Def 3.24), without that rule; "cup": in the order of the
+---vertices, associative, not anticommutative. Both dual: "consistent" (the default), exact on constant
+---forms; "thesis": Def 3.25 as printed, wrong by a factor that depends on the cells around.
+---One primal of degree k, one dual of degree n - k: a dm.vector with a number for the support of every
+---k-cell, whose sum() is the integral: rule "l2" a(s) b(*s), "geometric" with 1 / C(n, k), "thesis"
+---with 1 / n (Def 3.35). Dual products need an orientation.
+---@param b? any
+---@param options? table
+---@return dm.form
+---@return any
+function dm_form_class:wedge(b, options) end
+
+---dm.formula: exact formulas in the invariants of a dm.differential_invariants, with rational
+---coefficients and in a normal form
+---#f: how many; f[i]: each by itself; fields: label (what it is the formula of); print(f) writes them,
+---kappa_ss + kappa^3/2. + and - of formulas of one calculus, f == g compares normal forms.
+---@class dm.formula
+local dm_formula_class = {}
+
+---f:tex() -> string
+---
+---The formulas for TeX's mathematics, one a line.
+---@return string
+function dm_formula_class:tex() end
+
+---f:value{kappa = {kappa, kappa_s, ...}, ...} -> dm.vector
+---
+---The numbers that the formulas are, an entry each, where every named invariant and its derivatives
+---have these values (in the order of a jet, as I.kappa[1], [2], ... in L). Of a conservation law: of
+---a jet, value{x, u, u_x, ...}, the conserved vector c. Raises for an unknown invariant, and where
+---numbers are missing.
+---@param options? table
+---@return dm.vector
+function dm_formula_class:value(options) end
+
+---dm.frame: a moving frame, made by dm.moving_frame{action=, points=, cross_section=}
+---fields: action, group, points, cross_section, branch, solution, name; rho(z1, ..., zk) is the group
+---element.
+---@class dm.frame
+local dm_frame_class = {}
+
+---rho:check{samples=} -> number, table
+---
+---The worst defect at random points (default 8): equivariance rho(h z) = rho(z) h^-1, invariance and
+---replacement, the corrections of shifts and of derivatives (against the graph), relative to the size
+---of what is compared; and a table with each, with the worst condition number of J psi. Points that
+---have no frame, or an ill-conditioned one, are passed over; an error says when that is all of them.
+---@param options? table
+---@return number
+---@return table
+function dm_frame_class:check(options) end
+
+---rho:correction(z1, ..., zk+1) -> group element
+---
+---Of one point more than the frame is made of, since it compares the frame of the first k points with
+---that of the last k: P = rho(z2, ..., zk+1) rho(z1, ..., zk)^-1, as the frame of the normalized
+---points (Bogfjellmo thm 12): S(I) = P . I.
+---@param z1? any
+---@param ... any
+---@return any
+function dm_frame_class:correction(z1, ...) end
+
+---rho:derivative_correction(points, velocities) -> C, changes, moved
+---
+---How invariants change when the points move with these velocities: C = -(J psi)^-1 J I_x (dim G
+---numbers), d/dx I_j = I_j,x + psi C (a vector for each point), and I_x, the velocities moved by the
+---frame (Bogfjellmo thm 4).
+---@param points? any
+---@param velocities? any
+---@return any
+---@return any
+---@return any
+function dm_frame_class:derivative_correction(points, velocities) end
+
+---rho:invariantize(f) -> function,  rho:invariantize(Ld) -> dm.discrete_lagrangian
+---
+---or rho:invariantize{Ld=, sigma=, H0=}: f or Ld at the normalized points, f(rho z1, ..., rho zn):
+---invariant whatever f is, and f itself where f was invariant. Every solver takes the new Ld; by the
+---discrete Noether theorem it keeps <p, v> of every generator v to round-off. With sigma(q) or
+---sigma(q0, q1) > 0 the step h is htilde sigma, for symmetries of sigma (H - H0) at the energy H0
+---(default 0; Bogfjellmo 3.7): Ld must then be a function of (q0, q1, h) and the h of Ld is htilde.
+---@param f? any
+---@return function
+---@return any
+function dm_frame_class:invariantize(f) end
+
+---rho:invariants{z1, ..., zn} -> {I1, ..., In}   or   rho:invariants(z1, ..., zn)
+---
+---The points moved by the frame of the first k of them: I_j = rho(z1, ..., zk) . z_j, whose entries
+---are the fundamental invariants of the joint action (vectors; those the cross-section fixes are
+---constant, rho:phantom()).
+---@param options? table
+---@return table
+function dm_frame_class:invariants(options) end
+
+---rho:phantom([n]) -> list of lists
+---
+---For the n (default k) normalized points: the value of each entry that is the same everywhere, false
+---for one that varies.
+---@param n? any
+---@return table
+function dm_frame_class:phantom(n) end
+
+---rho:syzygies(points [, velocities]) -> {shift, derivative}
+---
+---Defects of the relations between invariants at k + 1 points or more: of S(I_J) = P . I_J1, and with
+---velocities of the formula for d/dx I against the derivative of the graph. Round-off, where the frame
+---is one.
+---@param points? any
+---@param velocities? any
+---@return table
+function dm_frame_class:syzygies(points, velocities) end
+
+---rho:tangent(z1, ..., zn) -> dm.matrix
+---
+---The derivative of the normalized points in the points, T iota = (1 - psi (J psi)^-1 J) T Psi_rho
+---(Bogfjellmo thm 3), n dim M x n dim M.
+---@param z1? any
+---@param ... any
+---@return dm.matrix
+function dm_frame_class:tangent(z1, ...) end
+
+---rho:transversality(z1, ..., zk) -> dm.matrix, number
+---
+---J psi (r x r) at these points, and its condition number: J the derivative of the cross-section, psi
+---the generators of the action. A frame exists near points of the section where it is regular.
+---@param z1? any
+---@param ... any
+---@return dm.matrix
+---@return number
+function dm_frame_class:transversality(z1, ...) end
 
 ---dm.function: a traced function with exact derivatives, made by dm.trace or dm.derivative
 ---called on vectors, tables or numbers; also inside another traced function
@@ -555,10 +1879,181 @@ function dm_function_class:operations() end
 ---@return table
 function dm_function_class:terms() end
 
+---dm.group_lagrangian: Ld(g0, g1) on a group, made by dm.discrete_lagrangian{Q=, h=, Ld=} or
+---dm.discrete_lagrangian(system, {rule = "lie(2)", h=})
+---fields: Q, h, name, Ld or system and rule; Ld(g0, g1) is its value.
+---@class dm.group_lagrangian
+local dm_group_lagrangian_class = {}
+
+---Ld:legendre_minus(g0, g1 [, t]) -> dm.vector of dim G entries
+---
+---The body momentum at g0, -D1 Ld along g0 exp(e). t: the time at g0 (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return dm.vector
+function dm_group_lagrangian_class:legendre_minus(g0, g1, t) end
+
+---Ld:legendre_plus(g0, g1 [, t]) -> dm.vector of dim G entries
+---
+---The body momentum at g1, D2 Ld along g1 exp(e). t: the time at g0 (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return dm.vector
+function dm_group_lagrangian_class:legendre_plus(g0, g1, t) end
+
+---Ld:momentum(group, g0, g1 [, {side=, action=, t=}]) -> dm.vector
+---
+---Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body. t:
+---the time at g0 (0).
+---@param group? any
+---@param g0? any
+---@param g1? any
+---@param options? table
+---@return dm.vector
+function dm_group_lagrangian_class:momentum(group, g0, g1, options) end
+
+---Ld:solver{newton=, backend=} -> dm.solver
+---
+---Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
+---they have no energy: the one of a path is that of |xi|^2/2.
+---@param options? table
+---@return dm.solver
+function dm_group_lagrangian_class:solver(options) end
+
+---Ld:two_form(g0, g1 [, t]) -> dm.matrix, dim G x dim G
+---
+----D1 D2 Ld, row e0, column e1: the discrete symplectic form in the left-invariant frames at g0 and
+---g1. t: the time at g0 (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return dm.matrix
+---@return any
+function dm_group_lagrangian_class:two_form(g0, g1, t) end
+
+---Ld:value(g0, g1 [, t]) -> number
+---
+---The same as Ld(g0, g1 [, t]): approximately the action between two elements in the time h. t: of an
+---L that depends on time, when it begins (0).
+---@param g0? any
+---@param g1? any
+---@param t? any
+---@return number
+function dm_group_lagrangian_class:value(g0, g1, t) end
+
 ---dm.hyperdual: a number with exact derivatives along two directions
 ---fields: f (value), a, b (first derivatives), ab (second); comparisons work on the value
 ---@class dm.hyperdual
 local dm_hyperdual_class = {}
+
+---dm.invariant_curve: a sequence of points, from problem:solve or problem:boundary
+---fields: points (dm.matrix, a row each), invariants (vectors by name), multiplier, first_site, frame
+---(the last group element), form; iterations, residual (of problem:boundary); #curve is the number of
+---points.
+---@class dm.invariant_curve
+local dm_invariant_curve_class = {}
+
+---dm.invariant_operator: a matrix of differential operators with exact coefficients, from
+---calculus:operator(); fields rows, columns; print(H) writes its rows.
+---@class dm.invariant_operator
+local dm_invariant_operator_class = {}
+
+---H:coefficient(i, j, k, ...) -> dm.formula
+---
+---The coefficient of D^k (by several variables D_1^k D_2^l ...) in entry i, j.
+---@param i? any
+---@param j? any
+---@param k? any
+---@param ... any
+---@return dm.formula
+function dm_invariant_operator_class:coefficient(i, j, k, ...) end
+
+---H:tex() -> string
+---
+---Its rows for TeX's mathematics, one a line.
+---@return string
+function dm_invariant_operator_class:tex() end
+
+---dm.invariant_problem: a variational problem in invariants of an action, by dm.invariant_problem{}
+---fields: frame, action, group, N (points of L), constraints (how many)
+---@class dm.invariant_problem
+local dm_invariant_problem_class = {}
+
+---problem:action_sum{u1, ..., un} -> number
+---
+---The sum of L over all windows of N points.
+---@param options? table
+---@return number
+function dm_invariant_problem_class:action_sum(options) end
+
+---problem:both_ways{points=, n=, form=} -> {difference, first, second}
+---
+---For problems of two points: the sequence from the two given ones by the first way, a path of the
+---discrete Lagrangian q0, q1 -> L(I) in the original coordinates, and by the second, problem:solve;
+---and their largest distance. They solve the same equations (docs/theory/frames.md): it is
+---round-off.
+---@param options? table
+---@return table
+function dm_invariant_problem_class:both_ways(options) end
+
+---problem:boundary{first=, last=, n=, guess=} -> curve
+---
+---The sequence of n points with the given first and last ones (lists of points: N - 1 at an end fix
+---all of it, fewer leave the natural conditions of the sum) that makes the sum of L stationary:
+---Newton's method on all points at once, from guess(i) or the line between the ends. curve: points
+---(dm.matrix), multiplier, iterations, residual. Raises a dm.failure with the points it had where it
+---does not converge.
+---@param options? table
+---@return any
+function dm_invariant_problem_class:boundary(options) end
+
+---problem:momentum({u1, ..., u2N-2} [, multiplier]) -> dm.vector
+---
+---The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last
+---N - 1 of them: the same at every window of a solution. With a constraint the multipliers of the last
+---windows are given as a list (of `curve.multiplier`; row k belongs to the window that begins at point
+---curve.first_site + k - 1), or follow from one point more.
+---@param options? table
+---@param multiplier? any
+---@return dm.vector
+function dm_invariant_problem_class:momentum(options, multiplier) end
+
+---problem:solve{points=, n=, form=, every=, momentum=, frame=, multiplier=} -> curve
+---
+---The sequence of n points that starts with the given ones: 2 N - 2 of them, one more with a
+---constraint (whose multipliers then follow; or give them). Or from N - 1 points, or a frame there,
+---and the Noether momentum J (dim G numbers, problem:momentum), where the section fixes all of them.
+---form = "momentum" (default) or "points", the recurrence as it is printed: the same equations, with
+---other round-off (problem:stability). curve: points (dm.matrix, a row each; every `every` sites and
+---the last ones), invariants (by name, vectors along the curve), multiplier (row k of the window that
+---begins at point first_site + k - 1), frame (the last). A step that has no root raises a dm.failure
+---with the points so far in its `path`.
+---@param options? table
+---@return any
+function dm_invariant_problem_class:solve(options) end
+
+---problem:stability{points=, multiplier=, steps=} -> {points, momentum, why, constant}
+---
+---The recurrence of the invariants linearized about the solution through these points (2 N - 2; one
+---more with a constraint), for both forms of problem:solve. Of each form: re, im (its characteristic
+---roots), largest (modulus), multiplicity (roots within 0.3 of 1) and spread, distance (the largest
+---entry of the matrix - 1), growth (the largest entry of the matrix to the power `steps`, a power of
+---two, default 128), exponent (that growth goes like n^exponent), jordan (does 1 stand in a Jordan
+---block, so that errors grow by powers of n whatever h is?), why, in words. constant: do the
+---invariants stay as they are from step to step, so that the roots belong to the whole run (else to
+---this place of it)?
+---@param options? table
+---@return table
+function dm_invariant_problem_class:stability(options) end
+
+---dm.journal: what is in the file of a sweep, made by dm.journal(file)
+---fields: file, kind, members (of the sweep), finished, missing (list of {first, last}), damaged
+---(bytes that are no record), files (it and its parts), head (key -> text: what decides the
+---result)
+---@class dm.journal
+local dm_journal_class = {}
 
 ---dm.journal_file: the file of a journal, made by core.journal_file(name)
 ---It is read and written by the modules of dm.sweep; closed when it is collected.
@@ -606,6 +2101,307 @@ function dm_journal_file_class:sync() end
 ---@return boolean|nil
 ---@return any
 function dm_journal_file_class:truncate(size) end
+
+---dm.lagrange_poincare: a discrete Lagrangian reduced by a group, made by dm.lagrange_poincare{group=,
+---base=, h=, l=} or system:reduce{group=, rule=, h=}
+---fields: group, base, h, connection, system (on Q = base x group, its L without g) and rule (of a
+---formula a dm.step), for whatever
+---takes these: charts, events, checkpoints of the unreduced motion.
+---@class dm.lagrange_poincare
+local dm_lagrange_poincare_class = {}
+
+---lp:residual({x0, x1, x2}, {f0, f1}) -> Ver, Hor
+---
+---The discrete Lagrange-Poincare operators (Leok 4.7.1) at x1: Ver = mu1(x0, x1, f0) - mu0(x1, x2,
+---f1), dim G numbers, and Hor = p1(x0, x1, f0) - p0(x1, x2, f1) - <Ver, A(x1)>, dim S numbers, with
+---the continuous limit A of lp's connection (none: the trivial one, A = 0). Both vanish on solutions.
+---@param options? table
+---@param options_? any
+---@return any
+---@return any
+function dm_lagrange_poincare_class:residual(options, options_) end
+
+---lp:solver([{h=, newton=}]) -> dm.reduced_solver
+---
+---What steps the reduced equations, with the step h of lp where none is given; newton as of
+---system:solver.
+---@param options? table
+---@return dm.reduced_solver
+function dm_lagrange_poincare_class:solver(options) end
+
+---dm.level: a system reduced at the spatial momentum J by a group that is not abelian, made by
+---system:routh{group=, mu=} or system:routh{action=, section=, mu=}
+---fields: group, base, mu (J), isotropy (a basis of the algebra of the isotropy group of J), orbit
+---(the dimension of its coadjoint orbit), dimension (of the reduced space), system (on base x group).
+---@class dm.level
+local dm_level_class = {}
+
+---level:amended_potential(x [, nu]) -> number
+---
+---V + (nu - c).I^-1 (nu - c)/2 at the shape x and the body momentum nu (default: J), a point of the
+---coadjoint orbit of J.
+---@param x? any
+---@param nu? any
+---@return number
+function dm_level_class:amended_potential(x, nu) end
+
+---level:connection(x) -> dm.matrix, dim G x dim S
+---
+---The mechanical connection I^-1 L_xix' at the shape x.
+---@param x? any
+---@return dm.matrix
+---@return any
+function dm_level_class:connection(x) end
+
+---level:locked_inertia(x) -> dm.matrix, dim G x dim G
+---
+---L_xixi at the shape x, xi the body velocity.
+---@param x? any
+---@return dm.matrix
+---@return any
+function dm_level_class:locked_inertia(x) end
+
+---level:relative_equilibria{x=, spread=, starts=} -> list of {x, nu, xi, energy, stable}
+---
+---Motions along the group alone: critical points of the amended potential on S x the coadjoint orbit
+---of J, by Newton's method from `starts` (40) random shapes about x (default 0, with deviation spread
+---= 1) and body momenta on the orbit. nu and xi: body momentum and velocity, the motion from g is g
+---exp(xi t); stable: true where the second variation is definite (then it is, modulo the isotropy
+---group of J), else nothing is said.
+---@param options? table
+---@return table
+function dm_level_class:relative_equilibria(options) end
+
+---level:routhian(x, x' [, nu]) -> number
+---
+---L - <nu, xi> at the velocity xi of the group that has the body momentum nu (default: J).
+---@param x? any
+---@param x_? any
+---@param nu? any
+---@return number
+function dm_level_class:routhian(x, x_, nu) end
+
+---level:solver{rule=, h=} -> dm.reduced_solver
+---
+---Steps the reduced system at J by a rule of system:reduce: run{x=, p=, g=, steps=}, with mu = Ad*_g J
+---(g: by default the identity).
+---@param options? table
+---@return dm.reduced_solver
+function dm_level_class:solver(options) end
+
+---dm.levi_civita: a discrete Levi-Civita connection, made by K:levi_civita{frames=, rule=, on=,
+---metric=}
+---fields: mesh, rule ("face" or "thesis"), on ("dual": frames in top cells, or "primal": frames at the
+---vertices of a surface).
+---@class dm.levi_civita
+local dm_levi_civita_class = {}
+
+---A:angle() -> list of numbers
+---
+---The curvature of all cells of codimension 2, in their order: on a surface the deficit 2 pi - sum of
+---angles with its sign, which over a closed surface sums to 2 pi chi; in higher dimensions the angle
+---of the rotation round the cell, 0 to pi; false at the boundary. With on = "primal": of all
+---triangles, the angles at which are those of the surface over 2 pi at every inner vertex.
+---@return table
+function dm_levi_civita_class:angle() end
+
+---A:curvature(cell) -> dm.matrix, n x n
+---
+---The rotation round a cell of codimension 2, in the frame of the top cell round it with the least
+---number, in the sense of the orientation; on a surface by the deficit. With on = "primal": round a
+---triangle, in the frame of its first vertex. Raises at the boundary.
+---@param cell? any
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:curvature(cell) end
+
+---A:frame(cell) -> dm.matrix
+---
+---The frame of a top cell of a mesh with points: its axes in space as columns, ambient x n.
+---@param cell? any
+---@return dm.matrix
+function dm_levi_civita_class:frame(cell) end
+
+---A:holonomy{i, j, ..., i} -> dm.matrix, n x n
+---
+---The rotation along a closed path of neighbours, top cells (on = "primal": vertices), in the frame of
+---the first.
+---@param options? table
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:holonomy(options) end
+
+---A:rotation(i, j) -> dm.matrix, n x n
+---
+---The rotation that takes vectors from the frame of top cell i to that of its neighbour j, as if both
+---were unfolded: edges of the common face go to themselves. With on = "primal": from vertex i to
+---vertex j along their edge. Raises where they are no neighbours.
+---@param i? any
+---@param j? any
+---@return dm.matrix
+---@return any
+function dm_levi_civita_class:rotation(i, j) end
+
+---A:transport({i, j, ...}, v) -> dm.vector
+---
+---The vector v, n numbers in the frame of the first cell, taken in parallel along a path of
+---neighbours, in the frame of the last. A:frame gives the axes of a frame in space.
+---@param options? table
+---@param v? any
+---@return dm.vector
+function dm_levi_civita_class:transport(options, v) end
+
+---dm.line_field: a field u(t, x) on a line with a Lagrangian L(u, ut, ux, x, t), made by dm.field
+---fields: from, to, cells, nodes, dx, periodic, values (numbers of u), params
+---@class dm.line_field
+local dm_line_field_class = {}
+
+---field:reflection({u=}) -> {left=, right=}
+---
+---The part of a wave that comes back from absorbing ends, (Z - c) / (Z + c) with the impedance Z^2 = -
+---L_utut L_uxux at u = 0 or at the number u. Waves in a medium with dispersion come back more.
+---@param options? table
+---@return table
+function dm_line_field_class:reflection(options) end
+
+---field:resume(file | run) -> dm.line_solver
+---
+---A solver that goes on where a run ended, from run:checkpoint(file) or from the run itself:
+---solver:run{steps=} gives the bits of a run that never stopped. Raises when the file is not a whole
+---checkpoint or the field is another one.
+---@param file? string
+---@return dm.line_solver
+function dm_line_field_class:resume(file) end
+
+---field:solver{rule=, h=, free=} -> dm.line_solver
+---
+---rule: "cell(gauss(r))" (default r = 2) or "cell(corners)", where L is looked at in a cell; h: the
+---height of a slab. free = "t": each slab's height is unknown, its energy that of the first one, whose
+---height is h (Leok 5.5, 5.6); free = "x": the nodes move, too, ends stay; free = {"t", "x"}: both.
+---@param options? table
+---@return dm.line_solver
+function dm_line_field_class:solver(options) end
+
+---field:stability_limit(rule, {u=, t=}) -> number
+---
+---The height h at which the fastest oscillation about the level u (a function of x, nodes; default: 0)
+---begins to grow: (-1)^k v becomes a motion there. math.huge where there is none: also of an elliptic
+---L, as that of minimal surfaces, whose waves grow at any h. t: the time that L is looked at, needed
+---where it depends on it. L must not depend on the sign of ut.
+---@param rule? any
+---@param options? table
+---@return number
+function dm_line_field_class:stability_limit(rule, options) end
+
+---dm.line_run: the recorded levels of a field on a line; #run rows
+---fields: u[i], p[i] (vectors, node after node), t[i], energy[i] (-dS/dh of the slab that ends at the
+---row, first: of the first slab), x[i] (places of the nodes, where they move), nodes (where they are
+---at the start), frozen (numbers of the nodes that stay, where others move), steps, h, rule, field,
+---solver, ns_per_step
+---@class dm.line_run
+local dm_line_run_class = {}
+
+---run:animate(file, {of=, title=, seconds=}) -> file name
+---
+---A page, name.html, in which a browser moves the line through its rows, without a network. of: "u",
+---"p2", a component of boxes; seconds: how long all rows take.
+---@param file? string
+---@param options? table
+---@return string
+function dm_line_run_class:animate(file, options) end
+
+---run:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; field:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_line_run_class:checkpoint(file) end
+
+---run:column(name) -> dm.vector
+---
+---One number a row: "t", "energy", "u7" or "p7" (entry 7 of u or p).
+---@param name? any
+---@return dm.vector
+function dm_line_run_class:column(name) end
+
+---run:conservation(function(u, x, t) | "t" | "x") -> number
+---
+---The largest residual of a discrete conservation law, a unit of time and length. A generator xi(u, x,
+---t): around each node the sum of S_i . xi_i over the boundary of the cells that meet there, which is
+---round-off where every cell has the symmetry (shifts, rotations of u). "x": the same for shifts of
+---the nodes, round-off with free = "x". "t": the energy of each slab against that of the one before,
+---round-off with free = "t". Else their order, 2. Nodes that are fixed, absorb, or do not move with
+---the others have no law of their own.
+---@param function_? any
+---@return number
+function dm_line_run_class:conservation(function_) end
+
+---run:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
+---@param name? any
+---@return table
+function dm_line_run_class:drift(name) end
+
+---run:multisymplectic({seed=}) -> number, number
+---
+---The largest residual of the multisymplectic form formula: two first variations V, W of the run, from
+---random variations of u and p at the start (entries uniform in [-1, 1]), and around each node the sum
+---of dS_i(V) W_i - dS_i(W) V_i over the boundary of the cells that meet there (Leok 5.1.3). Round-off
+---for every L; nodes that are fixed or absorb have no law. With free heights the times of the levels
+---are held. The second number is the largest sum of such terms without signs that a cell's corner has:
+---round-off is some 1e-16 of it. It is large where V and W grow, as with free nodes, which have hardly
+---any mass of their own where u is nearly straight.
+---@param options? table
+---@return number
+---@return number
+function dm_line_run_class:multisymplectic(options) end
+
+---run:npy(file) -> file name
+---
+---The rows as a NumPy array with fields t, energy, u, p (of boxes: t and the components): u of a row
+---is an array of all nodes; dm.load reads it.
+---@param file? string
+---@return string
+function dm_line_run_class:npy(file) end
+
+---run:plot(name, {style=, rows=, file=, title=, size=, ...}) -> file name or nothing
+---
+---name: "u" or "p" ("u2" of several values), of boxes a component. style = "raster" (default): its
+---values over x, across, and t, upwards; "profile", or rows = {1, 50, ...}: over x, a line for each of
+---these rows. In the terminal, or with file = to a .png, .svg or .pdf through gnuplot. Sizes and
+---letters as of dm.plot.
+---@param name? any
+---@param options? table
+---@return string|nil
+function dm_line_run_class:plot(name, options) end
+
+---run:vtk(file) -> {file, ...}
+---
+---A file file_00001.vtk, ... for every row, the nodes as a line with their values, and as the last one
+---file.vtk.series, which gives ParaView their times.
+---@param file? string
+---@return table
+function dm_line_run_class:vtk(file) end
+
+---dm.line_solver: a rule and a height of slabs for a field on a line, made by field:solver
+---fields: field, rule, h, free ("t", "x", "tx" or nil)
+---@class dm.line_solver
+local dm_line_solver_class = {}
+
+---solver:run{u=, ut= | p=, steps= | t=, every=, t0=, file=, checkpoint=} -> dm.line_run
+---
+---u, ut: functions of x, or lists of a number (with values = n: n numbers) for every node; ut is
+---interpolated as u is, so that p_i is the integral of L_ut phi_i; p: those themselves. t: a duration.
+---Rows at the start, every `every` slabs and at the end. file: a NumPy file that the rows go to as
+---they come (t, energy, u, p; dm.load reads it); the run keeps the first and the last one. checkpoint:
+---a file for where it ended, also where it was stopped (run:checkpoint). A level that is not found,
+---and an energy that has outgrown the start by 2^104, as beyond the limit of stability, raise a
+---dm.failure, whose `path` is the run so far.
+---@param options? table
+---@return dm.line_run
+function dm_line_solver_class:run(options) end
 
 ---dm.matching: an acyclic matching of the cells of a mesh, made by core.matching(K)
 ---M:critical(k): the cells in no pair; chains flow along the pairs to them (Leok 3.11).
@@ -786,7 +2582,7 @@ function dm_mesh_class:boundary_sum(k, x) end
 ---The sum of 2 [i, j] + ... of cells of degree k. The order of vertices counts: [j, i] = -[i, j].
 ---@param k? any
 ---@param options? table
----@return any
+---@return dm.chain
 function dm_mesh_class:chain(k, options) end
 
 ---K:circumcentres(k) -> dm.matrix
@@ -834,7 +2630,7 @@ function dm_mesh_class:components() end
 ---whatever the points are. "linear": by pseudo-inverses, in real numbers; forms alone. hub: the vertex
 ---that the mesh is drawn together to (default: the first).
 ---@param options? table
----@return any
+---@return dm.cone
 function dm_mesh_class:cone(options) end
 
 ---K:contract_values(k, a, X, "vertices" | "cells" [, side]) -> dm.vector, number
@@ -862,7 +2658,7 @@ function dm_mesh_class:count(k) end
 ---transpose of d of (n - k - 1)-forms.
 ---@param k? any
 ---@param options? table
----@return any
+---@return dm.operator
 function dm_mesh_class:d(k, options) end
 
 ---K:darcy{permeability=, source=, pressure=, flux=, solver=} -> { flux, pressure, report }
@@ -932,7 +2728,7 @@ function dm_mesh_class:dual_wedge_values(k, a, l, b, rule) end
 ---psi|^2/2, the enstrophy |w|^2/2 and the circulation, the sum of *v w, are kept to round-off
 ---(Arakawa 1966).
 ---@param options? table
----@return any
+---@return dm.euler
 function dm_mesh_class:euler(options) end
 
 ---K:faces(k, i) -> list of cell numbers
@@ -1009,7 +2805,7 @@ function dm_mesh_class:flip_values() end
 ---@param k? any
 ---@param values? any
 ---@param options? table
----@return any
+---@return dm.form
 function dm_mesh_class:form(k, values, options) end
 
 ---K:frame_places(cell [, frames]) -> dm.matrix, n + 1 x n
@@ -1036,7 +2832,7 @@ function dm_mesh_class:frame_rotation(i, j, frames, printed) end
 ---
 ---The sum of all top cells in their coherent orientation; forms of the highest degree are integrated
 ---over it. Raises where the mesh is not orientable.
----@return any
+---@return dm.chain
 function dm_mesh_class:fundamental() end
 
 ---K:generators(k) -> list of dm.chain
@@ -1092,7 +2888,7 @@ function dm_mesh_class:integrals(k, f, dual, order, chart) end
 ---div grad of functions: negative, u'' on a line, -K:laplacian(0) (Leok 3.9, with div grad where div
 ---curl is printed).
 ---@param options? table
----@return any
+---@return dm.operator
 function dm_mesh_class:laplace_beltrami(options) end
 
 ---K:laplacian(k, {part = "up" | "down", fixed = "boundary" | {cells}, pinv=}) -> dm.operator
@@ -1104,7 +2900,7 @@ function dm_mesh_class:laplace_beltrami(options) end
 ---needed, unless pinv = true: 0 there (Leok 3.9).
 ---@param k? any
 ---@param options? table
----@return any
+---@return dm.operator
 function dm_mesh_class:laplacian(k, options) end
 
 ---K:levi_civita{frames=, rule=, on=, metric=} -> dm.levi_civita
@@ -1118,7 +2914,7 @@ function dm_mesh_class:laplacian(k, options) end
 ---matrix e_i . e_j of the edges from the first vertex of a top cell, in place of points or lengths;
 ---faces must agree.
 ---@param options? table
----@return any
+---@return dm.levi_civita
 function dm_mesh_class:levi_civita(options) end
 
 ---K:link(k, i) -> dm.mesh, list of vertices   or nothing
@@ -1200,7 +2996,7 @@ function dm_mesh_class:points() end
 ---solver = "cholesky", "lu", "gradients" or "dense" asks for one. Order 2 in the L2 norm, also where
 ---stars of edges are negative; none with barycentric duals, which err by some percent on any mesh.
 ---@param options? table
----@return any
+---@return dm.form
 ---@return any
 function dm_mesh_class:poisson(options) end
 
@@ -1210,7 +3006,7 @@ function dm_mesh_class:poisson(options) end
 ---exact", with a generator of homology and the period of a over it. It is the cocone of K:cone() (Leok
 ---3.11).
 ---@param a? any
----@return any
+---@return dm.form
 function dm_mesh_class:potential(a) end
 
 ---K:quality() -> table
@@ -1263,7 +3059,7 @@ function dm_mesh_class:skeleton(k) end
 ---there.
 ---@param k? any
 ---@param options? table
----@return any
+---@return dm.operator
 function dm_mesh_class:star(k, options) end
 
 ---K:star_cells(k, i, d) -> list of cell numbers
@@ -1311,7 +3107,7 @@ function dm_mesh_class:star_weights(k) end
 ---not finite at the start, with the cell that is inverted, and where neighbours are opposite on a
 ---sphere.
 ---@param options? table
----@return any
+---@return dm.form
 ---@return any
 function dm_mesh_class:stationary(options) end
 
@@ -1368,7 +3164,7 @@ function dm_mesh_class:transfer(M, k, rule) end
 ---away; X.projected is the largest length that went (Leok, Def 3.20, 3.21).
 ---@param f? any
 ---@param options? table
----@return any
+---@return dm.vector_field
 function dm_mesh_class:vector_field(f, options) end
 
 ---K:volume(k) -> dm.vector
@@ -1396,6 +3192,141 @@ function dm_mesh_class:wedge_values(k, a, l, b, rule) end
 ---@param x? any
 ---@return dm.vector
 function dm_mesh_class:weighted_dual(k, x) end
+
+---dm.msfem_solution: finite elements for (a u')' = f, u = 0 at the ends
+---fields: u (dm.vector, at all nodes), x (nodes), elements ("multiscale", "linear")
+---@class dm.msfem_solution
+local dm_msfem_solution_class = {}
+
+---s:exact(x) -> number
+---
+---The solution itself, int F/a - (int_all F/a)/G_all G(x), G and F the integrals of 1/a and f.
+---@param x? any
+---@return number
+function dm_msfem_solution_class:exact(x) end
+
+---s:plot{file=, ...} -> file name or nothing
+---
+---The exact solution, that of the elements and its values at the nodes; options as of dm.plot.
+---@param options? table
+---@return string|nil
+function dm_msfem_solution_class:plot(options) end
+
+---s:shape(i, x) -> number
+---
+---The shape function of node i at x: 1 at the node, 0 at all others and beyond its elements.
+---@param i? any
+---@param x? any
+---@return number
+function dm_msfem_solution_class:shape(i, x) end
+
+---s:value(x) -> number
+---
+---The finite element solution at x. Raises outside of the nodes.
+---@param x? any
+---@return number
+function dm_msfem_solution_class:value(x) end
+
+---dm.multigrid: nested meshes and what leads from one to the next, made by dm.multigrid{K1, ..., Kn}
+---fields: meshes (the coarsest first), fixed; #mg levels
+---@class dm.multigrid
+local dm_multigrid_class = {}
+
+---mg:matrix(level) -> dm.sparse
+---
+---The matrix of a level, 1 the coarsest: d^T M_1 d of the finest mesh, P^T A P below.
+---@param level? any
+---@return dm.sparse
+function dm_multigrid_class:matrix(level) end
+
+---mg:prolong(a) -> dm.form
+---
+---A function of one mesh on the next finer one: P a, exact where a is linear on each cell.
+---@param a? any
+---@return dm.form
+function dm_multigrid_class:prolong(a) end
+
+---mg:restrict(b) -> dm.form
+---
+---A load of one mesh (a number for each vertex, such as A u) on the next coarser one: P^T b.
+---@param b? any
+---@return dm.form
+function dm_multigrid_class:restrict(b) end
+
+---mg:solve(b, {cycles = 100, sweeps = 2, tolerance = 1e-12, start=}) -> dm.form, report
+---
+---u with d^T M_1 d u = b on the finest mesh, by V-cycles of damped Jacobi sweeps (2/3, so many before
+---and behind). b: a 0-form, a density f as in K:poisson; a dual form of the highest degree, its
+---integrals; or numbers for the vertices. u is 0 on the boundary (see fixed); where nothing is held
+---the mean of b goes and u has mean 0. tolerance: of the residual, beside b. report: cycles, factor
+---(by which a cycle makes the residual less, in the mean), residual, residuals, code, text.
+---@param b? any
+---@param options? table
+---@return dm.form
+---@return any
+function dm_multigrid_class:solve(b, options) end
+
+---dm.operator: a linear map of forms as a sparse matrix, made by K:d, K:star, K:laplacian, ...
+---fields: mesh, from, to ({ degree, side }), matrix (dm.sparse), nonzeros (entries that are not 0);
+---A * form, A * B, A + B, A - B, number * A
+---@class dm.operator
+local dm_operator_class = {}
+
+---A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver, note }
+---
+---m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
+---of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
+---best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
+---with which eigenvalues do not converge. Up to 300 unknowns (1200
+---where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
+---(libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
+---self-adjoint, and where negative stars leave the forms without a norm.
+---@param m? any
+---@param options? table
+---@return table
+function dm_operator_class:eigen(m, options) end
+
+---dm.pair: an element (a, b) of the pair groupoid, made by dm.pair(a, b)
+---fields: source, target; g * h = (a, c) for g = (a, b) and h = (b, c), g == h
+---@class dm.pair
+local dm_pair_class = {}
+
+---g:inverse() -> dm.pair
+---
+---(b, a) of (a, b): g * g:inverse() is the identity (a, a).
+---@return dm.pair
+function dm_pair_class:inverse() end
+
+---g:is_identity() -> boolean
+---
+---Is it (a, a)?
+---@return boolean
+function dm_pair_class:is_identity() end
+
+---g:join(h, ...) -> dm.pair_tuple
+---
+---The tuple of composable pairs g, h, ...: raises where a target is not the next source.
+---@param h? any
+---@param ... any
+---@return dm.pair_tuple
+function dm_pair_class:join(h, ...) end
+
+---dm.pair_tuple: composable pairs, a discrete curve of p + 1 points, made by dm.pair(q0, ..., qp)
+---fields: points; tuple[i] is pair i, #tuple = p
+---@class dm.pair_tuple
+local dm_pair_tuple_class = {}
+
+---t:inverse() -> dm.pair_tuple
+---
+---The curve back: the inverses in the other order.
+---@return dm.pair_tuple
+function dm_pair_tuple_class:inverse() end
+
+---t:product() -> dm.pair
+---
+---The product of all of its pairs: from the first point to the last.
+---@return dm.pair
+function dm_pair_tuple_class:product() end
 
 ---dm.path: what a run recorded, one row per kept step
 ---fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that recorded them), columns (names), steps, h, rule, system, solver, title, units, ns_per_step, events (of a run that looked for some), file (of a run that wrote its rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); #path rows
@@ -1472,7 +3403,7 @@ function dm_path_class:energy() end
 ---several values.
 ---@param i? any
 ---@param q? any
----@return any
+---@return dm.form
 function dm_path_class:form(i, q) end
 
 ---path:frequency(name [, {above=}]) -> omega
@@ -1607,6 +3538,28 @@ function dm_path_class:vtk(file) end
 ---@return number
 function dm_path_class:worst(constraint) end
 
+---dm.prismal: slices of time, made by dm.prismal{t0, t1, ...}, the rule of a field's solver
+---fields: times (a dm.vector)
+---@class dm.prismal
+local dm_prismal_class = {}
+
+---dm.prismal_solver: steps of a field between uneven slices, made by
+---field:solver{rule = dm.prismal{...}}
+---fields: system, rule, slices
+---@class dm.prismal_solver
+local dm_prismal_solver_class = {}
+
+---solver:run{q=, v= | p=, every=, file=, checkpoint=} -> dm.path
+---
+---Steps of a field over all slices of dm.prismal, from q and v or p at the first one. Rows at the
+---start, at every slice (every = k: every k-th) and at the last. file: a .npy file that the rows go to
+---as they come (the path keeps the last). checkpoint: a file for where it ended, also where it was
+---stopped; dm.resume goes on from it, and from the path, over the slices that are left or over others,
+---dm.resume(from, field, { rule = dm.prismal{...} }), with the bits of a run that never stopped.
+---@param options? table
+---@return dm.path
+function dm_prismal_solver_class:run(options) end
+
 ---dm.random: random numbers by counting, made by dm.random(seed)
 ---field: seed
 ---@class dm.random
@@ -1631,6 +3584,65 @@ function dm_random_class:normal(i, k, mean, deviation) end
 ---@param b? any
 ---@return number
 function dm_random_class:uniform(i, k, a, b) end
+
+---dm.reduced_path: a run of a reduced system, of solver:run{x=, p=, mu=} of dm.lagrange_poincare
+---fields: x, p, mu (a dm.vector a row: shape, its momentum, body momentum), f (f[k] leads from row k
+---to the next, f = g_k^-1 g_(k+1)), t, path (the dm.path on Q, for functions that take one), #run
+---rows; after reconstruct{g=} also g, elements. Other fields and methods are those of path.
+---@class dm.reduced_path
+local dm_reduced_path_class = {}
+
+---path:phases() -> {total, dynamic, geometric}
+---
+---Of a run on SO(3): how far the body has turned about its spatial momentum J, a dm.vector of a number
+---a row, not wrapped: see path:phases of dm.path.
+---@return table
+function dm_reduced_path_class:phases() end
+
+---path:reconstruct{g=} -> dm.reduced_path
+---
+---The run on Q over a reduced one that begins at the element g (default: the identity), g_(k+1) = g_k
+---f_k: the same rows, with elements .g and a dm.path .path on Q.
+---@param options? table
+---@return dm.reduced_path
+function dm_reduced_path_class:reconstruct(options) end
+
+---dm.reduced_solver: what steps a reduced system, made by lp:solver()
+---fields: solver (the dm.solver on Q, for what is not listed here), system, rule, h; its other methods
+---are those of solver.
+---@class dm.reduced_solver
+local dm_reduced_solver_class = {}
+
+---solver:ensemble{members=, x=, p=, mu=, g=, momentum=, steps=, ...} -> dm.ensemble
+---
+---Members of the reduced system: x, p, mu, g and momentum as of solver:run, each a value for all or a
+---function of the member's number. The dm.ensemble is one on Q.
+---@param options? table
+---@return dm.ensemble
+function dm_reduced_solver_class:ensemble(options) end
+
+---solver:run{x=, p=, mu=, steps=, ...} -> dm.reduced_path
+---
+---A run of the reduced equations from the shape x, its momentum p and the body momentum mu; or from g=
+---and momentum= J, the spatial momentum, mu = Ad*_g J: the level of J reduced by a group that is not
+---abelian (Routh); or from v = (x', xi), where the system has velocities. g is the element at the
+---start (default: the identity). Other options are those of a dm.solver: t, every, at, watch, events.
+---@param options? table
+---@return dm.reduced_path
+function dm_reduced_solver_class:run(options) end
+
+---dm.remesh: takes forms of a mesh to another mesh of the same set, made by dm.remesh(K, M)
+---fields: from, to (meshes), rule; T(a) is the form on the other mesh
+---@class dm.remesh
+local dm_remesh_class = {}
+
+---T:matrix(k) -> dm.sparse
+---
+---The matrix that takes values of k-forms: a row for each k-cell of the second mesh, a column for each
+---of the first.
+---@param k? any
+---@return dm.sparse
+function dm_remesh_class:matrix(k) end
 
 ---dm.root: a function that is only known by an equation, made by dm.root{equations=, start=}
 ---called on numbers, vectors or tables; also inside of traced functions and of other roots
@@ -1657,6 +3669,186 @@ function dm_root_class:value(x, ...) end
 ---fields: name, order, symmetric, symplectic, linear (false: curves by a method that is not linear in the values of f, or with substeps that are chosen), own (true: of the functions of a dm.step)
 ---@class dm.rule
 local dm_rule_class = {}
+
+---dm.scaling: what a step costs as things grow, made by dm.scaling{system=, start=, ...}
+---fields: points (a list of {rule, size, ns, setup}), rules (names)
+---@class dm.scaling
+local dm_scaling_class = {}
+
+---scaling:exponent(rule) -> number or nil
+---
+---The cost grows like size^exponent, by least squares over the upper half of the sizes; nil with fewer
+---than two of them.
+---@param rule? any
+---@return number|nil
+function dm_scaling_class:exponent(rule) end
+
+---scaling:plot{file=, ...} -> file name or nothing
+---
+---Cost over size, both logarithmic, a line for every rule with its exponent. Options as in dm.plot.
+---@param options? table
+---@return string|nil
+function dm_scaling_class:plot(options) end
+
+---scaling:table() -> string
+---
+---A line for every rule and size: ns a step (of a member), the set-up in ms; then the exponents, what
+---failed, and the load of the machine.
+---@return string
+function dm_scaling_class:table() end
+
+---dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, q=, v=, watch=, ...}
+---fields: best (the choice), candidates (all that was measured), profile (the costs, to be saved)
+---@class dm.scene
+local dm_scene_class = {}
+
+---scene:animate(file, {...}) -> file name
+---
+---Run the scene and write a page with what is watched as a moving picture; options as in
+---path:animate.
+---@param file? string
+---@param options? table
+---@return string
+function dm_scene_class:animate(file, options) end
+
+---scene:run([{at=, every=, file=}]) -> path of what is watched
+---
+---The chosen model by the chosen rule and step, with as many rows as straight lines between them need
+---to stay inside the tolerance, or those asked for as in solver:run. Raises where lines need more than
+---10^6 rows: give `at`. Beside all of dm.path it has error_estimate: the largest error of what is
+---watched, at the rows and, of a plain run, on straight lines between them, with what is left of doubt
+---in the reference (where columns have tolerances of their own: in parts of these); and model,
+---rule.
+---@param options? table
+---@return any
+function dm_scene_class:run(options) end
+
+---scene:why() -> string
+---
+---The ladder: each model with dimension, operations, error in what is watched, each rule with step,
+---cost and error, and why it was kept or dropped; the reference, the check, the choice, and what the
+---least model costs where another one is cheaper.
+---@return string
+function dm_scene_class:why() end
+
+---dm.schroedinger: a Schroedinger equation on a ring or between walls
+---fields: x (points), weight (of integrals), V (at `nodes`), nodes, N, from, to, hbar, m, g, space,
+---boundary
+---@class dm.schroedinger
+local dm_schroedinger_class = {}
+
+---wave:current(psi) -> j, density
+---
+---hbar/m Im(psi* psi_x) and |psi|^2 at the points, dm.vectors: density_t + j_x = 0. The current of the
+---phase (Leok 5.8, signs corrected) is -hbar times both. psi: a complex vector or a function of x.
+---@param psi? any
+---@return any
+---@return any
+function dm_schroedinger_class:current(psi) end
+
+---wave:eigen(k) -> {values, psi}
+---
+---The k least energies of the linear equation, ascending, and their states, real dm.complex_vectors of
+---norm 1: by dense rotations up to 1200 points, beyond it, up to 4096, by Lanczos iterations, which
+---need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). k: 6 unless given. Raises where g is not 0:
+---energies then depend on how much there is of the state.
+---@param k? any
+---@return table
+function dm_schroedinger_class:eigen(k) end
+
+---wave:equation() -> dm.wave_equation
+---
+---What stands behind it in C, made when it is first asked for.
+---@return dm.wave_equation
+function dm_schroedinger_class:equation() end
+
+---wave:observe(psi) -> {norm, energy, x, momentum}
+---
+---Of a state: the integral of |psi|^2; that of psi* (T + V) psi + g/2 |psi|^4; means of x and p.
+---@param psi? any
+---@return table
+function dm_schroedinger_class:observe(psi) end
+
+---wave:resume(file | path) -> dm.wave_solver
+---
+---The solver of a run, which goes on from where that ended, bit for bit: run it without psi. From a
+---path or from the file that path:checkpoint wrote. Raises where the wave is another one.
+---@param file? string
+---@return dm.wave_solver
+function dm_schroedinger_class:resume(file) end
+
+---wave:solver{rule=, h=, norm=, unstable=, plan=, wisdom=} -> dm.wave_solver
+---
+---What steps a wave. rule: "strang" (half a kick by V + g |psi|^2, a drift, half a kick) and every
+---composition and splitting of dm.rules(), "yoshida(4)"; "gauss(s)", "crank-nicolson" = "gauss(1)", by
+---the modes of H up to 1200 points and by iteration for what these do not have (g, s <= 24); "slab",
+---Gauss with a degree in time that resolves every mode, or "slab(s)"; "two-step", Leok's linear
+---functions in time, with norm = true the multiplier that keeps the norm, with unstable = true beyond
+---its limit. plan = "measure": FFTW chooses by timing, kept in the file wisdom = (unless given, in
+---the user's cache), so that the next run has the same bits. Raises, with the reason, on rules that
+---are not unitary.
+---@param options? table
+---@return dm.wave_solver
+function dm_schroedinger_class:solver(options) end
+
+---wave:stability_limit(rule) -> h, exact
+---
+---The largest step that does not let modes grow: sqrt(3) hbar/E_max for "two-step"; for kicks and
+---drifts with g that of resonances, pi hbar/T_max (Weideman & Herbst 1986); infinite for all that is
+---unitary. exact = false: an estimate.
+---@param rule? any
+---@return any
+---@return any
+function dm_schroedinger_class:stability_limit(rule) end
+
+---dm.section: the crossings of a surface by one run or several, made by solver:section{g=, ...}
+---fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of
+---all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.
+---@class dm.section
+local dm_section_class = {}
+
+---section:plot{file=, title=, ...} -> file name or nothing
+---
+---Draw the crossings, one colour an orbit; options as in dm.plot.
+---@param options? table
+---@return string|nil
+function dm_section_class:plot(options) end
+
+---section:series() -> list of { x =, y =, name = } for dm.plot and dm.figure
+---
+---The crossings of each orbit that has some.
+---@return table
+function dm_section_class:series() end
+
+---dm.simplicial_map: a map of vertices that takes simplices to simplices, made by
+---dm.simplicial_map(K, L, vertices)
+---fields: from, to (meshes), vertices
+---@class dm.simplicial_map
+local dm_simplicial_map_class = {}
+
+---f:homology(k) -> list of rows of integers
+---
+---The matrix of the map between the homologies of degree k without torsion, in the bases
+---K:generators(k): row i, column j tells how often image j goes round generator i. In the highest
+---degree of closed oriented manifolds it is the degree of the map.
+---@param k? any
+---@return table
+function dm_simplicial_map_class:homology(k) end
+
+---f:pull(a) -> dm.form
+---
+---The form on the first mesh whose value on a cell is that of a on its image, 0 where vertices
+---coincide. It commutes with d and with the natural wedge product (Leok 3.13).
+---@param a? any
+---@return dm.form
+function dm_simplicial_map_class:pull(a) end
+
+---f:push(c) -> dm.chain
+---
+---The image of a chain: cells whose vertices coincide give nothing. d commutes with it.
+---@param c? any
+---@return dm.chain
+function dm_simplicial_map_class:push(c) end
 
 ---dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}
 ---fields: system, rule, h, order, tolerance, max_iterations, sums, backend (nil: the usual one); lift: of a system on a group, "collective" or "homogeneous" where the rule steps it in coordinates
@@ -1795,7 +3987,7 @@ function dm_solver_class:run(options) end
 ---rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
 ---orbits[i].path.
 ---@param options? table
----@return any
+---@return dm.section
 function dm_solver_class:section(options) end
 
 ---solver:singularities{q=, v= | p=, steps= | t=, t0=} -> {worst, t, q, places, change, why, failure}
@@ -2210,6 +4402,102 @@ function dm_sparse_class:scale(left, right) end
 ---@return dm.sparse
 function dm_sparse_class:transpose() end
 
+---dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}
+---fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds
+---(what it took)
+---@class dm.stability_map
+local dm_stability_map_class = {}
+
+---map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, exponent, megno, cause, observable, off, range, phase, hidden, horizon, ...}
+---
+---What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
+---as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
+---is watched); slope per unit of time with its standard error; growth: factor a step from the first to
+---the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or
+---"ok". Of maps over a duration t, at every step up to it: observable: the one that is furthest off in
+---parts of its range, off: by how much, range: greatest less least value of it in the resolved flow,
+---both in its units; phase: the time by which the run is ahead at the end (behind: negative), the
+---shift of the flow that fits it best, followed from the start; nil where none does; hidden: largest
+---|G v + g_t| of the constraints g(q, t), G = dg/dq as written, v from p; horizon: the time up to
+---which the flow is known, where chaos ends it early; cause of chaos: "flow", or "step" where the
+---resolved flow is not chaotic.
+---@param row? any
+---@param column? any
+---@return table
+function dm_stability_map_class:at(row, column) end
+
+---map:csv(file) -> file name   or   map:csv() -> string
+---
+---A line for every cell: rule, parameters, h, class, steps, error, slope, slope_error, growth,
+---exponent, megno; off, range, hidden as far as the rows of the map told them (map:at looks at every
+---step).
+---@param file? string
+---@return string
+function dm_stability_map_class:csv(file) end
+
+---map:limit(row [, "right"]) -> number, sentence   or   nil, sentence
+---
+---The largest value of the columns (the step h, or the last parameter of a map with one step) before
+---the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
+---infinity when none is lost, 0 when the first is, nil where the map was stopped before. The first
+---time a limit of a row is asked for, the windows and resonances of linear theory (map:resonances) are
+---tried between the columns, of maps with up to 64 rows: a narrow tongue of instability there is the
+---limit, and the sentence says so. Other tongues narrower than a column, as those about resonances of
+---two oscillations or of more than 6 steps a turn, are seen only where a column meets them. "right":
+---the same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
+---where no flow is known. row: its number, or a table such as { rule = "verlet", k = 100 } (the
+---nearest). The sentence says what happens beyond.
+---@param row? any
+---@param right? any
+---@return number
+---@return any|nil
+---@return any
+function dm_stability_map_class:limit(row, right) end
+
+---map:plot{file=, title=, ...} -> file name or nothing
+---
+---The classes as colours (dm.palette "classes"; blue: right, yellow to red: wrong, drifting or
+---chaotic, grey: lost) over the last row parameter (across) and the columns (up), one panel for every
+---rule and every value of the first of two row parameters (at most 12), with the measured and the
+---theoretical limits and the resonances; without a file as letters in the terminal. Other options as
+---in dm.plot.
+---@param options? table
+---@return string|nil
+function dm_stability_map_class:plot(options) end
+
+---map:resonances(row) -> list of {n, h, omega}, sentence
+---
+---The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
+---linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
+---nonlinear forces. omega: the frequency; where it changes along the orbit its mean over the time, if
+---it is more than twice as fast as the orbit turns, else that of the orbit itself. The sentence says
+---why where there are none.
+---@param row? any
+---@return table
+---@return any
+function dm_stability_map_class:resonances(row) end
+
+---map:table([most]) -> string
+---
+---A line for every row (at most `most`, default 40, evenly taken): the measured limit, the limit of
+---linear theory where there is one, and what happens beyond.
+---@param most? any
+---@return string
+function dm_stability_map_class:table(most) end
+
+---map:theory(row) -> number, sentence   or   nil, sentence
+---
+---The step at which the linear theory of the rule loses an oscillation of the system linearised along
+---the orbit of the row: where one of its frequencies (system:linearize) meets the first window of
+---growth of dm.stability_limit, however narrow. Beside map:limit(row), which is measured. nil, and
+---why, where there is none: for rules other than Runge-Kutta ones also where forces linear in v
+---(magnetic, Coriolis, friction) couple the oscillations.
+---@param row? any
+---@return number
+---@return any|nil
+---@return any
+function dm_stability_map_class:theory(row) end
+
 ---dm.strip: levels of a field on a line, as Lua modules see them
 ---Two levels with a row of cells between them; made by core.strip. Fields and boxes on lines are made of it.
 ---@class dm.strip
@@ -2283,6 +4571,43 @@ function dm_strip_class:run(options) end
 ---@return any
 function dm_strip_class:vary(options) end
 
+---dm.sweep: what dm.sweep{run =} has found, a row for each member
+---fields: columns (names), a dm.vector for each of them (NaN where a member failed), status[i] ("ok"
+---or a code of dm.failure), journal ({ file, found, run } where there is one); #sweep members
+---@class dm.sweep
+local dm_sweep_class = {}
+
+---sweep:csv(file) -> file name   or   sweep:csv() -> string
+---
+---A line for each member: its number and its columns with 17 significant digits, nan where it
+---failed.
+---@param file? string
+---@return string
+function dm_sweep_class:csv(file) end
+
+---sweep:failures() -> table of {member, code, step, message}
+---
+---The members whose run raised a dm.failure.
+---@return table
+function dm_sweep_class:failures() end
+
+---sweep:npy(file) -> file name
+---
+---The same as records of NumPy, which dm.load reads, too.
+---@param file? string
+---@return string
+function dm_sweep_class:npy(file) end
+
+---sweep:plot(x, y [, options]) -> string or nothing
+---
+---Points of two columns, "member" among them, as dm.plot draws them; members that failed are left
+---out.
+---@param x? any
+---@param y? any
+---@param options? table
+---@return string|nil
+function dm_sweep_class:plot(x, y, options) end
+
 ---dm.symbol: an argument of a function while it is traced
 ---+ - * / ^ and math.* record an expression; comparisons, %, // and whatever else needs a value raise
 ---@class dm.symbol
@@ -2325,7 +4650,7 @@ function dm_system_class:at_momentum(mu) end
 ---
 ---The same as dm.chart{system, ...}.
 ---@param options? table
----@return any
+---@return dm.chart
 function dm_system_class:chart(options) end
 
 ---shape:connection(x [, t]) -> dm.matrix, dim G x dim shape
@@ -2357,7 +4682,7 @@ function dm_system_class:constraint(q, t) end
 ---which a branch ends.
 ---@param equilibrium? any
 ---@param options? table
----@return any
+---@return dm.branch
 function dm_system_class:continue(equilibrium, options) end
 
 ---system:control(q, v [, t]) -> dm.vector
@@ -2391,7 +4716,7 @@ function dm_system_class:curvature(x, t, a) end
 ---constraints are reduced where the group leaves them and their reactions invariant and they have no
 ---part along it (Leok 2.8.2-2.8.3); else raises with the entry and the component.
 ---@param options? table
----@return any
+---@return dm.discrete_shape
 function dm_system_class:discrete(options) end
 
 ---system:emit_c() -> string
@@ -2473,7 +4798,7 @@ function dm_system_class:legendre(q, v, t) end
 ---one body, or of all bodies alike) and section(x), a point of Q for every shape. Raises where L is
 ---not invariant, the locked inertia singular, or the action not free (the dimension of the isotropy).
 ---@param options? table
----@return any|table
+---@return dm.level|table
 function dm_system_class:level(options) end
 
 ---shape:lift(x, v [, theta] [, t]) -> q, v
@@ -2544,7 +4869,7 @@ function dm_system_class:mass(q, v, t) end
 ---the group. rule: "lie(s)", of order 2s; where the group is R^m or T^m any rule of Ld:connection.
 ---Raises where L is not invariant under the group, where its locked inertia is singular.
 ---@param options? table
----@return any
+---@return dm.connection
 function dm_system_class:mechanical_connection(options) end
 
 ---field:modes(n, {q=, t=, above=, near=}) -> { values, forms, residuals, solver }
@@ -2592,7 +4917,7 @@ function dm_system_class:multipliers(q, v, t) end
 ---its steps are those of the unreduced rule, to round-off, without the group elements in
 ---the equations. Raises where L is not invariant under the group.
 ---@param options? table
----@return any
+---@return dm.lagrange_poincare
 function dm_system_class:reduce(options) end
 
 ---shape:reduction() -> {full, mu, cyclic, shape, group}
@@ -2708,7 +5033,7 @@ function dm_system_class:solver(options) end
 ---
 ---The same as dm.stability{system = system, ...}.
 ---@param options? table
----@return any
+---@return dm.stability_map
 function dm_system_class:stability(options) end
 
 ---field:stability_limit(rule, {q=, t=}) -> number
@@ -2824,6 +5149,54 @@ function dm_vector_class:sum() end
 ---@return table
 function dm_vector_class:totable() end
 
+---dm.vector_field: a vector at every vertex or in every top cell of a mesh, made by
+---K:vector_field(f, ...) and a:sharp()
+---fields: mesh, on ("vertices", "cells"), values (a dm.matrix, a row each), projected (the largest
+---length of what pointed out of the cells and was taken away); X[i] is the list of components at
+---vertex or cell i, #X how many there are; + - and * / with numbers
+---@class dm.vector_field
+local dm_vector_field_class = {}
+
+---X:curl() -> dm.form or dm.vector_field
+---
+---In dimension 2 the dual 0-form * d X-flat, circulation by area in every triangle; in dimension 3 the
+---field (* d X-flat)-sharp on cells.
+---@return dm.form|dm.vector_field
+function dm_vector_field_class:curl() end
+
+---X:div{boundary = "flux"} -> dm.form
+---
+---The divergence -delta X-flat, a primal 0-form: 1 / |*v| times the flux of X out of the dual cell of
+---v (Leok, Def 3.26). The sum of |*v| div X over vertices is the flux between their dual cells and
+---the others; the part of a dual cell that lies in the boundary of the mesh is left out unless
+---boundary = "flux", so without it constant fields have a divergence there.
+---@param options? table
+---@return dm.form
+function dm_vector_field_class:div(options) end
+
+---X:flat{to = "primal" | "dual"} -> dm.form
+---
+---The 1-form of a field. To edges e (the default), from cells: the mean of X.e with the shares of the
+---dual of e as weights (Leok, Def 3.22); where that dual has no volume the plain mean, and a.averaged
+---counts these edges; from vertices: (X_i + X_j).e / 2. To duals of facets f: the sum of |*f in s| X.m
+---over the top cells s at f, m the unit vector along *f; from vertices X is its mean over f. Constant
+---fields give exact values of the de Rham map.
+---@param options? table
+---@return dm.form
+function dm_vector_field_class:flat(options) end
+
+---X:plot{file=, dual=, azimuth=, height=, title=} -> file name or nothing
+---
+---Draw a field of vectors as arrows, the longest as long as an edge at the median.
+---Without a file in the terminal, as lines or, where cells have colours, in shades, with it through
+---gnuplot to a .png, .svg or .pdf. Surfaces in space are seen from azimuth and height (radians); of
+---meshes of dimension 3 the boundary is drawn.
+---dual = true adds the edges of the dual cells of a surface; title, label (of the colours). size, dpi,
+---font, fontsize, linewidth and ascii as of dm.plot.
+---@param options? table
+---@return string|nil
+function dm_vector_field_class:plot(options) end
+
 ---dm.wave_equation: the equation behind a dm.schroedinger
 ---fields: n (unknowns), fft (who makes transforms)
 ---@class dm.wave_equation
@@ -2877,6 +5250,95 @@ function dm_wave_equation_class:observe(re, im) end
 ---@return any
 ---@return any
 function dm_wave_equation_class:slope(re, im) end
+
+---dm.wave_path: the rows of a run of a wave
+---fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
+---title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows
+---@class dm.wave_path
+local dm_wave_path_class = {}
+
+---path:animate(file, {title=}) -> file name
+---
+---A page, name.html, on which a browser shows |psi|^2 in time, coloured by the phase, with V behind
+---it, without a network: at most 400 of the rows.
+---@param file? string
+---@param options? table
+---@return string
+function dm_wave_path_class:animate(file, options) end
+
+---path:checkpoint(file) -> file name
+---
+---Write where the run ended, a text with all bits; wave:resume(file) goes on from it.
+---@param file? string
+---@return string
+function dm_wave_path_class:checkpoint(file) end
+
+---path:column(name) -> dm.vector
+---
+---"t", "norm" (integral of |psi|^2), "energy" (of psi* (T + V) psi + g/2 |psi|^4), "x" and "momentum"
+---(means), "noether": the discrete Noether quantity of the phase, of "two-step" hbar Re<psi, psi+> -
+---h/3 Im<psi, H psi+>, else hbar times the norm.
+---@param name? any
+---@return dm.vector
+function dm_wave_path_class:column(name) end
+
+---path:csv(file) -> file name   or   path:csv() -> string
+---
+---The columns as comma-separated values, 17 significant digits; psi is left out.
+---@param file? string
+---@return string
+function dm_wave_path_class:csv(file) end
+
+---path:drift(name | vector) -> {per_time, error, mean, largest}
+---
+---Least squares slope against time of a column, or of a vector of one number a row, its standard
+---error from block means, the mean, and the largest distance from the first row. At least 3 rows.
+---@param name? any
+---@return table
+function dm_wave_path_class:drift(name) end
+
+---path:plot("density" | "phase" | "re" | "im", {rows=, file=, ...}) -> file or nothing   or   path:plot(x, y | {y1, y2, ...}, {file=, ...}) -> file or nothing
+---
+---Over x at the rows (first and last, unless given), the density with V behind it, scaled; or columns
+---("t", "norm", "energy", "x", "momentum", "noether") over one of them. Options as of dm.plot: without
+---a file in the terminal.
+---@param density? any
+---@param options? table
+---@return any
+function dm_wave_path_class:plot(density, options) end
+
+---path:spacetime{of = "density" | "phase", file=, title=, size=, ...} -> file or nothing
+---
+---x across, t up, |psi|^2 or the phase by colours with their scale, in a .png, .svg or .pdf; without a
+---file by characters in the terminal. Sizes and letters as of dm.plot.
+---@param options? table
+---@return any|nil
+function dm_wave_path_class:spacetime(options) end
+
+---dm.wave_solver: a rule that steps a wave
+---fields: wave, rule, h
+---@class dm.wave_solver
+local dm_wave_solver_class = {}
+
+---solver:report() -> {rule, h, fft, steps, ns_per_step, iterations, residual, degree, parasitic}
+---
+---Who makes the transforms ("FFTW", "GSL", "none" between walls); of the last run steps and time;
+---iterations so far and the residual of the last, where a step is solved for; degree in time of Gauss
+---and slabs; parasitic: the share of the parasitic mode in the start of "two-step".
+---@return table
+function dm_wave_solver_class:report() end
+
+---solver:run{psi=, steps= | t=, every=, t0=, seconds=, checkpoint=, file=} -> dm.wave_path
+---
+---Steps from psi, a function of x that returns re and im (left out: 0), a complex vector or
+---{ re =, im = }; t: a duration, up to the step that reaches it. A row for `every` steps and the last.
+---seconds: of CPU, at most; checkpoint: a file, written at the end and where the run stops. file =
+---"rows.npy": rows go there as they come, NumPy records of the columns, re and im; the path keeps the
+---columns, and psi of the last row. What ends a run early, Ctrl-C too, is a dm.failure with the path
+---so far. The rows: path.psi[i], and columns t, norm, energy, x, momentum, noether.
+---@param options? table
+---@return dm.wave_path
+function dm_wave_solver_class:run(options) end
 
 ---dm.wave_stepper: steps of a wave
 ---fields: iterations, residual (of the last step that was solved for), parasitic
@@ -3029,7 +5491,7 @@ function dm.acos(x) end
 ---defined. Identity, composition, inverse are tested at random points; what fails is an error with the
 ---axiom, the point and the defect. Also act(g, z).
 ---@param options? table
----@return any
+---@return dm.action
 function dm.action(options) end
 
 ---dm.adapt{W=, f=, x = {from, to, elements}, ends = {a, b}} -> {x, u, energy, force, frozen, ...}
@@ -3151,7 +5613,7 @@ function dm.ceil(x) end
 ---relative) or "largest"; component: of boxes. -> dm.field_chart: chart:table(), :order(rule),
 ---:plot{}, :csv().
 ---@param options? table
----@return any
+---@return dm.chart
 function dm.chart(options) end
 
 ---dm.cite([x]) -> string
@@ -3227,7 +5689,7 @@ function dm.complex(options) end
 ---semidirect product of G and R^n, as SE(3) over R^3 for SO(3); or a function log(q0, q1) -> { x',
 ---g^-1 g' }.
 ---@param options? table
----@return any
+---@return dm.connection
 function dm.connection(options) end
 
 ---math.cos(x) -> number
@@ -3294,7 +5756,7 @@ function dm.derivative(f, n, ...) end
 ---names their cell (Leok 3.13).
 ---@param K1? any
 ---@param K2? any
----@return any
+---@return dm.diffeo
 function dm.diffeo(K1, K2) end
 
 ---dm.differential_invariants{action=, independent=, cross_section=, branch=, invariants=} -> calculus
@@ -3416,7 +5878,7 @@ function dm.fft(x, y) end
 ---default, lets waves out whose impedance c is; field:reflection() says how much of others comes back.
 ---See solver, stability_limit, resume.
 ---@param options? table
----@return any
+---@return dm.line_field
 function dm.field(options) end
 
 ---dm.figure{panel, panel, ..., file=, title=, columns=, share=, letters=, width=, height=, size=, dpi=, font=, fontsize=, linewidth=, text=, ascii=} -> file or nothing
@@ -3542,7 +6004,7 @@ function dm.invariant_problem(options) end
 ---What is finished, missing and damaged in the journal of a sweep and in its parts beside it, and what
 ---decided the result. Printed in full; raises where the file is none.
 ---@param file? string
----@return any
+---@return dm.journal
 function dm.journal(file) end
 
 ---dm.lab{sliders=, run=, file=, points=, dim=, draw=, rods=, bodies=, trail=, plots=, names=, title=, frames=, t=} -> file name
@@ -3567,7 +6029,7 @@ function dm.lab(options) end
 ---coadjoint orbit to round-off. lp:solver():run{x=, p=, mu=, steps=}. The reduced equations are not
 ---canonical: an ordinary symplectic rule applied to them is not this one, and does not keep the orbit.
 ---@param options? table
----@return any
+---@return dm.lagrange_poincare
 function dm.lagrange_poincare(options) end
 
 ---dm.load(file, {separator=, decimal=, names=, skip=}) -> table
@@ -3694,7 +6156,7 @@ function dm.moving_frame(options) end
 ---between nodes is looked for by their bounds, where they can be traced (f:bounds), else put nodes
 ---beside it. Raises on a <= 0, on nodes that do not grow, and on integrals that do not settle.
 ---@param options? table
----@return any
+---@return dm.msfem_solution
 function dm.msfem(options) end
 
 ---dm.multigrid{coarsest, ..., finest, fixed = "boundary" | "nothing"} -> dm.multigrid
@@ -3704,7 +6166,7 @@ function dm.msfem(options) end
 ---mg:prolong(a), mg:restrict(b), mg:solve(b). fixed: solutions are 0 on the boundary, or free there.
 ---Raises where the meshes are not nested, with the cell.
 ---@param options? table
----@return any
+---@return dm.multigrid
 function dm.multigrid(options) end
 
 ---dm.multiscale{frequency=, degrees=, oscillating=, nodes=, phases=, ansatz=} -> dm.rule
@@ -3735,7 +6197,7 @@ function dm.multiscale(options) end
 ---So Klein-Gordon, sine-Gordon, KdV, Schroedinger and Zakharov equations are written; boxes:solver{h=}
 ---steps them.
 ---@param options? table
----@return any
+---@return dm.boxes
 function dm.multisymplectic(options) end
 
 ---dm.pair(a, b) -> dm.pair   or   dm.pair(q0, q1, ..., qp) -> dm.pair_tuple
@@ -3746,7 +6208,7 @@ function dm.multisymplectic(options) end
 ---discrete curve (Leok 3.13).
 ---@param a? any
 ---@param b? any
----@return any
+---@return dm.pair
 function dm.pair(a, b) end
 
 ---dm.palette("lines" | "classes") -> table
@@ -3833,7 +6295,7 @@ function dm.pretty(value, options) end
 ---keeps Gauss's law to round-off, has order 2 where steps change smoothly, and is verlet where all
 ---are equal.
 ---@param options? table
----@return any
+---@return dm.prismal
 function dm.prismal(options) end
 
 ---dm.product(G, H, ...) -> dm.space
@@ -3873,7 +6335,7 @@ function dm.recurrence(options) end
 ---@param K? any
 ---@param M? any
 ---@param options? table
----@return any
+---@return dm.remesh
 function dm.remesh(K, M, options) end
 
 ---dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> dm.solver
@@ -3913,7 +6375,7 @@ function dm.rules() end
 ---ns, setup}; s:exponent(rule): cost like size^exponent at the upper half of the sizes; s:table(),
 ---s:plot{file=}.
 ---@param options? table
----@return any
+---@return dm.scaling
 function dm.scaling(options) end
 
 ---dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, profile=, costs=, seconds=, frame=, per_step=, project=} -> dm.scene
@@ -3945,7 +6407,7 @@ function dm.scaling(options) end
 ---scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns, error (of the
 ---tolerance, 1 at most) }.
 ---@param options? table
----@return any
+---@return dm.scene
 function dm.scene(options) end
 
 ---dm.schroedinger{x = {from, to, N}, V=, hbar=, m=, g=, space=, boundary=} -> dm.schroedinger
@@ -3957,7 +6419,7 @@ function dm.scene(options) end
 ---"collocation", or "galerkin" on a ring: Leok's trigonometric polynomials with exact integrals of the
 ---interpolated V, g = 0. Raises on odd rings, where V is not finite, and on V of x and t.
 ---@param options? table
----@return any
+---@return dm.schroedinger
 function dm.schroedinger(options) end
 
 ---dm.semidirect(G, V [, action]) -> dm.space
@@ -3991,7 +6453,7 @@ function dm.sign(x) end
 ---@param K? any
 ---@param L? any
 ---@param vertices? any
----@return any
+---@return dm.simplicial_map
 function dm.simplicial_map(K, L, vertices) end
 
 ---math.sin(x) -> number
@@ -4083,7 +6545,7 @@ function dm.sqrt(x) end
 ---Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends
 ---it with dm.failure, whose field `map` is what is there.
 ---@param options? table
----@return any
+---@return dm.stability_map
 function dm.stability(options) end
 
 ---dm.stability_limit(rule [, {tolerance=}]) -> z, {cause, gaps, resonances}
@@ -4132,7 +6594,7 @@ function dm.sum_over(x, ...) end
 ---are kept there, and the same call goes on where it stopped (docs/sweeps.md). What run changes
 ---outside of itself is lost with its process.
 ---@param options? table
----@return any
+---@return dm.sweep
 function dm.sweep(options) end
 
 ---dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, coordinates=, units=, params=, derivatives=} -> dm.system

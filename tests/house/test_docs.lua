@@ -50,7 +50,7 @@ house.check("docs/reference.md is what `make docs` writes",
   kept == reference.text(dm) and {} or { "run `make docs` and look at the change" })
 local man = require "dm.session.man"
 for _, row in ipairs { { "docs/dmlua.1", man.page() }, { "docs/completion/dmlua.bash", man.bash() },
-  { "docs/completion/_dmlua", man.zsh() } } do
+  { "docs/completion/_dmlua", man.zsh() }, { "docs/meta/dm.lua", require "dm.session.meta".text(dm) } } do
   local file, text = row[1], row[2]
   house.check(file .. " is what `make docs` writes", house.read(file) == text and {} or { "run `make docs`" })
 end

@@ -10,8 +10,14 @@ local function sorted(t)
   return keys
 end
 
---- Classes that the bindings registered: name -> table of methods.
+local function load_all(dm)
+  local lazy = getmetatable(dm)
+  if lazy and lazy.load_all then lazy.load_all() end
+end
+
+--- Classes that are registered: name -> table of methods; also those of modules not loaded yet.
 function M.classes()
+  load_all(require "dm")
   local registry, classes = debug.getregistry(), {}
   for name in pairs(core.docs) do
     local class = type(name) == "string" and registry[name]
@@ -23,8 +29,7 @@ end
 --- Functions of the table `dm` and its subtables by their full names, also those not loaded yet.
 function M.functions(dm)
   local found, seen = {}, {}
-  local lazy = getmetatable(dm)
-  if lazy and lazy.load_all then lazy.load_all() end
+  load_all(dm)
   local function walk(prefix, t)
     if seen[t] then return end
     seen[t] = true
