@@ -5,20 +5,17 @@ local classes = require "dm.stability.classes"
 local core = require "dm.core"
 local flows = require "dm.stability.flows"
 local jobs = require "dm.stability.jobs"
-local observables = require "dm.stability.observables"
 local on_group = require "dm.measure.on_group"
 local own_step = require "dm.measure.own_step"
 local prolong = require "dm.measure.prolong"
+local right = require "dm.stability.right"
 
 local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
 
 local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
-local abs, max, min, sqrt, log = math.abs, math.max, math.min, math.sqrt, math.log
-local ceil = math.ceil
+local abs, max, sqrt, log = math.abs, math.max, math.sqrt, math.log
 
 local ROWS = 64                 -- rows of a cell by which its class is told
-local DENSER = 4                -- times the rows that show the flow: right to the last step or not
-local EVERY = 4096              -- steps that are all looked at there
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
@@ -58,29 +55,6 @@ local function watch_of(map, system)
   return out, out._y and "_y" or out._size and "_size" or "energy"
 end
 
--- the observables, and what constraints ask of the velocity
-local function observed_of(map, system)
-  local watch = {}
-  for key, value in pairs(map.beside.observed.watch) do watch[key] = value end
-  if system.given.constraint then
-    watch._hidden, watch._hidden_size = observables.hidden(system)
-  end
-  return watch
-end
-
---- What an ensemble of cells is to look at beside their flows (solver:ensemble{beside=}), at
--- rows_of(cell) rows; bounded: until it is beyond what a right cell may be.
-function M.beside(job, cells, rows_of, bounded)
-  local list = {}
-  for i, cell in ipairs(cells) do
-    local flow = cell.flow
-    list[i] = flow.e and { e = flow.e, i = flow.i, horizon = flow.horizon * (1 + 1e-14),
-      rows = rows_of(cell), bound = bounded and flow.bound or nil } or false
-  end
-  return { watch = observed_of(job.map, job.system), flows = list,
-    compared = job.map.beside.observed.columns }
-end
-
 ---- the first look ----
 
 -- why cells have no start, where more is known than that L has no value
@@ -115,40 +89,6 @@ local function tell_classes(job, cells, e, name, watch)
   tell_reasons(e, cells)
 end
 
--- the observable that is furthest off, in parts of what it may be
-local function compare_with_flow(map, cell, off)
-  local flow = cell.flow
-  for k, column in ipairs(map.beside.observed.columns) do
-    local ratio = off[column] / flow.bound[k]
-    if not (ratio <= cell.ratio) then
-      cell.ratio, cell.observable, cell.off, cell.range = ratio, k, off[column], flow.range[k]
-    end
-  end
-  if not cell.observable then cell.observable, cell.off, cell.range = 1, 0, flow.range[1] end
-end
-
--- the velocity that constraints leave over, in parts of the whole
-local function compare_hidden(map, cell, off)
-  cell.hidden = finite(sqrt(off._hidden))
-  local part = sqrt(off._hidden / max(off._hidden_size, 1e-300)) / map.beside.accuracy
-  cell.loose = not (part <= 1)
-  if not (part <= cell.ratio) then cell.ratio = part end
-end
-
---- Right or not: by the observables, and by the velocity that constraints leave over.
-function M.tell_right(job, cells, e)
-  local status = e.status
-  for i, cell in ipairs(cells) do
-    local flow, fine = cell.flow, status[i] == "ok"
-    cell.horizon, cell.unresolved = flow.e and flow.horizon, not flow.e and flow.why or nil
-    cell.ratio = 0
-    local off = fine and e:followed(i)
-    if fine and flow.e then compare_with_flow(job.map, cell, off) end
-    if fine and off._hidden then compare_hidden(job.map, cell, off) end
-    cell.is_right = fine and flow.e ~= nil and cell.ratio <= 1
-  end
-end
-
 -- class and evidence of cells from one ensemble of `rows` rows; `beside` their flows
 local function base_pass(job, cells, rows, beside)
   local system, o, name = job.system, jobs.starts(job, cells), nil
@@ -156,28 +96,17 @@ local function base_pass(job, cells, rows, beside)
   o.rows, o.beside = rows, beside
   local e, stopped = jobs.guarded(job, system, o)
   tell_classes(job, cells, e, name, o.watch)
-  if beside then M.tell_right(job, cells, e) end
+  if beside then right.tell(job, cells, e) end
   return stopped
 end
 
--- rows that show what the flow does
-local function rows_beside(cell) return max(ROWS, cell.flow.rows) end
+-- rows that show the class, and what the flow does
+local function rows(cell) return max(ROWS, cell.flow.rows) end
 
 local function first_look(job, part)
   if not job.map.beside then return base_pass(job, part, ROWS) end
   flows.attach(job, part)
-  return base_pass(job, part, ROWS, M.beside(job, part, rows_beside, true))
-end
-
--- what is bounded, but not right
-local function tell_wrong(part)
-  for _, cell in ipairs(part) do
-    local judged = cell.flow and (cell.flow.e or cell.loose)
-    if judged and cell.class == NUMBER.bounded and not cell.is_right then
-      cell.class = NUMBER.wrong
-    end
-    cell.flow = nil
-  end
+  return base_pass(job, part, ROWS, right.beside(job, part, rows, true))
 end
 
 -- cells that are lost by what their rows show, not by a failure, are looked at with other rows,
@@ -352,24 +281,17 @@ end
 local function all_passes(job, part, chaos)
   local stopped = first_look(job, part) or other_look(job, part) or second_look(job, part)
   if not stopped and chaos then stopped = chaos_pass(job, part) end
-  tell_wrong(part)
+  if not stopped and job.map.beside then stopped = right.near_look(job, part) end
+  right.tell_wrong(part)
   job.map.started = true
   return stopped
-end
-
--- rows that show whether a cell is right: all of its steps where they are few
-local function close_rows(cell)
-  return max(DENSER * rows_beside(cell), min(ceil(cell.flow.horizon / cell.h), EVERY))
 end
 
 -- right or not alone, at many rows
 local function right_pass(job, part)
   for _, cell in ipairs(part) do cell.class, cell.is_close = NUMBER.bounded, true end
   flows.attach(job, part)
-  local o = jobs.starts(job, part)
-  o.beside = M.beside(job, part, close_rows)
-  local e, stopped = jobs.guarded(job, job.system, o)
-  M.tell_right(job, part, e)
+  local stopped = right.look_closely(job, part)
   for _, cell in ipairs(part) do cell.flow = nil end
   return stopped
 end

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
 local flows = require "dm.stability.flows"
 local jobs = require "dm.stability.jobs"
+local right = require "dm.stability.right"
 local shift = require "dm.chart.shift"
 
 local M = {}
@@ -56,14 +57,14 @@ local function look(map, cell)
   local o = jobs.starts(job, { cell })
   cell.flow = flow
   o.rows = min(cell.steps, MOST)
-  o.beside = cells.beside(job, { cell }, function() return o.rows end)
+  o.beside = right.beside(job, { cell }, function() return o.rows end)
   o.watch = o.beside.watch
   local e, stopped = jobs.guarded(job, job.system, o)
   cell.flow = nil
   if stopped then error(stopped, 0) end
   if e.status[1] ~= "ok" then return end
   cell.flow = flow
-  cells.tell_right(job, { cell }, e)
+  right.tell(job, { cell }, e)
   cell.flow = nil
   if job.system.line then return end
   cell.phase = shift_of(e:path(1), flow, map.beside.observed.columns, map.beside.horizon)

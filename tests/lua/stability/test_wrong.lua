@@ -123,5 +123,15 @@ do
   local map = oscillator:stability { rule = "verlet", q = { 1 }, v = { 0 }, t = 20, h = { 1e-3, 1, 40, "log" }, accuracy = 1e-3, chaos = false }
   near(map:limit(1, "right"), first, 0.006 * first, "right to the first step that is off")
   tap.raises("a column is its number", map.at, map, { rule = "verlet" }, 0 / 0)
+  -- so are cells of the grid that are right by little
+  local h, astray = {}, {}
+  for i = 1, 80 do h[i] = first * (0.9 + 0.0025 * i) end
+  local near_it = oscillator:stability { rule = "verlet", q = { 1 }, v = { 0 }, t = 20, h = h, accuracy = 1e-3, chaos = false, refine = false }
+  for i = 1, 80 do
+    local ratio = off(h[i]) / 1e-3
+    local told = require "dm.stability.classes".CLASSES[near_it.cells[1][i].class].name
+    if math.abs(ratio - 1) > 3e-3 and told ~= (ratio > 1 and "wrong" or "bounded") then astray[#astray + 1] = ("%g: %s"):format(ratio, told) end
+  end
+  ok(#astray == 0, "80 columns about the limit: right or wrong as the closed form", table.concat(astray, "\n"))
 end
 tap.done()
