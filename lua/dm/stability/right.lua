@@ -9,7 +9,7 @@ local M = {}
 local NUMBER, finite = classes.NUMBER, classes.finite
 local ceil, max, min, sqrt = math.ceil, math.max, math.min, math.sqrt
 
-local DENSER, LEAST = 4, 256    -- rows that tell right from wrong: times those of the flow, at least
+local DENSER, LEAST = 4, 256    -- rows that tell right from wrong: times those of the flow
 local EVERY = 4096              -- steps that are all looked at
 local NEAR = 0.9                -- of what is right: beyond it cells of the grid are looked at so
 
