@@ -64,10 +64,10 @@ end
 
 local function left(self) return self.deadline - core.cpu() end
 
--- which: { at = } or { t = }; raises what the run raises
+-- which: { at = } or { t = }, seconds =; raises what the run raises
 local function run(self, place, rule, tolerance, which)
   local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch,
-    seconds = max(0.01, (which.part or 1) * left(self)),
+    seconds = which.seconds or max(0.01, left(self)),
     control = { tolerance = tolerance, hidden = self.hidden,
       watched = self.hidden and self.watched or nil, largest = self.T * LARGEST[place],
       negligible = self.negligible, ends = self.ends, reach = self.t0 + self.T } }
@@ -75,18 +75,34 @@ local function run(self, place, rule, tolerance, which)
   return solver_of(self, rule):run(options)
 end
 
--- the same; path, or nil and why not
-local function try(self, ...)
-  local fine, path = blame.try(run, self, ...)
-  if fine then return path end
-  return nil, M.words(path), path
-end
-
----- two methods ----
-
 local function is_over(failure)
   return type(failure) == "table" and failure.code == "out_of_time"
 end
+
+-- Runs that a reference takes, in those of its first method: both methods, both again with shorter
+-- steps that agree. Where forces are looked at those are the dear ones.
+local LOOKING, PLAIN = 3, 6
+
+-- Seconds were over before a run was: how far it had come, and what a reference would take at that
+-- rate; in words. The dearest one is kept.
+local function note_late(self, failure, seconds)
+  local way = failure.time - self.t0
+  local whole = way > 0 and seconds * self.T / way or huge
+  local late = { t = failure.time, seconds = whole * (self.hidden and LOOKING or PLAIN) }
+  if not self.late or late.seconds > self.late.seconds then self.late = late end
+  return ("it had come to t = %.6g of %.6g when its %.2g s were over"):format(failure.time,
+    self.t0 + self.T, seconds)
+end
+
+-- the same in a part of the time that is left; path, or nil and why not
+local function try(self, place, rule, tolerance, which)
+  which.seconds = max(0.01, (which.part or 1) * left(self))
+  local fine, path = blame.try(run, self, place, rule, tolerance, which)
+  if fine then return path end
+  return nil, is_over(path) and note_late(self, path, which.seconds) or M.words(path), path
+end
+
+---- two methods ----
 
 -- one run of a rule, in a part of the time that is left; where long steps fail, as over a place
 -- where L is not defined, shorter ones
@@ -107,12 +123,12 @@ local function first_method(self, rule)
     local other = first_try(self, 1, STIFF, IMPLICIT_TIME)
     if other then return other, STIFF end
   end
-  return path, rule, words, failure
+  return path, rule, words
 end
 
 local function second_method(self, rule)
-  local path, words, failure = first_try(self, 2, rule)
-  return path, rule, words, failure
+  local path, words = first_try(self, 2, rule)
+  return path, rule, words
 end
 
 -- the first rule of a list that can step the system; its times, or nil and why none can
@@ -120,14 +136,14 @@ local function pick(self, place, list)
   local why
   for _, rule in ipairs(list) do
     if not self.except[rule] and rule ~= self.first then
-      local path, used, words, failure = (place == 1 and first_method or second_method)(self, rule)
+      local path, used, words = (place == 1 and first_method or second_method)(self, rule)
       if path then
         self.unseen = self.unseen or solver_of(self, used):report().unseen
         return used, path.t
       end
       if not M.is_refusal(words) then
         -- what a longer try may do better is no refusal
-        return nil, ("%s: %s"):format(rule, words), failure
+        return nil, ("%s: %s"):format(rule, words)
       end
       why = why or ("%s: %s"):format(rule, words)
     end
@@ -193,8 +209,10 @@ end
 --- The reference of a job { system =, start =, t0 =, T =, watch =, goal =, seconds =,
 -- tolerance = { column = }, distance = function(path, path) -> number, except = { rule = true } }:
 -- distance <= goal or, where no more is had in the seconds, enough, with rule, distance, noise
--- (what shorter steps brought no nearer), text and path(times); or nil and why there is none. With
--- tolerances nothing hidden in what is watched is jumped over either.
+-- (what shorter steps brought no nearer), text and path(times); or nil, why there is none, what it
+-- may take where seconds ended it { t = how far a run had come, seconds = }, and at which distance
+-- both stayed where they did. With tolerances nothing hidden in what is watched is jumped over
+-- either.
 function M.find(job)
   local self = setmetatable({ solvers = {}, except = job.except or {}, system = job.system,
     start = job.start, t0 = job.t0 or 0, T = job.T, watch = job.watch, ends = job.ends,
@@ -203,14 +221,14 @@ function M.find(job)
   for key, value in pairs(form) do self[key] = value end
   self.hidden, self.watched = forces.of(self.system, job.tolerance
     and { watch = self.watch, tolerance = job.tolerance })
-  local why, failure
+  local why
   local first, second = lists(self)
-  self.first, why, failure = pick(self, 1, first)
-  if not self.first then return nil, why, failure end
+  self.first, why = pick(self, 1, first)
+  if not self.first then return nil, why, self.late end
   self.times = why
   if not self.unseen and #self.times > SEEN then self.hidden = nil end
-  self.rule, why, failure = pick(self, 2, second)
-  if not self.rule then return nil, why, failure end
+  self.rule, why = pick(self, 2, second)
+  if not self.rule then return nil, why, self.late end
   -- what the longest steps do not jump over, shorter ones do not either
   if not self.unseen then self.hidden = nil end
   return M.refine(self, job)
@@ -235,7 +253,7 @@ function M:refine(job)
     elseif self.distance < huge then
       break
     elseif k == #TOLERANCES or left(self) <= 0 then -- shorter steps do not get through either
-      return nil, why
+      return nil, why, self.late
     end
   end
   self.noise = self.noise or self.distance
@@ -243,7 +261,7 @@ function M:refine(job)
     #self.times - 1)
   if self.distance <= max(job.goal, job.enough or 0) or job.best then return self end
   return nil, ("%s and %s, with steps controlled to %.0e, are %.1e apart"):format(self.first,
-    self.rule, self.tolerance or TOLERANCES[1], self.distance)
+    self.rule, self.tolerance or TOLERANCES[1], self.distance), self.late, self.distance
 end
 
 --- The path at other times, in so many seconds of CPU; without them in what is left, one at least.

@@ -111,7 +111,7 @@ local function stiff_units(model)
     local g = model:acts(k) and of_position_only(model, unit) and square_of(unit)
     if g then
       found[#found + 1] = { k = k, g = g, unit = unit,
-        frequency = pilot.frequency(model.problem.as_given, unit.f) }
+        frequency = pilot.frequency(model, unit.f) }
     end
   end
   table.sort(found, function(a, b)
@@ -119,6 +119,9 @@ local function stiff_units(model)
   end)
   return found
 end
+
+--- The stiffest of them { unit =, frequency = }, or nil.
+function M.stiffest(model) return stiff_units(model)[1] end
 
 -- changes that put constraints in the place of stiff terms: list of functions model -> model or nil
 local function stiff_changes(problem, out)

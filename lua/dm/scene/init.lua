@@ -15,6 +15,7 @@ local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
 local reduce = require "dm.scene.reduce"
+local references = require "dm.scene.reference"
 local relative = require "dm.scene.relative"
 local report = require "dm.scene.report"
 local rows = require "dm.scene.rows"
@@ -192,7 +193,7 @@ local function known_at(scene, reference, times)
 end
 
 local function start_search(scene, given)
-  local reference = pilot.reference(given, scene.allowed * REFERENCE_TIME, named_rules(scene),
+  local reference = references.find(given, scene.allowed, REFERENCE_TIME, named_rules(scene),
     scene.options.frame and (scene.tolerant and "best" or "best, or any"))
   local times, problem = mesh(reference, PILOT_TIMES), scene.problem
   scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference

@@ -5,7 +5,6 @@ local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local engine = require "dm.reference.engine"
-local forces = require "dm.reference.forces"
 
 local M = {}
 
@@ -326,36 +325,6 @@ function M.free_run(model, tolerance, more)
     if not M.is_refusal(M.first_line(path)) then return nil, why end
   end
   return nil, why
-end
-
----- the reference ----
-
--- tolerances: what the methods are asked to agree to, and what will do when the time is over
-local AGREED, ENOUGH = 0.02, 0.1
-
---- The reference of a scene: two unlike methods on the system as given that agree
--- (dm.reference.engine), `best`: as closely as they can; "best, or any": whatever that is. Raises
--- what was measured.
-function M.reference(model, seconds, except, best)
-  local problem = model:ready().problem
-  local found, why = engine.find { system = model.system, start = { q = model.start.q,
-    v = model.start.v, p = model.start.p, project = model.start.project },
-    t0 = problem.t0, T = problem.T,
-    watch = model.watch, tolerance = problem.tolerance, goal = best and 0 or AGREED,
-    enough = ENOUGH, best = best == "best, or any", seconds = seconds, except = except,
-    distance = function(a, b)
-      return M.apart(problem, M.record(problem, a), M.record(problem, b))
-    end }
-  if found then
-    problem.hidden = found.hidden and forces.of(model.system)
-    return found
-  end
-  local nowhere = why:match "no start: .*"
-  if nowhere then error("dm.scene: " .. nowhere, 0) end
-  error(("dm.scene: the tolerance cannot be promised, since no reference is known that well: %s "
-    .. "(tolerances). Is the motion chaotic over this time, or the tolerance below round-off? "
-    .. "Take a larger tolerance, a shorter until_t, watch something less sensitive, or give more "
-    .. "seconds"):format(why), 0)
 end
 
 return M
