@@ -107,15 +107,39 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
     return negative;
 }
 
+/* Row and column a < b change places in the lower triangle of A[n*n]. */
+static void exchange_below(double *A, size_t n, size_t a, size_t b) {
+    const double pivot = A[b * n + b];
+    A[b * n + b] = A[a * n + a], A[a * n + a] = pivot;
+    for (size_t i = a + 1; i < n; i++) {
+        double *one = A + i * n + a, *other = i < b ? A + b * n + i : A + i * n + b;
+        const double x = *one;
+        if (i == b) continue;
+        *one = *other, *other = x;
+    }
+}
+
+/* A -= a a^T / pivot behind column k, in the lower triangle */
+static void eliminate_below(double *A, size_t n, size_t k) {
+    const double inverse = 1.0 / A[k * n + k];
+    for (size_t i = k + 1; i < n; i++) {
+        double *row = A + i * n;
+        const double factor = row[k] * inverse;
+        for (size_t j = k + 1; j <= i; j++) row[j] -= factor * A[j * n + k];
+    }
+}
+
 int dm_all_positive(double *A, uint32_t n, double far, double *least) {
-    rest r = {.A = A, .n = n};
-    for (*least = INFINITY; r.first < n; r.first++) {
-        const uint32_t k = find_diagonal(&r);
-        const double pivot = *at(&r, k, k);
+    *least = INFINITY;
+    for (size_t k = 0; k < n; k++) {
+        size_t found = k;
+        for (size_t i = k + 1; i < n; i++)
+            if (A[i * n + i] > A[found * n + found]) found = i;
+        const double pivot = A[found * n + found];
         if (!(pivot > far)) return 0;
-        *least = fmin(*least, pivot);
-        exchange(&r, r.first, k);
-        eliminate_one(&r);
+        if (pivot < *least) *least = pivot;
+        if (found > k) exchange_below(A, n, k, found);
+        eliminate_below(A, n, k);
     }
     return *least < INFINITY;
 }

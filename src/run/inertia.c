@@ -301,12 +301,17 @@ static int is_strange(double before, double now) {
     return now < PART * before || before < PART * now;
 }
 
-/* How many times as long the next way may be: so that a value moves by little between looks, since
- * to go back costs more than to look. */
-static double stride(double before, double now) {
-    static const double LITTLE = 0.9, MUCH = 0.8;
-    const double ratio = now < before ? now / before : before / now;
-    return ratio > LITTLE ? 2.0 : ratio > MUCH ? 1.0 : 0.5;
+/* Steps that may come before the next look, so that the value moves by little meanwhile, since to
+ * go back costs more than to look: by how fast its logarithm moved, and how that changed, as that
+ * of a value that is about to turn does. Ways grow slowly, but for a value that hardly moves. */
+static double still_steps(dm_inertia_seen *s, double least, double since) {
+    static const double LITTLE = 0.3, SURELY = 0.25;
+    const double rate = log(least / s->least) / since;
+    const double bend = s->way > 0.0 ? 2.0 * (rate - s->rate) / (since + s->way) : 0.0;
+    const double now = fabs(rate + 0.5 * bend * since);
+    const double steps = 2.0 * LITTLE / (now + sqrt(now * now + 2.0 * LITTLE * fabs(bend)));
+    s->rate = rate, s->way = since;
+    return fmin(steps, fmax(since + 1.0, fmin(2.0 * since, SURELY * steps)));
 }
 
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
@@ -324,7 +329,7 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     /* one that grew may fall as fast */
     const double back = dm_inertia_left(x, least, s->least, (double)since) + (double)since;
     const double safe = part * fmin(s->left, back);
-    const double far = fmin(fmin(safe, MOST), stride(s->least, least) * (double)since);
+    const double far = fmin(fmin(safe, MOST), still_steps(s, least, (double)since));
     s->due = done + (found && far >= 1.0 ? (long)far : 1);
     s->least = least;
     s->open = 0;

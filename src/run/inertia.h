@@ -14,6 +14,7 @@ typedef struct {
     double least;      /* size of the value next to zero, when it was looked at last */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
+    double rate, way;  /* how fast the logarithm of that size moved, a step, and in how many */
     /* How much M can bend in a unit of time squared, over what it was at the start: for unit
      * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
     double anywhere, bend, speed, until;
