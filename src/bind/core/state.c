@@ -1,4 +1,5 @@
 #include "bind/core/state.h"
+#include "bind/core/scope.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -80,7 +81,9 @@ void *dml_newvalue(lua_State *L, int class, size_t size, int uservalues) {
 }
 
 dml_frame *dml_findframe(lua_State *L, uint32_t serial) {
-    dml_frame *frame = dml_getstate(L)->frames;
+    dml_state *state = dml_getstate(L);
+    dml_leavedead(state);
+    dml_frame *frame = state->frames;
     while (frame && frame->serial != serial) frame = frame->next;
     return frame;
 }

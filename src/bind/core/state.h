@@ -15,6 +15,16 @@ enum {
     DML_NO_CLASS = DML_CLASSES
 };
 
+struct dml_state;
+
+/* Something that is under way (scope.h). */
+typedef struct dml_scope {
+    lua_State *thread; /* in which, or NULL */
+    void (*leave)(struct dml_state *state, struct dml_scope *scope);
+    struct dml_scope *before; /* the one that it is nested in */
+    int entered;
+} dml_scope;
+
 /* What a symbol of a trace is in Lua. */
 typedef struct {
     dm_node node;
@@ -37,6 +47,7 @@ struct dml_traced;
 /* A trace in progress: its symbols carry the serial number. What adds to its graph goes by
  * trace_log.h. */
 typedef struct dml_frame {
+    dml_scope scope;
     const dm_graph *graph; /* its own, or that of the trace that it repeats */
     dm_graph *own;         /* NULL while it repeats one */
     dm_arena *arena;
@@ -59,6 +70,7 @@ typedef struct dml_frame {
  * trace has a sum, instead of a loop over all bodies, and compare rounds of it with the term that
  * was traced (trace/given.h). */
 typedef struct dml_given {
+    dml_scope scope;
     const dm_graph *graph; /* of the trace */
     const double *values;  /* of its sums; NULL: not now */
     uint32_t calls;        /* of sums in this call of the function */
@@ -71,8 +83,9 @@ typedef struct dml_given {
     struct dml_given *before; /* the comparison that this one is nested in */
 } dml_given;
 
-typedef struct {
+typedef struct dml_state {
     const void *metatable[DML_CLASSES];
+    dml_scope *scopes;             /* all that is under way, newest first */
     dml_given *given;              /* or NULL */
     dml_frame *frames;             /* newest first */
     uint32_t serial;               /* of the newest trace */

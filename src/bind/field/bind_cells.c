@@ -4,6 +4,7 @@
  * (dm.dec.fields) says what a cell has; here is what a column of the loop is. */
 #include "bind/dec/bind_mesh.h"
 #include "bind/model/bind_system.h"
+#include "bind/trace/apart.h"
 #include "bind/trace/given.h"
 #include "bind/trace/traced_call.h"
 #include "bind/value/array.h"
@@ -341,14 +342,14 @@ static int cell_sum(lua_State *L) {
     if (!lua_isnil(L, 4)) s.held = lua_touserdata(L, 4);
     luaL_checkstack(L, 20, NULL);
     if (!lua_isnil(L, 5)) {
-        const int is_given =
-            state->given && state->given->values && state->given->within == state->frames;
+        dml_given *given = dml_sumsgiven(state);
         r.q = entries_at(L, 5);
         if (!lua_isnil(L, 6)) r.v = entries_at(L, 6);
-        const dm_sum *given = is_given ? find_given(state->given, r.cells) : NULL;
-        if (is_given) state->given->calls++;
-        return given ? give(L, &r, state->given, given, fn) : sum_numbers(L, &r, fn);
+        const dm_sum *summed = given ? find_given(given, r.cells) : NULL;
+        if (given) given->calls++;
+        return summed ? give(L, &r, given, summed, fn) : sum_numbers(L, &r, fn);
     }
+    dml_leavedead(state);
     r.outer = state->frames;
     if (r.outer && r.outer->capture)
         return luaL_error(L, "a sum over cells stands inside of the function of another one: make "

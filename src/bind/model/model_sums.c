@@ -1,34 +1,22 @@
 #include "bind/model/model_sums.h"
 
 #include "algebra/body_sum.h"
-#include "bind/core/state.h"
+#include "bind/core/scope.h"
 #include "chain/loops.h"
 
-/* __close and __gc: sums are loops again, or what they were before */
-static int end_given(lua_State *L) {
-    const dml_given *given = lua_touserdata(L, 1);
-    dml_given **link = &dml_getstate(L)->given;
-    while (*link && *link != given) link = &(*link)->before;
-    if (*link) *link = given->before;
-    return 0;
+/* sums are loops again, or what they were before; the scope is its first member */
+static void end_given(dml_state *state, dml_scope *scope) {
+    state->given = ((dml_given *)scope)->before;
 }
 
 /* Closing it takes it out of the list, also when an error passes. */
 void dml_pushgiven(lua_State *L, const dm_graph *g, int checked) {
     dml_state *state = dml_getstate(L);
-    dml_given *given = lua_newuserdatauv(L, sizeof *given, 0);
-    *given = (dml_given){.graph = g,
-                         .looked = checked ? UINT32_MAX : 0,
-                         .within = state->frames,
-                         .before = state->given};
-    if (luaL_newmetatable(L, "dm.given")) {
-        lua_pushcfunction(L, end_given);
-        lua_setfield(L, -2, "__gc");
-        lua_pushcfunction(L, end_given);
-        lua_setfield(L, -2, "__close");
-    }
-    lua_setmetatable(L, -2);
-    lua_toclose(L, -1);
+    dml_given *given = dml_pushscope(L, sizeof *given, 0, end_given);
+    given->graph = g;
+    given->looked = checked ? UINT32_MAX : 0;
+    given->within = state->frames;
+    given->before = state->given;
     state->given = given;
 }
 

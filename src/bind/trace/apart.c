@@ -1,38 +1,37 @@
 #include "bind/trace/apart.h"
 
-/* What it returns must be given back by dml_endapart, or by the close of dml_pushapart. */
-dml_apart dml_setapart(dml_state *state) {
-    dml_given *given = state->given;
-    dml_frame *frame = state->frames;
-    const dml_apart apart = {given, given ? given->values : NULL, frame, frame ? frame->sums : 0};
-    if (given) given->values = NULL;
-    return apart;
+/* Those that it was entered in are the newest ones again. */
+static void end_apart(dml_state *state, dml_scope *scope) {
+    const dml_apart *a = (const dml_apart *)scope;
+    if (state->given) state->given->values = a->values;
+    if (state->frames) state->frames->sums = a->sums;
 }
 
-/* Nothing where nothing was under way. */
-void dml_endapart(const dml_apart *a) {
-    if (a->given) a->given->values = a->values;
-    if (a->frame) a->frame->sums = a->sums;
+static void begin(const dml_state *state, dml_apart *a) {
+    a->values = state->given ? state->given->values : NULL;
+    a->sums = state->frames ? state->frames->sums : 0;
+    if (state->given) state->given->values = NULL;
 }
 
-/* __close: not __gc, when what it points to may be gone */
-static int end_apart(lua_State *L) {
-    dml_apart *a = lua_touserdata(L, 1);
-    dml_endapart(a);
-    *a = (dml_apart){0};
-    return 0;
+void dml_setapart(dml_state *state, dml_apart *a) {
+    dml_enter(state, &a->scope, NULL, end_apart);
+    begin(state, a);
+}
+
+void dml_endapart(dml_state *state, dml_apart *a) {
+    dml_leave(state, &a->scope);
 }
 
 /* A value to be closed is left on the stack. */
 void dml_pushapart(lua_State *L) {
     dml_state *state = dml_getstate(L);
+    dml_leavedead(state);
     if (!state->given && !state->frames) return;
-    dml_apart *a = lua_newuserdatauv(L, sizeof *a, 0);
-    *a = dml_setapart(state);
-    if (luaL_newmetatable(L, "dm.apart")) {
-        lua_pushcfunction(L, end_apart);
-        lua_setfield(L, -2, "__close");
-    }
-    lua_setmetatable(L, -2);
-    lua_toclose(L, -1);
+    begin(state, dml_pushscope(L, sizeof(dml_apart), 0, end_apart));
+}
+
+dml_given *dml_sumsgiven(dml_state *state) {
+    dml_leavedead(state);
+    dml_given *given = state->given;
+    return given && given->values && given->within == state->frames ? given : NULL;
 }

@@ -100,8 +100,10 @@ static dml_root_shape *solve(lua_State *L, int top) {
 
 /* the trace that all others are nested in */
 static uint32_t outermost(lua_State *L) {
+    dml_state *state = dml_getstate(L);
     uint32_t serial = 0;
-    for (const dml_frame *f = dml_getstate(L)->frames; f; f = f->next) serial = f->serial;
+    dml_leavedead(state);
+    for (const dml_frame *f = state->frames; f; f = f->next) serial = f->serial;
     return serial;
 }
 

@@ -3,6 +3,7 @@
  * symbols of its own, and the sum stays a loop in the kernels (algebra/body_sum.h). */
 #include "algebra/body_sum.h"
 #include "algebra/implicit.h"
+#include "bind/trace/apart.h"
 #include "bind/trace/given.h"
 #include "bind/trace/sum_request.h"
 #include "bind/trace/traced_call.h"
@@ -227,11 +228,6 @@ static int keep_loop(lua_State *L, const request *r, dml_frame *frame, dm_sum *s
 
 /* ---- a sum that is given ---- */
 
-/* a run inside of the function that is compared traces what it steps: those sums are its own */
-static int is_given(const dml_state *state) {
-    return state->given && state->given->values && state->given->within == state->frames;
-}
-
 /* the sum that this call of dm.sum_over became in the trace; NULL: none. Newer ones are made of
  * it. */
 static const dm_sum *find_given(const dml_given *given, const request *r) {
@@ -294,10 +290,11 @@ static int sum_over(lua_State *L) {
     luaL_checkstack(L, 2 * DML_MAX_ARGUMENTS + 20, NULL);
     dml_read_sum(L, &r);
     if (r.from > r.to) return loop_in_lua(L, &r); /* pairs of one body: none */
-    if (is_given(state)) {
-        const dm_sum *given = find_given(state->given, &r);
-        state->given->calls++;
-        if (given) return give(L, &r, state->given, given);
+    dml_given *given = dml_sumsgiven(state);
+    if (given) {
+        const dm_sum *summed = find_given(given, &r);
+        given->calls++;
+        if (summed) return give(L, &r, given, summed);
     }
     dml_frame *frame = find_trace(L, &r);
     dm_sum s = {.bodies = r.bodies, .from = r.from, .to = r.to, .periodic = r.periodic};

@@ -2,6 +2,7 @@
  * returns. */
 #include "bind/trace/trace.h"
 #include "bind/core/missing_key.h"
+#include "bind/core/scope.h"
 
 #include "bind/trace/traced_call.h"
 #include "bind/value/array.h"
@@ -118,14 +119,11 @@ void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double
 
 /* ---- traces ---- */
 
-/* __close and __gc: its symbols are dead from here on */
-static int end_trace(lua_State *L) {
-    dml_frame *frame = luaL_checkudata(L, 1, "dm.trace");
-    dml_frame **link = &dml_getstate(L)->frames;
-    while (*link && *link != frame) link = &(*link)->next;
-    if (*link) *link = frame->next;
+/* its symbols are dead from here on; its scope is its first member */
+static void end_trace(dml_state *state, dml_scope *scope) {
+    dml_frame *frame = (dml_frame *)scope;
+    state->frames = frame->next;
     dml_leavesymbols(frame);
-    return 0;
 }
 
 /* it is on top of the stack from here on, and keeps the arena; one that repeats another keeps
@@ -133,28 +131,20 @@ static int end_trace(lua_State *L) {
 static dml_frame *begin_trace(lua_State *L, dm_arena *arena, const dml_signature *s,
                               const dml_traced *last) {
     dml_state *state = dml_getstate(L);
-    dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 2);
-    *frame = (dml_frame){.arena = arena,
-                         .what = s->what,
-                         .keeps_sums = s->keeps_sums,
-                         .may_branch = s->may_branch,
-                         .capture = s->capture,
-                         .request = s->request};
-    dml_pushkeeper(L, arena);
-    lua_setiuservalue(L, -2, 1);
-    if (last) dml_pushkeeper(L, dm_graph_arena(last->graph));
-    if (last) lua_setiuservalue(L, -2, 2);
-    if (luaL_newmetatable(L, "dm.trace")) {
-        lua_pushcfunction(L, end_trace);
-        lua_setfield(L, -2, "__gc");
-        lua_pushcfunction(L, end_trace);
-        lua_setfield(L, -2, "__close");
-    }
-    lua_setmetatable(L, -2);
-    lua_toclose(L, -1);
+    dml_frame *frame = dml_pushscope(L, sizeof *frame, 2, end_trace);
+    frame->arena = arena;
+    frame->what = s->what;
+    frame->keeps_sums = s->keeps_sums;
+    frame->may_branch = s->may_branch;
+    frame->capture = s->capture;
+    frame->request = s->request;
     frame->serial = ++state->serial;
     frame->next = state->frames;
     state->frames = frame;
+    dml_pushkeeper(L, arena);
+    lua_setiuservalue(L, -2, 2);
+    if (last) dml_pushkeeper(L, dm_graph_arena(last->graph));
+    if (last) lua_setiuservalue(L, -2, 3);
     return frame;
 }
 

@@ -117,7 +117,8 @@ static void eval(const void *pool, const double *in, double *out) {
         fill_nan(out, outputs(c, at->order));
         return;
     }
-    const dml_apart apart = dml_setapart(c->state);
+    dml_apart apart;
+    dml_setapart(c->state, &apart);
     c->busy = 1;
     c->state->depth++;
     lua_pushcfunction(c->thread, work);
@@ -126,7 +127,7 @@ static void eval(const void *pool, const double *in, double *out) {
     c->failed = lua_pcall(c->thread, 2, 0, 0) != LUA_OK;
     c->state->depth--;
     c->busy = 0;
-    dml_endapart(&apart);
+    dml_endapart(c->state, &apart);
     if (c->failed) fill_nan(out, outputs(c, at->order));
 }
 

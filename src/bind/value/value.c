@@ -170,7 +170,7 @@ int dml_symbolic(lua_State *L, dm_op op) {
     dml_frame *frame = state->frames;
     dm_node node[2] = {0, 0};
     int symbol[2];
-    if (!frame) return 0;
+    if (!frame || frame->scope.thread != L) return 0; /* which may be dead */
     for (int k = 0; k < 2; k++) {
         symbol[k] = symbol_node(L, k + 1, state, node + k);
         if (!symbol[k] && lua_type(L, k + 1) != LUA_TNUMBER) return 0;

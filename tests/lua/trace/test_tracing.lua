@@ -116,6 +116,24 @@ ok(good { 2 } == 13, "an inner trace of its own arguments")
 pcall(coroutine.resume, coroutine.create(function() trace(function(x) kept = x[1] error "dead" end, 1) end))
 collectgarbage()
 raises("after its trace had ended", function() return kept + 1 end)
+-- a coroutine that died inside of a trace is over at once, collected or not
+local factor, dead = 2, coroutine.create(function() trace(function(x) kept = x[1] error "dead" end, 1) end)
+local fading = dm.root { equations = function(y, x) return factor * y - x end, start = 0 }
+local failing = coroutine.create(function() trace(function(x) error(fading(x[1])) end, 1) end)
+ok(not coroutine.resume(failing) and not coroutine.resume(dead), "two coroutines die inside of a trace")
+raises("after its trace had ended", function() return kept * kept end)
+local function by_root(x) return fading(x[1]) end
+ok(trace(by_root, 1) { 4 } == 2, "a root that a dead coroutine has traced")
+factor = 4
+ok(trace(by_root, 1) { 4 } == 1, "is looked at again in the next trace")
+local outer = trace(function(x)
+  local inner = coroutine.create(function() return trace(function(y) error(y[1]) end, 1) end)
+  assert(not coroutine.resume(inner))
+  local powers = coroutine.wrap(function() for i = 1, 3 do coroutine.yield(x[1] ^ i) end end)
+  return powers() + powers() + powers() + 2 * x[1]
+end, 1)
+ok(outer { 2 } == 18, "a trace goes on after a coroutine in it has died, and takes symbols from generators")
+ok(coroutine.status(dead) == "dead" and not coroutine.close(dead), "closing it later does no harm")
 local scratch = dm.vector(2)
 local function uses_scratch(x) scratch[1], scratch[2] = x[1], 2 return scratch[1] * scratch[2] end
 ok(trace(uses_scratch, 1) { 3 } == 6 and trace(uses_scratch, 1) { 4 } == 8, "a scratch vector outside the function")
