@@ -2,6 +2,7 @@
 #include "algebra/derive.h"
 #include "bind/model/bind_system.h"
 #include "bind/trace/function.h"
+#include "code/tape/c_names.h"
 #include "code/tape/emit_c.h"
 
 #include <string.h>
@@ -96,35 +97,14 @@ static int system_emit(lua_State *L) {
     return push_file(&b);
 }
 
-/* what C lets a function be called: letters, digits and _, no digit first, no word of C17 */
-static int is_identifier(const char *name) {
-    static const char *const words[] = {"auto",          "break",     "case",     "char",
-                                        "const",         "continue",  "default",  "do",
-                                        "double",        "else",      "enum",     "extern",
-                                        "float",         "for",       "goto",     "if",
-                                        "inline",        "int",       "long",     "register",
-                                        "restrict",      "return",    "short",    "signed",
-                                        "sizeof",        "static",    "struct",   "switch",
-                                        "typedef",       "union",     "unsigned", "void",
-                                        "volatile",      "while",     "_Alignas", "_Alignof",
-                                        "_Atomic",       "_Bool",     "_Complex", "_Generic",
-                                        "_Imaginary",    "_Noreturn", "main",     "_Static_assert",
-                                        "_Thread_local", NULL};
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
-    for (const char *const *w = words; *w; w++)
-        if (strcmp(*w, name) == 0) return 0;
-    return *name && !strchr("0123456789", *name) && !name[strspn(name, letters)];
-}
-
 static int function_emit(lua_State *L) {
     const dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
     size_t length = 1;
     const char *name = luaL_optlstring(L, 2, "f", &length);
-    if (!is_identifier(name) || strlen(name) != length)
-        return luaL_error(L,
-                          "emit_c: the name of a C function is letters, digits and _, and no word "
-                          "of C (got \"%s\")",
-                          name);
+    const char *taken = strlen(name) == length ? dm_c_taken(name) : "is none: it has a zero byte";
+    if (taken)
+        return luaL_error(L, "emit_c: as the name of a C function \"%s\" %s; take another one",
+                          name, taken);
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     const emitter e = {.L = L, .b = &b, .graph = f->graph};
@@ -144,7 +124,8 @@ static const dml_row of_systems[] =
 static const dml_row of_functions[] =
     {{"emit_c", function_emit,
       "f:emit_c([name]) -> string\n"
-      "C17 text of f: void name(const double *in, double *out); name defaults to f."},
+      "C17 text of f: void name(const double *in, double *out); name defaults to f. Words of C, names "
+      "in <math.h> and functions of the C library are refused."},
      {NULL, NULL, NULL}};
 
 static const dml_extension more[] = {

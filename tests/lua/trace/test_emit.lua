@@ -42,5 +42,13 @@ tap.ok(not quartic:find "reciprocal_root" and kepler:find "double reciprocal_roo
 for _, name in ipairs { "f(void) { } //", "", "2f", "double", "_Bool", "main", "a b", "f\0g", "f-g" } do
   raises("name of a C function", f.emit_c, f, name)
 end
+-- and none that the text, or a program that it is linked with, has already
+for name, why in pairs { sin = "math.h", expf = "math.h", NAN = "math.h", M_PI = "math.h", double_t = "math.h", y1 = "math.h", isnan = "math.h",
+  printf = "C library", exit = "C library", reciprocal_root = "helper", bool = "word of C", asm = "word of C", __f = "reserved", _F = "reserved" } do
+  raises(why, f.emit_c, f, name)
+end
+for _, name in ipairs { "sins", "sinus", "si", "nanny", "Sin", "t3", "x1", "in", "force", "f1", "ml", "l", "energy" } do
+  ok(f:emit_c(name):find("void " .. name .. "(", 1, true) ~= nil, name .. " is free")
+end
 ok(f:emit_c("_f2"):find("void _f2(", 1, true) ~= nil, "a name that C takes")
 tap.done()
