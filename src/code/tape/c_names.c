@@ -32,19 +32,20 @@ static const char of_math[] = " FP_ M_ MATH_ SNAN ";
 
 /* which a program is linked with, whatever it includes; compilers know their types */
 static const char library[] =
-    " abort abs acct aligned_alloc asctime at_quick_exit atexit atof atoi atol atoll bsearch btowc cabs "
-    "calloc cexp clearerr clock cpow csin csqrt ctime difftime div exit fclose feof ferror fflush "
-    "fgetc fgetpos fgets fopen fprintf fputc fputs fread free freopen fscanf fseek fsetpos ftell "
-    "fwrite getc getchar getenv gets gmtime index isalnum isalpha isascii isblank iscntrl isdigit "
-    "isgraph islower isprint ispunct isspace isupper isxdigit labs ldiv llabs lldiv localeconv "
-    "localtime longjmp malloc mblen mbstowcs mbtowc memchr memcmp memcpy memmove memset mktime "
-    "perror printf putc putchar puts qsort quick_exit raise rand realloc remove rename rewind "
-    "rindex scanf setbuf setjmp setlocale setvbuf signal snprintf sprintf srand sscanf strcat "
-    "strchr strcmp strcoll strcpy strcspn strdup strerror strftime strlen strncat strncmp strncpy "
-    "strndup strpbrk strrchr strspn strstr strtod strtof strtok strtol strtold strtoll strtoul "
-    "strtoull strxfrm system time timespec_get tmpfile tmpnam tolower toupper towlower towupper ungetc vfprintf "
-    "vfscanf vprintf vscanf vsnprintf vsprintf vsscanf wcstombs wctomb read write open close alloca "
-    "bcmp bcopy bzero ffs fork execl execv ";
+    " abort abs acct aligned_alloc alloca asctime at_quick_exit atexit atof atoi atol atoll bcmp "
+    "bcopy bsearch btowc bzero cabs calloc cexp clearerr clock close cpow csin csqrt ctime "
+    "difftime div execl execv exit fclose feof ferror fflush ffs fgetc fgetpos fgets fopen fork "
+    "fprintf fputc fputs fread free freopen fscanf fseek fsetpos ftell fwrite getc getchar "
+    "getenv gets gmtime index isalnum isalpha isascii isblank iscntrl isdigit isgraph islower "
+    "isprint ispunct isspace isupper isxdigit labs ldiv llabs lldiv localeconv localtime "
+    "longjmp malloc mblen mbstowcs mbtowc memchr memcmp memcpy memmove memset mktime open "
+    "perror printf putc putchar puts qsort quick_exit raise rand read realloc remove rename "
+    "rewind rindex scanf setbuf setjmp setlocale setvbuf signal snprintf sprintf srand sscanf "
+    "strcat strchr strcmp strcoll strcpy strcspn strdup strerror strftime strlen strncat "
+    "strncmp strncpy strndup strpbrk strrchr strspn strstr strtod strtof strtok strtol strtold "
+    "strtoll strtoul strtoull strxfrm system time timespec_get tmpfile tmpnam tolower toupper "
+    "towlower towupper ungetc vfprintf vfscanf vprintf vscanf vsnprintf vsprintf vsscanf "
+    "wcstombs wctomb write ";
 static const char helpers[] = " reciprocal_root reciprocal_root3 ";
 
 /* Do the first `length` letters of name stand in the list? */
