@@ -1,5 +1,6 @@
 #include "run/observe.h"
 
+#include <math.h>
 #include <string.h>
 
 uint32_t dm_observer_width(const dm_observer *o) {
@@ -54,6 +55,19 @@ dm_status dm_observe(dm_observer *o, double *out, const double *state, double t)
         } else {
             *out++ = state[what->entry];
         }
+    }
+    return DM_OK;
+}
+
+/* An infinite number is one that a script may mean: a slope, or a logarithm of 0. */
+dm_status dm_observe_row(dm_observer *o, double *out, const double *state, double t) {
+    const dm_status status = dm_observe(o, out, state, t);
+    const uint32_t width = dm_observer_width(o);
+    if (status != DM_OK) return status;
+    for (uint32_t i = 0; i < width; i++) {
+        if (!isnan(out[i])) continue;
+        o->missing = i + 1, o->missed = t;
+        return DM_NOT_FINITE;
     }
     return DM_OK;
 }

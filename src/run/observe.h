@@ -19,6 +19,8 @@ typedef struct {
     double *x;            /* [3n + 1], then as much as a kernel of the model takes */
     const double *params; /* [params of the model] */
     double *work;         /* dm_legendre_work doubles; NULL: no kernel reads v */
+    uint32_t missing;     /* number, from 1, that was NaN in dm_observe_row; 0: none */
+    double missed;        /* the time of that */
 } dm_observer;
 
 /* Numbers that dm_observe writes. */
@@ -27,5 +29,8 @@ uint32_t dm_observer_width(const dm_observer *o);
 /* out = the observables, one after the other, at a state of a run. The velocity is found from p:
  * DM_SINGULAR or DM_NO_CONVERGENCE where there is none. */
 dm_status dm_observe(dm_observer *o, double *out, const double *state, double t);
+
+/* The same of a row that is kept: DM_NOT_FINITE where one of them is NaN. */
+dm_status dm_observe_row(dm_observer *o, double *out, const double *state, double t);
 
 #endif

@@ -111,7 +111,7 @@ static dm_status record(loop *l, const double *state, double t) {
         row += states;
     }
     if (l->plan->watch) {
-        status = dm_observe(l->plan->watch, row, state, t);
+        status = dm_observe_row(l->plan->watch, row, state, t);
         row += dm_observer_width(l->plan->watch);
     }
     if (l->plan->impulses) open_impulses(l, row);

@@ -5,7 +5,6 @@
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
 #include "bind/model/system_dual.h"
-#include "graph/analyse.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -218,76 +217,6 @@ static int system_structure(lua_State *L) {
     return 1;
 }
 
-static void put(void *ud, const char *text, size_t length) {
-    luaL_addlstring(ud, text, length);
-}
-
-/* names of the inputs of L for a listing: q, v by their coordinates, then t */
-static const char *const *input_names(lua_State *L, const dml_system *s) {
-    const char **names = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *names, 1);
-    lua_newtable(L); /* keeps the strings */
-    for (uint32_t i = 0; i < s->n; i++) {
-        names[i] = dml_coordinate(L, 1, i);
-        lua_rawseti(L, -2, 2 * (lua_Integer)i + 1);
-        names[s->n + i] = lua_pushfstring(L, "%s%s", s->hamiltonian ? "p_" : "d", names[i]);
-        lua_rawseti(L, -2, 2 * (lua_Integer)i + 2);
-    }
-    lua_setiuservalue(L, -2, 1);
-    names[2 * s->n] = "t";
-    return names;
-}
-
-/* L in the language of graphviz. */
-static int system_graph(lua_State *L) {
-    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    const char *const *names = input_names(L, s);
-    dml_model *m = dml_pushmodel(L, 1);
-    luaL_Buffer b;
-    dml_writeout(L, m);
-    if (!m->graph) return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph");
-    luaL_buffinit(L, &b);
-    dm_print(m->graph, &m->lagrangian, 1, names, put, &b);
-    luaL_pushresult(&b);
-    return 1;
-}
-
-/* Name, space, and how many constraints. */
-static int system_tostring(lua_State *L) {
-    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    luaL_Buffer b;
-    dml_systemfield(L, 1, "name");
-    const char *name = lua_tostring(L, -1);
-    dml_systemfield(L, 1, "Q");
-    const char *Q = luaL_tolstring(L, -1, NULL);
-    dml_model *m = dml_pushmodel(L, 1);
-    dml_asgiven(L, m);
-    const unsigned bits = m->model.structure;
-    luaL_buffinit(L, &b);
-    if (name)
-        lua_pushfstring(L, "system '%s' on %s: ", name, Q);
-    else
-        lua_pushfstring(L, "system on %s: ", Q);
-    luaL_addvalue(&b);
-    if (s->hyperdual)
-        luaL_addstring(&b, "L on hyper-dual numbers");
-    else {
-        luaL_addstring(&b, s->hamiltonian          ? "H as it stands, "
-                           : bits & DM_NO_VELOCITY ? "no velocity in L, "
-                           : bits & DM_LINEAR_IN_V ? "linear in v, "
-                           : bits & DM_SEPARABLE   ? "separable, "
-                                                   : "not separable, ");
-        if (!(bits & (DM_LINEAR_IN_V | DM_HAMILTONIAN)))
-            luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
-                                                       : "mass depends on the state, ");
-        if (!(bits & DM_AUTONOMOUS)) luaL_addstring(&b, "depends on time, ");
-        lua_pushfstring(L, "%d operations, derivatives exact", (int)m->model.operations);
-        luaL_addvalue(&b);
-    }
-    dml_describeconstraints(L, &b, m);
-    luaL_pushresult(&b);
-    return 1;
-}
-
 /* a copy of the options that the system was made with, but its own params, as members have them */
 static int push_given(lua_State *L) {
     lua_newtable(L);
@@ -321,7 +250,7 @@ static int system_field(lua_State *L) {
     return 0;
 }
 
-static const dml_row meta[] = {{"__tostring", system_tostring, NULL}, {NULL, NULL, NULL}};
+static const dml_row meta[] = {{"__tostring", dml_system_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] =
     {{"energy", system_energy,
       "system:energy(q, v [, t]) -> number\n"
@@ -355,7 +284,7 @@ static const dml_row methods[] =
       "of coordinates that L does not depend on), operations; and how the system is constrained: "
       "constraints, rolling (how many), forced (boolean). hamiltonian: H(q, p) is stepped as it "
       "stands, no formula gives an L of it; separable is then H = T(p) + V(q, t)."},
-     {"graph", system_graph,
+     {"graph", dml_system_graph,
       "system:graph() -> string\n"
       "The expression graph of L, one assignment a line; coordinates and their rates by name."},
      {NULL, NULL, NULL}};

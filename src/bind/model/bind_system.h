@@ -140,4 +140,8 @@ void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair);
 void dml_check_callback(lua_State *L, dml_model *m, const char *what, const double *x,
                         int may_be_outside);
 
+/* tostring(system), which raises nothing that the functions of the system raise; system:graph(). */
+int dml_system_tostring(lua_State *L);
+int dml_system_graph(lua_State *L);
+
 #endif

@@ -5,6 +5,7 @@
 
 #include "algebra/derive.h"
 #include "bind/model/model_cache.h"
+#include "bind/trace/bind_root.h"
 
 static void check_lengths(lua_State *L, const dml_model *m, int pair) {
     const uint32_t n = m->n, k = m->constraint[DML_CONSTRAINT].outputs,
@@ -148,4 +149,19 @@ void dml_buildconstraints(lua_State *L, dml_model *m) {
                    "one on "
                    "the coordinates alone goes into 'constraint'",
                    (int)(idle - k) + 1);
+}
+
+/* ---- implicit functions in them and in L ---- */
+
+const char *dml_modeltrouble(lua_State *L, const dml_model *m) {
+    const char *of_constraints = dml_roottrouble(L, m->constrained.graph);
+    if (*of_constraints) return of_constraints;
+    const char *of_map = dml_roottrouble(L, m->constraint[DML_MAP].graph);
+    return *of_map ? of_map : dml_roottrouble(L, m->graph);
+}
+
+void dml_forgetroots(const dml_model *m) {
+    if (m->graph) dm_root_forget(m->graph);
+    if (m->constrained.graph) dm_root_forget(m->constrained.graph);
+    if (m->constraint[DML_MAP].graph) dm_root_forget(m->constraint[DML_MAP].graph);
 }

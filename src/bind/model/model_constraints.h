@@ -50,7 +50,4 @@ void dml_addforces(lua_State *L, dml_model *m, const double *x, double *p0, doub
  * are called. */
 extern const dml_row dml_constraint_methods[];
 
-/* Add "2 constraints, 1 rolling constraint, a force" to a text, nothing without any. */
-void dml_describeconstraints(lua_State *L, luaL_Buffer *b, const dml_model *m);
-
 #endif

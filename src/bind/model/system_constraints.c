@@ -9,20 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* "2 constraints", with a comma where something stands before it. */
-static void add_count(lua_State *L, luaL_Buffer *b, uint32_t count, const char *what) {
-    if (!count) return;
-    lua_pushfstring(L, ", %d %s%s", (int)count, what, count > 1 ? "s" : "");
-    luaL_addvalue(b);
-}
-
-void dml_describeconstraints(lua_State *L, luaL_Buffer *b, const dml_model *m) {
-    add_count(L, b, m->constraints.holonomic, "constraint");
-    add_count(L, b, m->constraints.rolling, "rolling constraint");
-    if (m->constraints.forced || m->model.worked) luaL_addstring(b, ", a force");
-    add_count(L, b, m->constraints.controls, "control");
-}
-
 /* the first `count` outputs of a kernel of the constraints at x = (q, v, t) */
 static int push_outputs(lua_State *L, const dm_kernel *kernel, const double *x, uint32_t count,
                         const char *what) {

@@ -124,8 +124,8 @@ static const dml_row of_systems[] =
 static const dml_row of_functions[] =
     {{"emit_c", function_emit,
       "f:emit_c([name]) -> string\n"
-      "C17 text of f: void name(const double *in, double *out); name defaults to f. Words of C, names "
-      "in <math.h> and functions of the C library are refused."},
+      "C17 text of f: void name(const double *in, double *out); name defaults to f. Words of C, "
+      "names in <math.h> and functions of the C library are refused."},
      {NULL, NULL, NULL}};
 
 static const dml_extension more[] = {

@@ -197,11 +197,20 @@ static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
     luaL_addvalue(b);
 }
 
-/* does the exact motion keep the energy: no time in L, no force? */
-static int keeps_energy(lua_State *L, int system) {
-    if (dml_checksystem(L, system)->hyperdual) return 1;
-    const dm_model *m = &dml_pushmodel(L, system)->model;
-    const int keeps = (m->structure & DM_AUTONOMOUS) && !(m->constraints && m->constraints->forced);
+/* (system) -> does the exact motion keep the energy: no time in L, no force? */
+static int keeps_energy(lua_State *L) {
+    if (dml_checksystem(L, 1)->hyperdual) return lua_pushboolean(L, 1), 1;
+    const dm_model *m = &dml_pushmodel(L, 1)->model;
+    lua_pushboolean(L, (m->structure & DM_AUTONOMOUS) &&
+                           !(m->constraints && m->constraints->forced));
+    return 1;
+}
+
+/* 0 also where L fails by now */
+static int try_keeps(lua_State *L, int system) {
+    lua_pushcfunction(L, keeps_energy);
+    lua_pushvalue(L, system);
+    const int keeps = dml_try(L, 1, 1) && lua_toboolean(L, -1);
     lua_pop(L, 1);
     return keeps;
 }
@@ -234,7 +243,7 @@ static int path_tostring(lua_State *L) {
     const int system = lua_gettop(L);
     const int pair = dml_checksystem(L, system)->pair;
     const double *E = pair ? NULL : try_energy(L, p);
-    const int keeps = E && keeps_energy(L, system);
+    const int keeps = E && try_keeps(L, system);
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "path of ");
     add_grouped(&b, p->steps);

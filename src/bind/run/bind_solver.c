@@ -282,7 +282,7 @@ static const dml_row methods[] =
       "checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and "
       "at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, "
       "instead of that of the first. Raises dm.failure with the path so far when a step cannot be "
-      "solved, the state stops being finite, or on Ctrl-C."},
+      "solved, the state stops being finite, a column is NaN, or on Ctrl-C."},
      {"step", solver_step,
       "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, q1) -> q2\n"
       "One step from a state, or the next position after two positions one step apart."},

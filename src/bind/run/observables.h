@@ -42,6 +42,10 @@ void dml_pushkeys(lua_State *L, int table, const char *field);
  * at the old top of the stack + 1, under what keeps the kernels. */
 void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r);
 
+/* Note for the failure of the run, whose path is at `at`, which column was NaN (dm_observe_row);
+ * the text stays on the stack. */
+void dml_watch_missed(lua_State *L, const dml_observables *o, int at, dml_stepping *r);
+
 /* Does a run have columns beside q and p, by field 'record' of the options at 2 or as parts of its
  * steps? */
 int dml_records(lua_State *L, const dml_stepping *r);

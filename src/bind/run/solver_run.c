@@ -391,10 +391,10 @@ int dml_solver_run(lua_State *L) {
     dml_progress_end(L);
     fill_path(&u, path, done, rows, seconds);
     status = finish(L, &u, status);
+    dml_watch_missed(L, &u.watch, u.path, &u.r);
     dml_stepping_report(&u.r, done, seconds);
     u.r.t0 = u.plan.t0 + u.r.solver->h * (double)u.resume.steps;
     dml_solver_fail(L, &u.r, status, done, u.path);
     dml_stepping_leave(L, &u.r);
-    lua_settop(L, u.path);
-    return 1;
+    return lua_pushvalue(L, u.path), 1;
 }

@@ -64,6 +64,8 @@ typedef struct {
     double *state;             /* dm_state_size doubles */
     double *work;              /* for the Legendre transform */
     const char *unwritten;     /* the file that ended the run, "name: why", or NULL */
+    const char *unseen;        /* the column of `watch` that ended it, or NULL */
+    double unseen_at;          /* the time of that row */
     int fading;                /* d2L/dv2 was about to lose a value where the run failed */
     const char *degenerate;    /* where d2L/dv2 has no inverse at the start, or NULL */
     const dm_control *control; /* of a run whose steps are chosen; NULL: all are h long */

@@ -2,6 +2,7 @@
  * beside t. */
 #include "bind/model/space_group.h"
 #include "bind/rule/bind_step.h"
+#include "bind/run/bind_path.h"
 #include "bind/run/observables.h"
 #include "integ/constrained/constrained.h"
 #include "integ/method/lift.h"
@@ -244,6 +245,20 @@ static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, re
         lua_rawgeti(L, keys, i);
         read_entry(L, o, r, in);
     }
+}
+
+void dml_watch_missed(lua_State *L, const dml_observables *o, int at, dml_stepping *r) {
+    const dm_observer *seen = &o->observer;
+    const dml_path *path = lua_touserdata(L, at);
+    if (!seen->missing) return;
+    lua_getiuservalue(L, at, DML_PATH_NAMES);
+    lua_rawgeti(L, -1, 1 + (path->watched ? 0 : path->n + path->momenta) + seen->missing);
+    r->unseen_at = seen->missed;
+    r->unseen = lua_pushfstring(L,
+                                "column '%s' is NaN there: is its function inside its domain (a "
+                                "logarithm, root or quotient)? dm.where(c, a, b) gives it a value "
+                                "elsewhere; failure.path has the rows before",
+                                lua_tostring(L, -1));
 }
 
 /* Rows hold t and these, in the order of dml_pushkeys. */

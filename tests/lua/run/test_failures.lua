@@ -262,6 +262,34 @@ for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(3)", "lobatto(3)" } do
 end
 tap.near(at_rest(jump, "rk4", 0.01), -0.05, 1.2e-3, "rk4 takes the jump")
 
+-- a watched column that is NaN ends the run at that row: cos(t) is below 0 behind t = pi/2
+local swing = dm.system({ Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }):solver { rule = "verlet", h = 0.1 }
+local function logarithm(q) return math.log(q[1]) end
+for name, case in pairs { watch = { { watch = { "q1", ln = logarithm } }, "'ln'", 16, 16 },
+  record = { { record = { "energy", pair = function(q) return { q[1], math.log(q[1]) } end } }, "'pair2'", 16, 16 },
+  ["every = 7"] = { { watch = { ln = logarithm }, every = 7 }, "'ln'", 21, 3 } } do
+  local options, column, step, rows = table.unpack(case)
+  options.q, options.v, options.steps = { 1 }, { 0 }, 100
+  local fine, e = pcall(swing.run, swing, options)
+  tap.ok(not fine and e.code == "not_finite" and tostring(e):find(column, 1, true) and e.step == step and math.abs(e.time - step / 10) < 1e-12,
+    name .. ": column, step and time of a NaN are named", e)
+  tap.ok(#e.path == rows and e.path.steps == step, name .. ": the rows before it are kept", e.path)
+end
+raises("step 0, t = 0.0", swing.run, swing, { q = { -1 }, v = { 0 }, steps = 3, watch = { ln = logarithm } })
+tap.ok(swing:run({ q = { 0 }, v = { 0 }, steps = 3, watch = { ln = logarithm } }):column("ln")[4] == -math.huge, "an infinite number is one")
+
+-- printing raises nothing that the functions of a system raise by now
+stiffness = 2
+local own = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - stiffness * q[1] ^ 2 / 2 end }
+local tied = dm.system { Q = dm.R(2), L = function(_, v) return stiffness * v:dot(v) / 2 end, constraint = function(q) return q[1] end }
+local printed = own:solver { rule = "gauss(2)", h = 0.1 }
+local rows = printed:run { q = { 1 }, v = { 0 }, steps = 10 }
+stiffness = nil
+for _, x in ipairs { own, tied, printed } do
+  tap.ok(tostring(x):find "fail now: .*global 'stiffness'", "a system whose global is gone says so", tostring(x))
+end
+tap.ok(tostring(rows):find "path of 10 steps", "a path of it prints", tostring(rows))
+
 -- a known shortfall: sections that only a narrow band of orbits cuts more than once are taken
 local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
 local function wavy(A)
