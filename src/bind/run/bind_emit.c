@@ -1,8 +1,8 @@
 /* bind_emit.c - `system:emit_c()` and `f:emit_c()`: what dmlua computes, as C. */
 #include "algebra/derive.h"
 #include "bind/model/bind_system.h"
+#include "bind/run/c_names.h"
 #include "bind/trace/function.h"
-#include "code/tape/c_names.h"
 #include "code/tape/emit_c.h"
 
 #include <string.h>
@@ -101,7 +101,7 @@ static int function_emit(lua_State *L) {
     const dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
     size_t length = 1;
     const char *name = luaL_optlstring(L, 2, "f", &length);
-    const char *taken = strlen(name) == length ? dm_c_taken(name) : "is none: it has a zero byte";
+    const char *taken = strlen(name) == length ? dml_c_taken(name) : "is none: it has a zero byte";
     if (taken)
         return luaL_error(L, "emit_c: as the name of a C function \"%s\" %s; take another one",
                           name, taken);

@@ -1,4 +1,4 @@
-#include "code/tape/c_names.h"
+#include "bind/run/c_names.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -69,7 +69,7 @@ static int is_of_math(const char *name) {
            is_listed(in_math, name, length) || begins_listed(of_math, name);
 }
 
-const char *dm_c_taken(const char *name) {
+const char *dml_c_taken(const char *name) {
     static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ_";
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
     const size_t length = strlen(name);
