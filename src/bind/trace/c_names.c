@@ -1,4 +1,4 @@
-#include "bind/run/c_names.h"
+#include "bind/trace/c_names.h"
 
 #include <stddef.h>
 #include <string.h>
