@@ -6034,7 +6034,8 @@ function dm.lagrange_poincare(options) end
 
 ---dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 ---
----Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
+---Columns of a .npy file or of a text, as path:npy and path:csv write them, or of what comes through
+---a pipe ("/dev/stdin"), up to its end: data.columns lists the
 ---names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
 ---semicolons, tabs or blanks stand between the fields; blank lines and comments, from a # on, are
 ---skipped. A column of the name columns is data.columns_. Names are in the first line, or in the

@@ -3,6 +3,7 @@
 #include "bind/core/bind.h"
 #include "bind/core/missing_key.h"
 #include "bind/core/new_file.h"
+#include "bind/core/read_file.h"
 #include "bind/rule/discrete_rule.h"
 
 /* Push the metatable of the class at 1 and its methods. */
@@ -137,6 +138,10 @@ static const dml_row functions[] =
       "Note that class has no such key, for the message of an error on the same line; called from "
       "the __index of a class in Lua; names: a table with the keys there are, where methods and "
       "docs do not say."},
+     {"open_file", dml_core_open_file,
+      "core.open_file(file) -> file   or   nil, why\n"
+      "A regular file, or what comes through a pipe up to its end (2^30 bytes at most), open for "
+      "reading. Devices and directories are refused: `why` says what it is."},
      {"new_file", dml_core_new_file,
       "core.new_file(file) -> name   or   nil, why\n"
       "Make an empty file beside `file`, under a name that nobody can foresee, for a program to "

@@ -117,7 +117,8 @@ end
 
 local doc_load = [[
 dm.load(file, {separator=, decimal=, names=, skip=}) -> table
-Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
+Columns of a .npy file or of a text, as path:npy and path:csv write them, or of what comes through
+a pipe ("/dev/stdin"), up to its end: data.columns lists the
 names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
 semicolons, tabs or blanks stand between the fields; blank lines and comments, from a # on, are
 skipped. A column of the name columns is data.columns_. Names are in the first line, or in the
@@ -145,15 +146,10 @@ M.load = blame.caller(function(file, given)
   end
   if given ~= nil then check_given(given) end
   local is_npy = file:lower():find("%.npy$")
-  local handle, why = io.open(file, "rb")
-  if not handle then option.fail("dm.load", "cannot open %s", why) end
+  local handle, why = core.open_file(file)
+  if not handle then option.fail("dm.load", "%s", why) end
   local fine, names, columns, counts
-  local head, unreadable = handle:read(8) -- nil alone: an empty file
-  if unreadable then
-    handle:close()
-    option.fail("dm.load", "cannot read %s: %s", file, unreadable)
-  end
-  local is_journal = head == journal.HEAD
+  local is_journal = handle:read(8) == journal.HEAD
   handle:seek("set")
   if is_journal then
     fine, names, columns = pcall(require "dm.data.journal_columns".columns, file)

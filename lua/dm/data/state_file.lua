@@ -48,7 +48,7 @@ end
 
 --- The first line of a file, up to 80 bytes; nil where it cannot be read.
 function M.head(file)
-  local handle = io.open(file, "r")
+  local handle = core.open_file(file)
   local line = handle and handle:read(80)
   if handle then handle:close() end
   return line and line:match "^[^\n]*"
@@ -57,8 +57,8 @@ end
 --- The fields of a file as texts, and its state as a vector in `state`.
 function M.read(file, head, what, where)
   local function fail(...) option.fail(where, ...) end
-  local handle, why = io.open(file, "r")
-  if not handle then fail("cannot open %s", why) end
+  local handle, why = core.open_file(file)
+  if not handle then fail("%s", why) end
   local text = handle:read "a" or ""
   handle:close()
   local body, sum = text:match "^(.*\n)end (%x+)\n$"

@@ -182,7 +182,7 @@ end
 
 --- The profile in a file, which no longer measures.
 function M.read(file)
-  local handle, why = io.open(file)
+  local handle, why = core.open_file(file)
   if not handle then fail("option 'profile': %s", why) end
   local text = handle:read "a"
   handle:close()

@@ -4,6 +4,7 @@
  * all lines before. Nothing that is read is believed: numbers are looked at one by one, and what
  * methods take for a count or a pivot in their memory they look at themselves. */
 #include "bind/core/new_file.h"
+#include "bind/core/read_file.h"
 #include "bind/run/checkpoint.h"
 
 #include <errno.h>
@@ -239,21 +240,12 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     return c;
 }
 
-/* How a file that the collector finds open is closed. */
-static int close_file(lua_State *L) {
-    luaL_Stream *s = luaL_checkudata(L, 1, LUA_FILEHANDLE);
-    return luaL_fileresult(L, fclose(s->f) == 0, NULL);
-}
-
 /* The file is closed by the collector where a line is refused. */
 void dml_checkpoint_read(lua_State *L, const char *file) {
-    luaL_Stream *s = lua_newuserdatauv(L, sizeof *s, 0);
-    s->closef = NULL;
-    luaL_setmetatable(L, LUA_FILEHANDLE);
-    s->f = fopen(file, "r");
-    if (!s->f) luaL_error(L, "dm.resume: cannot open %s: %s", file, strerror(errno));
-    s->closef = close_file;
-    reader r = {.L = L, .f = s->f, .file = file, .sum = EMPTY_SUM};
+    FILE *f = dml_openfile(L, file);
+    if (!f) luaL_error(L, "dm.resume: %s", lua_tostring(L, -1));
+    luaL_Stream *s = lua_touserdata(L, -1);
+    reader r = {.L = L, .f = f, .file = file, .sum = EMPTY_SUM};
     read_checkpoint(&r);
     s->closef = NULL;
     fclose(s->f);

@@ -123,6 +123,18 @@ raises("file name", path.npy, path)
 raises("file name", path.csv, path, {})
 raises("cannot open", dm.load, base .. ".absent")
 raises("cannot read /tmp: Is a directory", dm.load, "/tmp")
+for _, device in ipairs { "/dev/zero", "/dev/full", "/dev/null" } do
+  raises("cannot read " .. device .. ": it is a device", dm.load, device)
+  raises("it is a device", dm.resume, device, dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end })
+end
+do -- a pipe is read from its first byte to its end
+  local pipe = base .. ".pipe"
+  os.execute(("mkfifo %s && (printf 't,x\\n1,2\\n3,4\\n' > %s) &"):format(pipe, pipe))
+  repeat local there = os.execute("test -p " .. pipe) until there
+  local data = dm.load(pipe)
+  ok(table.concat(data.columns, " ") == "t x" and data.t == dm.vector { 1, 3 } and data.x == dm.vector { 2, 4 }, "a pipe is read whole", data.columns)
+  os.remove(pipe)
+end
 raises("file name", dm.load, 7)
 raises("is empty", dm.load, spit(csv, ""))
 raises("line 3, column x: not a number", dm.load, spit(csv, "t,x\n1,2\n3,oops\n"))

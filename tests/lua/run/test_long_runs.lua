@@ -86,7 +86,10 @@ raises("memory", oscillator.solver(oscillator, { rule = "verlet", h = 1e-3 }).ru
 raises("goes on from a checkpoint", function() dm.resume(half):ensemble { members = 2, q = { { 1 }, { 2 } }, v = { { 0 }, { 0 } }, steps = 1 } end)
 
 -- misuse of checkpoints
-raises("not a whole checkpoint", dm.resume, "/dev/null", kepler)
+local hollow = os.tmpname()
+raises("not a whole checkpoint", dm.resume, hollow, kepler)
+os.remove(hollow)
+raises("/dev/null: it is a device", dm.resume, "/dev/null", kepler)
 raises("cannot open", dm.resume, "/no/such/file", kepler)
 raises("coordinates, this one has 1", dm.resume, run(kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 1 }), swing)
 local heavier = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 2 / q:norm() end }

@@ -10,8 +10,8 @@ Reader.__index = Reader
 
 --- The file, to be read from its first line; comment: the character that begins a comment.
 function M.open(file, comment)
-  local handle, why = io.open(file, "rb")
-  if not handle then option.fail("dm.mesh", "cannot open %s", why) end
+  local handle, why = core.open_file(file)
+  if not handle then option.fail("dm.mesh", "%s", why) end
   return setmetatable({ file = file, handle = handle, comment = comment, line = 0, words = {} },
     Reader)
 end

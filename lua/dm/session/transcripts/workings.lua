@@ -122,6 +122,11 @@ M["core.new_file"] = [=[
 > part:match "result" ~= nil, io.open(part) ~= nil
 true	true]=]
 
+M["core.open_file"] = [=[
+> core = require "dm.core"
+> select(2, core.open_file "/dev/zero")
+cannot read /dev/zero: it is a device, which may have no end, and no file]=]
+
 M["core.one"] = [=[
 > core = require "dm.core"
 > f = core.one(function(x) return x, 2*x end, "the metric")
