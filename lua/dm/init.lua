@@ -208,7 +208,7 @@ for _, name in ipairs { "semidirect", "discrete_lagrangian" } do
 end
 -- asked for where an error speaks of a nil: the module puts its own functions here
 local registry = debug.getregistry()
-for name, own in pairs { dm_explain = "explain", dm_noted = "noted" } do
+for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument = "argument" } do
   registry[name] = function(...) return require "dm.session.missing"[own](...) end
 end
 -- what is noted is forgotten before a function is called whose nil is looked into

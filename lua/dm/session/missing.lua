@@ -122,7 +122,20 @@ function M.noted()
   return is_shown and explained(note) or nil
 end
 
+--- " (global 'K')": what the nil that a function in C got as argument `arg` is called where that is
+-- known, and why it is nil where that is.
+function M.argument(arg)
+  local kind, name = variable.of_argument(2, arg)
+  local note = getregistry().dm_missed
+  if not name then return "" end
+  local text = (" (%s '%s')"):format(kind, name)
+  if kind ~= "field" or not note or note.key ~= name or not note.of then
+    return text .. (math[name] and kind == "global" and (": it is math.%s"):format(name) or "")
+  end
+  return text .. ": " .. explained(note)
+end
+
 local registry = getregistry()
-registry.dm_explain, registry.dm_noted = M.explain, M.noted
+registry.dm_explain, registry.dm_noted, registry.dm_argument = M.explain, M.noted, M.argument
 
 return M

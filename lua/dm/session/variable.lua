@@ -7,6 +7,7 @@ local getinfo, getlocal = debug.getinfo, debug.getlocal
 
 -- opcodes of Lua 5.4 (lopcodes.h)
 local MOVE, LOADNIL, GETUPVAL, GETTABUP, GETTABLE, GETI, GETFIELD = 0, 8, 9, 11, 12, 13, 14
+local SELF = 20
 local MMBIN, JMP, CALL, TAILCALL, TFORCALL = 46, 56, 68, 69, 76
 -- instructions that set no register: stores, calls of metamethods, closing, jumps, comparisons,
 -- returns, the preparation of loops, SETLIST, EXTRAARG
@@ -104,6 +105,7 @@ local function sets(i, register)
   if SETS_NONE[o] then return false end
   if o == LOADNIL then return a <= register and register <= a + B(i) end
   if o == TFORCALL then return register >= a + 2 end
+  if o == SELF then return a == register or a + 1 == register end
   if o == CALL or o == TAILCALL then return register >= a end
   return a == register
 end
@@ -151,6 +153,7 @@ local function name_of(P, pc, register)
     local _, of = name_of(P, at, B(i))
     return of == "_ENV" and "global" or "field", P.constants[C(i) + 1]
   end
+  if o == SELF and register == A(i) then return "method", P.constants[C(i) + 1] end
   if o == GETTABLE or o == GETI then return "field", "?" end
 end
 
@@ -199,6 +202,47 @@ function M.of_nil(level)
   if not caller or caller.what == "C" or (first == nil) == (second == nil) then return "" end
   local fine, text = pcall(found, level + 2, first, second)  -- pcall is a level, too
   return fine and text or ""
+end
+
+---- arguments ----
+
+-- is it certain that what a function has under this name is not nil?
+local function has_value(f, kind, name)
+  if kind ~= "global" then return false end
+  for k = 1, 255 do
+    local upvalue, env = debug.getupvalue(f, k)
+    if not upvalue then return false end
+    if upvalue == "_ENV" then return type(env) == "table" and rawget(env, name) ~= nil end
+  end
+end
+
+-- kind and name of argument `arg` of the function `called`, which the one at `level` calls; nothing
+-- where calls at this line differ in it
+local function argument_of(level, called, arg)
+  local at = getinfo(level + 1, "fl")
+  local P = code_of(at.func)
+  local kind, name
+  for k, i in ipairs(P and P.code or {}) do
+    if (op(i) == CALL or op(i) == TAILCALL) and (B(i) == 0 or B(i) > arg)
+      and is_at(P, k - 1, at.currentline) and select(2, name_of(P, k - 1, A(i))) == called then
+      local its_kind, its_name = name_of(P, k - 1, A(i) + arg)
+      if name and its_name ~= name and not has_value(at.func, its_kind, its_name) then return end
+      if its_name and not has_value(at.func, its_kind, its_name) then
+        kind, name = its_kind, its_name
+      end
+    end
+  end
+  return kind, name
+end
+
+--- Kind and name, "global" and "K", of the nil that is argument `arg` of the function in C at `level`
+-- of the caller, by what the function that called it has; nothing where that cannot be told.
+function M.of_argument(level, arg)
+  level = level + 1
+  local called, caller = getinfo(level, "n").name, getinfo(level + 1, "S")
+  if not called or not caller or caller.what == "C" then return end
+  local fine, kind, name = pcall(argument_of, level + 2, called, arg)  -- pcall is a level, too
+  if fine and name and name ~= "?" then return kind, name end
 end
 
 return M

@@ -60,6 +60,18 @@ const char *dml_noted(lua_State *L) {
     return dml_try(L, 0, 1) ? lua_tostring(L, -1) : NULL;
 }
 
+int dml_typeerror(lua_State *L, int arg, const char *wanted) {
+    if (!lua_isnil(L, arg)) return luaL_typeerror(L, arg, wanted);
+    luaL_checkstack(L, 4, NULL);
+    const char *name = NULL;
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_argument") == LUA_TFUNCTION) {
+        lua_pushinteger(L, arg);
+        if (dml_try(L, 1, 1)) name = lua_tostring(L, -1);
+    }
+    return luaL_argerror(L, arg,
+                         lua_pushfstring(L, "%s expected, got nil%s", wanted, name ? name : ""));
+}
+
 void dml_forget(lua_State *L) {
     push_note(L);
     lua_pushnil(L);

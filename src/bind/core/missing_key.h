@@ -18,6 +18,9 @@ void dml_explain(lua_State *L);
 const char *dml_noted(lua_State *L);
 void dml_forget(lua_State *L);
 
+/* luaL_typeerror; of a nil it says what the function that called has it under: (global 'K'). */
+int dml_typeerror(lua_State *L, int arg, const char *wanted);
+
 /* Push a copy of the table at `table` that notes which name a function asked for in vain;
  * anything else as it is. */
 void dml_pushparams(lua_State *L, int table);

@@ -1,5 +1,6 @@
 /* array.c - storage of vectors and matrices. */
 #include "bind/value/array.h"
+#include "bind/core/missing_key.h"
 #include "bind/value/trace_log.h"
 
 #include <math.h>
@@ -41,7 +42,7 @@ dml_array *dml_toarray(lua_State *L, int arg, int rank) {
 
 dml_array *dml_checkarray(lua_State *L, int arg, int rank) {
     dml_array *a = dml_toarray(L, arg, rank);
-    if (!a) luaL_typeerror(L, arg, rank == 1 ? "dm.vector" : "dm.matrix");
+    if (!a) dml_typeerror(L, arg, rank == 1 ? "dm.vector" : "dm.matrix");
     return a;
 }
 
@@ -52,7 +53,7 @@ const dml_array *dml_vectorat(lua_State *L, int arg) {
     arg = lua_absindex(L, arg);
     dml_array *a = dml_toarray(L, arg, 1);
     if (a) return a;
-    if (!lua_istable(L, arg)) luaL_typeerror(L, arg, "dm.vector or table of numbers");
+    if (!lua_istable(L, arg)) dml_typeerror(L, arg, "dm.vector or table of numbers");
     const long n = dml_length(L, arg);
     if (n < 0) luaL_argerror(L, arg, "a vector or table of numbers expected");
     a = dml_newarray(L, 1, (uint32_t)n, 1, &zero);

@@ -1,6 +1,7 @@
 /* bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same functions in dm.
  * They are plain C functions, as Lua's own: numbers take the way that they take there, with its
  * results and messages; only what is no number is looked at. */
+#include "bind/core/missing_key.h"
 #include "bind/core/state.h"
 #include "bind/value/array.h"
 #include "bind/value/math_special.h"
@@ -34,7 +35,7 @@ static int is_done(lua_State *L, lua_CFunction enter, int *results) {
     dml_scalar x[2];
     const int n = top > 1 ? 2 : 1;
     for (int k = 0; k < n; k++)
-        if (!dml_toscalar(L, k + 1, x + k)) return luaL_typeerror(L, k + 1, "number");
+        if (!dml_toscalar(L, k + 1, x + k)) return dml_typeerror(L, k + 1, "number");
     const dml_math *f = find(enter);
     *results = f->call(L, x, n, f);
     return 1;
@@ -42,13 +43,18 @@ static int is_done(lua_State *L, lua_CFunction enter, int *results) {
 
 /* ---- numbers, as in Lua's lmathlib.c ---- */
 
+static double number_at(lua_State *L, int arg) {
+    if (lua_isnil(L, arg)) dml_typeerror(L, arg, "number");
+    return luaL_checknumber(L, arg);
+}
+
 /* y = f(x) of one number */
 #define OF_ONE(name, f)                                                                            \
     static int math_##name(lua_State *L) {                                                         \
         int is_number, results;                                                                    \
         const double x = lua_tonumberx(L, 1, &is_number);                                          \
         if (!is_number && is_done(L, math_##name, &results)) return results;                       \
-        lua_pushnumber(L, f(is_number ? x : luaL_checknumber(L, 1)));                              \
+        lua_pushnumber(L, f(is_number ? x : number_at(L, 1)));                              \
         return 1;                                                                                  \
     }
 static double sign_of(double x) {
@@ -73,8 +79,8 @@ static int read_two(lua_State *L, lua_CFunction enter, double x[2], int *results
     x[0] = lua_tonumberx(L, 1, &first);
     x[1] = lua_tonumberx(L, 2, &second);
     if ((!first || !second) && is_done(L, enter, results)) return 0;
-    if (!first) luaL_checknumber(L, 1);
-    if (!second && !lua_isnoneornil(L, 2)) luaL_checknumber(L, 2);
+    if (!first) number_at(L, 1);
+    if (!second && !lua_isnoneornil(L, 2)) number_at(L, 2);
     return second ? 2 : 1;
 }
 
@@ -107,7 +113,7 @@ static int math_pow(lua_State *L) {
     int results;
     const int n = read_two(L, math_pow, x, &results);
     if (!n) return results;
-    if (n < 2) luaL_checknumber(L, 2);
+    if (n < 2) number_at(L, 2);
     lua_pushnumber(L, pow(x[0], x[1]));
     return 1;
 }
@@ -121,7 +127,7 @@ static int math_abs(lua_State *L) {
         return 1;
     }
     if (lua_type(L, 1) != LUA_TNUMBER && is_done(L, math_abs, &results)) return results;
-    lua_pushnumber(L, fabs(luaL_checknumber(L, 1)));
+    lua_pushnumber(L, fabs(number_at(L, 1)));
     return 1;
 }
 
@@ -141,7 +147,7 @@ static int push_whole(lua_State *L, double x) {
         int is_number, results;                                                                    \
         double x = lua_tonumberx(L, 1, &is_number);                                                \
         if (!is_number && is_done(L, math_##name, &results)) return results;                       \
-        if (!is_number) x = luaL_checknumber(L, 1);                                                \
+        if (!is_number) x = number_at(L, 1);                                                \
         const double y = name(x);                                                                  \
         if (x == y && lua_isinteger(L, 1)) return lua_settop(L, 1), 1;                             \
         return push_whole(L, y);                                                                   \
@@ -168,13 +174,21 @@ int dml_inmax(lua_State *L) {
     return compared = 1;
 }
 
+/* a number beside a nil: Lua's own error of the comparison has neither line nor name */
+static inline void refuse_nil(lua_State *L, int arg, int beside) {
+    if (lua_isnil(L, arg) && lua_type(L, beside) == LUA_TNUMBER) dml_typeerror(L, arg, "number");
+}
+
 /* the argument itself is the result, an integer or not */
 static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
     const int n = lua_gettop(L);
     int best = 1, results;
     luaL_argcheck(L, n >= 1, 1, "value expected");
-    for (int k = 2; k <= n; k++)
+    if (n > 1) refuse_nil(L, 1, 2);
+    for (int k = 2; k <= n; k++) {
+        refuse_nil(L, k, best);
         if (lua_compare(L, largest ? best : k, largest ? k : best, LUA_OPLT)) best = k;
+    }
     if (compared) {
         compared = 0;
         if (is_done(L, enter, &results)) return results;
@@ -305,7 +319,7 @@ static const dml_math functions[] = {
 };
 
 static const dml_scalar *check_scalar(lua_State *L, int arg, dml_scalar *x) {
-    if (!dml_toscalar(L, arg, x)) luaL_typeerror(L, arg, "number");
+    if (!dml_toscalar(L, arg, x)) dml_typeerror(L, arg, "number");
     return x;
 }
 

@@ -1,5 +1,6 @@
 /* math_special.c - functions of math where an argument is no plain number. */
 #include "bind/value/math_special.h"
+#include "bind/core/missing_key.h"
 #include "bind/core/state.h"
 
 #include <math.h>
@@ -53,7 +54,7 @@ int dml_math_extremum(lua_State *L, const dml_scalar *x, int n, const dml_math *
     dml_scalar y = *x;
     for (int k = 2; k <= lua_gettop(L); k++) {
         dml_scalar z;
-        if (!dml_toscalar(L, k, &z)) return luaL_typeerror(L, k, "number");
+        if (!dml_toscalar(L, k, &z)) return dml_typeerror(L, k, "number");
         y = dml_apply(L, f->op, &y, &z, NULL);
     }
     (void)n;

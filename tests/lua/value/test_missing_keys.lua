@@ -91,6 +91,19 @@ do
     dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - p.kk * q[1] end }
   end)
   raises("dm.vector + nil (global 'shift')", function() return dm.vector { 1, 2 } + shift end)
+  -- and where it is an argument of a function
+  for _, f in ipairs { function(q) return dm.max(q[1], stiffness) end, function(q) return math.min(stiffness, q[1]) end, function(q) return math.sin(stiffness) + q[1] end,
+    function(q) return dm.where(q[1], stiffness, 1) end, function(q) return q:dot(stiffness) end, function(q) return dm.max(q[1], 2) + dm.max(q[1], stiffness) end,
+    function() return math.max(1, stiffness) end, function(q)
+      local x = math.atan(stiffness, q[1])
+      return x
+    end } do
+    raises("got nil (global 'stiffness'))", L(function(q, v) return v[1] ^ 2 / 2 - f(q) end))
+  end
+  raises("got nil (field 'kk'): the table of params has no 'kk'; did you mean 'k'?", function()
+    dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - dm.max(p.kk, q[1]) end }
+  end)
+  raises("number expected, got nil)", L(function(q, v) return math.max(v[1], first) + math.max(q[1], second) end))
   -- a chunk that is loaded without its names is as good as it can be
   local code = string.dump(function() return require "dm".vector { 1 } * nothing end, true)
   local bare = load(code, "bare", "b", { require = require })
