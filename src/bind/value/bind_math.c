@@ -174,21 +174,13 @@ int dml_inmax(lua_State *L) {
     return compared = 1;
 }
 
-/* a number beside a nil: Lua's own error of the comparison has neither line nor name */
-static inline void refuse_nil(lua_State *L, int arg, int beside) {
-    if (lua_isnil(L, arg) && lua_type(L, beside) == LUA_TNUMBER) dml_typeerror(L, arg, "number");
-}
-
 /* the argument itself is the result, an integer or not */
 static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
     const int n = lua_gettop(L);
     int best = 1, results;
     luaL_argcheck(L, n >= 1, 1, "value expected");
-    if (n > 1) refuse_nil(L, 1, 2);
-    for (int k = 2; k <= n; k++) {
-        refuse_nil(L, k, best);
+    for (int k = 2; k <= n; k++)
         if (lua_compare(L, largest ? best : k, largest ? k : best, LUA_OPLT)) best = k;
-    }
     if (compared) {
         compared = 0;
         if (is_done(L, enter, &results)) return results;
