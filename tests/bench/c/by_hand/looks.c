@@ -21,6 +21,7 @@ static const char *const names[] = {"no looks", "at every state", "when due", "a
 typedef struct {
     double least;     /* the pivot next to zero at the last look */
     long looked, due; /* steps done then, and when the next look is due */
+    double rate, way; /* how fast its logarithm moved, a step, and in how many */
     int strange;      /* it moved far since the look before */
     long looks, again, lost;
     double q[NEWTON_N], p[NEWTON_N], v[NEWTON_N]; /* the state then */
@@ -65,17 +66,28 @@ static double left(double before, double now, double since) {
     return before > now ? since / (before / now * sqrt(before / now) - 1.0) : INFINITY;
 }
 
+/* Steps that may come before the next look, so that the value moves by little meanwhile: by how
+ * fast its logarithm moved, and how that changed. */
+static double still_steps(seen *s, double least, double since) {
+    static const double LITTLE = 0.3, SURELY = 0.25;
+    const double rate = log(least / s->least) / since;
+    const double bend = s->way > 0.0 ? 2.0 * (rate - s->rate) / (since + s->way) : 0.0;
+    const double now = fabs(rate + 0.5 * bend * since);
+    const double steps = 2.0 * LITTLE / (now + sqrt(now * now + 2.0 * LITTLE * fabs(bend)));
+    s->rate = rate, s->way = since;
+    return fmin(steps, fmax(since + 1.0, fmin(2.0 * since, SURELY * steps)));
+}
+
 /* one look after so many steps */
 static void look(seen *s, const double *q, long done) {
     double least = 0;
     const double since = (double)(done - s->looked);
     s->lost += !is_positive(q, &least);
     const double ratio = fmin(s->least / least, least / s->least);
-    const double stride = ratio > 0.9 ? 2.0 : ratio > 0.8 ? 1.0 : 0.5;
     const double back = left(least, s->least, since) + since; /* one that grew may fall as fast */
     const double safe = 0.5 * fmin(left(s->least, least, since), back);
     s->strange = since > 1.0 && ratio < 0.63;
-    s->due = done + (long)fmax(1.0, fmin(fmin(safe, LATEST), stride * since));
+    s->due = done + (long)fmax(1.0, fmin(fmin(safe, LATEST), still_steps(s, least, since)));
     s->least = least, s->looked = done, s->looks++;
 }
 
