@@ -90,29 +90,24 @@ local function combined(row, V, d)
   return sum
 end
 
--- S(q0, e, V, t) = h sum_i b_i F(q0, e, h sum_j a_ij V_j, sum_j d_ij V_j, t + c_i h)
-local function action(Ld, F, c)
-  local d, h = Ld.place.dimension, Ld.h
-  return function(q0, e, V, t)
+--- The action S(q0, e, V, h) = h sum_i b_i F(q0, e, h sum_j a_ij V_j, sum_j d_ij V_j, c_i h) of a
+-- step of length h from the time 0 by the rule of Ld, lie(s): what solves for its ends otherwise
+-- (reduce/mechanical) differentiates `value`, of whatever h, so that steps of several lengths have
+-- one graph. inverse: that of the right-trivialized differential of tau.
+function M.action(Ld)
+  local kit, given, d = kits.of(Ld.Q), Ld.system.given, Ld.place.dimension
+  local tau, c = M.curves(Ld.rule)
+  local _, inverse = M.map(kit, tau)
+  local F = at_point(Ld, bound(given.L, given.params), tau)
+  local function value(q0, e, V, h)
     local sum = 0
     for i = 1, #c.b do
       sum = sum + h * c.b[i] * F(q0, e, combined(c.a[i], V, d) * h, combined(c.d[i], V, d),
-        t + c.c[i] * h)
+        c.c[i] * h)
     end
     return sum
   end
-end
-
---- The action S(q0, e, V) of a step of Ld, of a rule lie(s), from the time 0: what solves for its
--- ends otherwise (reduce/mechanical) differentiates `value`. inverse: that of the right-trivialized
--- differential of tau.
-function M.action(Ld)
-  local kit, given = kits.of(Ld.Q), Ld.system.given
-  local tau, c = M.curves(Ld.rule)
-  local _, inverse = M.map(kit, tau)
-  local S = action(Ld, at_point(Ld, bound(given.L, given.params), tau), c)
-  return { value = function(q0, e, V) return S(q0, e, V, 0) end, coefficients = c,
-    stages = #c.beta, tau = tau, inverse = inverse }
+  return { value = value, coefficients = c, stages = #c.beta, tau = tau, inverse = inverse }
 end
 
 -- the matrix with the rows f(w), w a unit vector each

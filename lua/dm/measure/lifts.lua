@@ -185,14 +185,18 @@ function M.beside(solver)
   local own = solver.system.place
   local N = own.size
   local lifted, to, J = M.lifted(solver)
-  local up = between(own, to, J)
+  local up, down = between(own, to, J)
   local function start(g, mu, w)
     local q = core.vector(own.flat(g))
     local raised = up(q, mu, w)
     return lists.joined(q, lists.part(raised, 0, N)),
       lists.joined(lists.part(raised, N, N), to(q, mu))
   end
-  local function vector(x, p) return lists.joined(lists.part(x, N, N), lists.part(p, 0, N)) end
+  -- what p and its change have along the fibres of J grows by itself, and is no motion
+  local function vector(x, p)
+    return down(lists.part(x, 0, N), lists.part(p, N, N),
+      lists.joined(lists.part(x, N, N), lists.part(p, 0, N)))
+  end
   return { system = prolong.system(lifted), rule = prolong.rule(lifted, solver.rule),
     start = start, vector = vector }
 end

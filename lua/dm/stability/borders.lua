@@ -28,13 +28,13 @@ local function is_not_right(cell)
   return not cell.is_right and cell.class ~= cells.NUMBER["not run"]
 end
 
--- cells of a row against their neighbour of smaller step
+-- cells of a row against their neighbour of smaller step that shows the motion
 local function compare_row(map, row)
   if map.column ~= map.h then return end
   local smaller
   for _, cell in ipairs(row) do
     if smaller then cells.compare(cell, smaller) end
-    if not is_lost(cell) then smaller = cell end
+    if not is_lost(cell) and (cell.kinetic or 0) > 0 then smaller = cell end
   end
 end
 
@@ -191,9 +191,11 @@ local function between(map, list, places_of)
   return open, todo
 end
 
--- narrow all borders of a list at once: cells in each, run by `run`, then the part in which the
--- first is such
+-- Narrow all borders of a list at once: cells in each, run by `run`, then the part in which the
+-- first is such. They are all compared with the cell that the border began at: at the limit itself
+-- rows are in step with the motion, and may show it at rest.
 local function narrow(map, list, places_of, test, run)
+  for _, b in ipairs(list) do b.base = b.base or b.low end
   for _ = 1, ROUNDS do
     local open, todo = between(map, list, places_of)
     if #todo == 0 then return end
@@ -202,7 +204,7 @@ local function narrow(map, list, places_of, test, run)
     for _, one in ipairs(open) do
       for _, cell in ipairs(one.parts) do
         if test == is_lost and map.column == map.h then
-          cells.compare(cell, one.border.base or one.border.low)
+          cells.compare(cell, one.border.base)
         end
         if test(cell) then
           one.border.high = cell

@@ -19,8 +19,9 @@ local ROWS = 64                 -- rows of a cell by which its class is told
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
-local TINY = 1e-120             -- length of the tangent vector at the start: room to grow
-local LARGEST = 985             -- by e to this power
+-- length of the tangent vector at the start: room to grow; on groups, whose rules multiply momenta
+-- by each other, their squares must be numbers at rest, too (bind/run/start_constraints.c)
+local TINY, TINY_ON_GROUPS = 1e-120, 1e-90
 
 ---- what is watched ----
 
@@ -57,12 +58,13 @@ end
 
 ---- the first look ----
 
--- why cells have no start, where more is known than that L has no value
-local function tell_reasons(e, cells)
-  local any = false
-  for _, cell in ipairs(cells) do any = any or cell.code == "no_start" end
+-- why cells have no start, where more is known than that L has no value, and on groups why steps
+-- have no end: where a chart ends there is no equation that is not solved
+local function tell_reasons(job, e, cells)
+  local told, any = { no_start = true, no_convergence = job.system.place ~= nil }, false
+  for _, cell in ipairs(cells) do any = any or told[cell.code] end
   for _, failure in ipairs(any and e:failures() or {}) do
-    if failure.code == "no_start" then
+    if told[failure.code] then
       cells[failure.member].reason = failure.message:match("^[^\n]*"):gsub(
         "^%S*dm/stability/%w+%.lua:%d+: ", "")
     end
@@ -86,7 +88,7 @@ local function tell_classes(job, cells, e, name, watch)
     end
     cell.class, cell.reason = NUMBER[class], nil
   end
-  tell_reasons(e, cells)
+  tell_reasons(job, e, cells)
 end
 
 -- class and evidence of cells from one ensemble of `rows` rows; `beside` their flows
@@ -153,16 +155,19 @@ end
 
 ---- chaos ----
 
--- a tangent vector without symmetry: of positions, and of velocities or momenta
-local function tangent_start(n)
+-- a tangent vector without symmetry, of this length: of positions, and of velocities or momenta
+local function tangent_start(n, tiny)
   local u, w, size = {}, {}, 0
   for i = 1, n do
     u[i], w[i] = 1 / (1 + i), 1 / (2 + i * i)
     size = size + u[i] ^ 2 + w[i] ^ 2
   end
-  for i = 1, n do u[i], w[i] = u[i] * TINY / sqrt(size), w[i] * TINY / sqrt(size) end
+  for i = 1, n do u[i], w[i] = u[i] * tiny / sqrt(size), w[i] * tiny / sqrt(size) end
   return u, w
 end
+
+-- ln of the growth beyond which it is no number
+local function room(tiny) return math.floor(709 - log(tiny)) end
 
 -- log of its length, as the sum of the sizes of its entries, whose squares would overflow half way
 local function growth_of(n)
@@ -183,7 +188,7 @@ end
 -- the same on a group; `beside` of dm.measure.on_group
 local function lifted_starts_on_group(job, cells, beside)
   local o, d, t0 = jobs.starts(job, cells), job.system.place.dimension, job.map.options.t0
-  local u, dp = tangent_start(d)
+  local u, dp = tangent_start(d, TINY_ON_GROUPS)
   local p, w = {}, joined(u, dp, d)
   for i = 1, #cells do
     o.q[i], p[i] = beside.start(o.q[i], o.v and o.v[i], o.p and o.p[i], t0, w)
@@ -192,7 +197,7 @@ local function lifted_starts_on_group(job, cells, beside)
   o.watch = { growth = function(x, _, _, mu)
     local vector, sum = beside.vector(x, mu), 0
     for i = 1, #vector do sum = sum + core.abs(vector[i]) end
-    return log(sum) - log(TINY)
+    return log(sum) - log(TINY_ON_GROUPS)
   end }
   return o
 end
@@ -200,7 +205,7 @@ end
 -- starts of the prolonged system: the momentum of u is p, that of q the varied one (dm.prolong)
 local function lifted_starts(job, cells)
   local n = job.system.Q.dimension
-  local o, u, w = jobs.starts(job, cells), tangent_start(n)
+  local o, u, w = jobs.starts(job, cells), tangent_start(n, TINY)
   for i = 1, #cells do
     o.q[i] = joined(o.q[i], u, n)
     if o.v then o.v[i] = joined(o.v[i], w, n) else o.p[i] = joined(w, o.p[i], n) end
@@ -236,15 +241,16 @@ function M.try_tangents(job, cell)
 end
 
 -- exponent and MEGNO of cells from one ensemble
-local function measure_growth(e, cells)
+local function measure_growth(job, e, cells)
   local s, steps = e:summary "growth", e.steps
+  local largest = room(job.system.place and TINY_ON_GROUPS or TINY)
   for i, cell in ipairs(cells) do
     if e.status[i] ~= "stopped" and steps[i] > 0 then
       local rise, megno = s.last[i] - s.first[i], s.megno[i]
       -- a tangent vector that has outgrown all numbers: MEGNO of a straight line is half of its
       -- rise
       if e.status[i] == "not_finite" and cell.code == "ok" and megno ~= megno then
-        rise, megno = LARGEST, LARGEST / 2
+        rise, megno = largest, largest / 2
       end
       cell.exponent, cell.megno = rise / (steps[i] * cell.h), megno
       if cell.megno > REGULAR and cell.exponent > 0 and cell.class ~= NUMBER.drifting then
@@ -258,7 +264,7 @@ end
 function M.is_chaotic(job, cell, T)
   local e, stopped = run_tangents(job, { cell }, T)
   if stopped then error(stopped, 0) end
-  measure_growth(e, { cell })
+  measure_growth(job, e, { cell })
   return cell.class == NUMBER.chaotic and cell.megno > REGULAR and cell.exponent > 0
 end
 
@@ -272,7 +278,7 @@ local function chaos_pass(job, all)
   end
   if #cells == 0 then return end
   local e, stopped = run_tangents(job, cells)
-  measure_growth(e, cells)
+  measure_growth(job, e, cells)
   return stopped
 end
 

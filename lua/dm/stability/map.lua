@@ -19,7 +19,9 @@ fields: h and the parameters by name (lists of numbers), rows (what belongs to e
 -- size of the state where forces or time change the energy
 local function text_of(map, cell)
   local class = cells.CLASSES[cell.class]
-  if class.name == "no start" and cell.reason then return cell.reason end
+  if (class.name == "no start" or class.name == "no convergence") and cell.reason then
+    return cell.reason
+  end
   if class.name == "blow-up" and cell.code == "not_finite" and cell.error
     and cell.error < (cell.kinetic or 0) then
     return "the motion left all bounds at once, or the domain of L"

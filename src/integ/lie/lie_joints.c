@@ -117,6 +117,13 @@ static dm_status guess_at_rest(dm_lie_joints *e) {
     return DM_OK;
 }
 
+/* do the velocities of the guess go not much further than those of the last two steps? (is_near of
+ * lie_step_text.h) */
+static int is_near(const dm_lie_joints *e, const double *kept) {
+    const uint32_t m = e->s * e->d;
+    return largest(e->z, m) <= 4.0 * fmax(largest(kept, m), largest(kept + e->N, m));
+}
+
 /* polynomials through the last steps: z, 2 z - z', 3 z - 3 z' + z'' ... */
 static dm_status guess(dm_lie_joints *e) {
     static const double weights[DM_LIE_JOINTS_KEPT][DM_LIE_JOINTS_KEPT] = {{1},
@@ -131,7 +138,7 @@ static dm_status guess(dm_lie_joints *e) {
     for (int k = 0; k < count; k++)
         for (uint32_t i = 0; i < e->N; i++)
             e->z[i] += weights[count - 1][k] * kept[(size_t)k * e->N + i];
-    return DM_OK;
+    return is_near(e, kept) ? DM_OK : guess_at_rest(e);
 }
 
 /* Steps of another length tell nothing of the next one. */

@@ -36,14 +36,27 @@ INLINE void extend_all(const dm_lie *e) {
     }
 }
 
-/* V by the polynomial through the last steps, node by node; the lanes that have some */
+/* Lanes that the polynomial does not lead much further than their last two steps went. Where an
+ * oscillation takes few steps it does, 31 times as far as what alternates, and Newton's method
+ * would find a root from there that turns the body elsewhere. */
+INLINE I is_near(const dm_lie *e) {
+    V most = {0}, ahead = {0};
+    for (uint32_t i = 0; i < e->m; i++) {
+        most = larger_of(magnitude(load(kept_of(e, 0, i))), most);
+        most = larger_of(magnitude(load(kept_of(e, 1, i))), most);
+        ahead = larger_of(magnitude(load(e->V + i * W)), ahead);
+    }
+    return WHERE(ahead <= 4.0 * most);
+}
+
+/* V by the polynomial through the last steps, node by node; the lanes that have some near */
 INLINE I guess_ahead(const dm_lie *e) {
     const V count = load(e->memory);
     const I has = WHERE(count > (V){0}) & WHERE(load(e->memory + W) == load(e->h));
     if (!some(has)) return has;
     if (!some(not_of(has & WHERE(count == (double)DM_LIE_KEPT)))) {
         extend_all(e);
-        return has;
+        return has & is_near(e);
     }
     for (uint32_t i = 0; i < e->m; i++) {
         V x = {0};
@@ -53,7 +66,7 @@ INLINE I guess_ahead(const dm_lie *e) {
         }
         store(e->V + i * W, x);
     }
-    return has;
+    return has & is_near(e);
 }
 
 /* Steps of another length tell nothing of the next one. */

@@ -44,21 +44,21 @@ local function places(x, list)
   return out
 end
 
--- what a step of Ld solves, as a function of y = (V, S1): equations and xi
+-- what a step of length h of the rule of Ld solves, as a function of y = (V, S1): equations and xi
 local function equations_of(Ld, S)
   local way = actions.action(Ld)
-  local h, s, c, P = Ld.h, way.stages, way.coefficients, Ld.place
+  local s, c, P = way.stages, way.coefficients, Ld.place
   local D = P.dimension
-  local slope = core.derivative(way.value, P.size, D, s * D)
-  local function step_of(y)
+  local slope = core.derivative(way.value, P.size, D, s * D, "number")
+  local function step_of(y, h)
     local xi = core.zeros(D)
     for j = 1, s do xi = xi + lists.part(y, (j - 1) * D, D) * (h * c.beta[j]) end
     return xi
   end
-  local function equations(y, x0, x1)
+  local function equations(y, x0, x1, h)
     local q0 = core.vector(P.flat(space.element(S, x0, S.kit.identity())))
-    local V, S1, xi = lists.part(y, 0, s * D), lists.part(y, s * D, D), step_of(y)
-    local G = slope(q0, core.zeros(D), V)
+    local V, S1, xi = lists.part(y, 0, s * D), lists.part(y, s * D, D), step_of(y, h)
+    local G = slope(q0, core.zeros(D), V, h)
     local back = linear.matrix_of(function(e) return way.inverse(xi, e) end, D):transpose()
     local p0, out = back * S1 - lists.part(G, P.size, D), {}
     for j = 1, s do
@@ -71,37 +71,45 @@ local function equations_of(Ld, S)
   return equations, step_of, way, D
 end
 
-local function local_form_of(Ld, S)
+-- the local form as a function of (x0, x1, h), h the length of the step
+local function form_of(Ld, S)
   local equations, step_of, way, D = equations_of(Ld, S)
   local s, kit = way.stages, S.kit
   local _, _, map = actions.map(kit, way.tau)
   local root = core.root { name = "the discrete mechanical connection", unknowns = (s + 1) * D,
     failure = FAILURE,
-    start = function(x0, x1)
+    start = function(x0, x1, h)
       local V, step = core.zeros(D), shape_step(S, way.tau, x0, x1)
-      for k, i in ipairs(S.shape) do V[i] = step[k] / Ld.h end
+      for k, i in ipairs(S.shape) do V[i] = step[k] / h end
       local all = {}
       for j = 1, s do all[j] = V end
       all[s + 1] = core.zeros(D)
       return lists.joined(table.unpack(all))
     end,
-    equations = function(y, x0, x1) return equations(core.vector(y), x0, x1) end }
-  return function(x0, x1)
-    local xi = core.vector(places(step_of(root(x0, x1)), S.body))
+    equations = function(y, x0, x1, h) return equations(core.vector(y), x0, x1, h) end }
+  local function form(x0, x1, h)
+    local xi = core.vector(places(step_of(root(x0, x1, h), h), S.body))
     return kit.inverse(map(xi))
   end
+  return form, s
 end
 
+local BETTER, MOST = 3, 8  -- stages of the reference above those of the rule; so many are enough
+
 local function made(system, given, S, B)
-  local function with(rule, h)
-    local Ld = core.discrete_lagrangian(system, { rule = rule, h = h })
-    return local_form_of(Ld, S)
+  local Ld = core.discrete_lagrangian(system, { rule = given.rule, h = given.h })
+  local form, s = form_of(Ld, S)
+  local function with_step(h)
+    return function(x0, x1) return form(x0, x1, h) end
   end
   local facts = { group = given.group, base = B.base, given = "system", by = given.rule }
-  local A = connections.new(facts, B, with(given.rule, given.h))
-  function A.own.with_step(h) return with(given.rule, h) end
+  local A = connections.new(facts, B, with_step(given.h))
+  A.own.with_step = with_step
+  -- of an order that is higher by 6, so that its error is no part of what is measured; with more
+  -- stages its equations, which are written out, take 150 MB
   function A.own.reference()
-    return made(system, { group = given.group, rule = "lie(8)", h = given.h }, S, B)
+    local rule = ("lie(%d)"):format(math.min(s + BETTER, math.max(s + 1, MOST)))
+    return made(system, { group = given.group, rule = rule, h = given.h }, S, B)
   end
   return A
 end
