@@ -36,6 +36,9 @@ end
 
 -- change of the momenta of coordinates that L does not depend on
 local function cyclic_momenta(system)
+  if system.place then
+    fail("error = \"momentum\": on a group give the one whose momentum it is, error = dm.SO(3)")
+  end
   local cyclic, names = {}, system.coordinates
   for _, name in ipairs(system:structure().cyclic) do
     for i = 1, system.Q.dimension do

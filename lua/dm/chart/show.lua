@@ -22,6 +22,13 @@ local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations",
 -- of errors: what it is filed under
 local UNIT = { position = "q", energy = "energy", momentum = "p" }
 
+-- the unit of the errors of a chart; positions that only turn are told by an angle
+local function unit_of(chart)
+  local place = chart.what == "position" and chart.system.place
+  local body = place and place.kit.body
+  return body and not body.moving and "rad" or (chart.system.units or {})[UNIT[chart.what]]
+end
+
 local draw = blame.caller(function(self, options)
   local given = option.copy(options, "chart:plot")
   local axis = AGAINST[given.against or "ns"]
@@ -57,7 +64,7 @@ local draw = blame.caller(function(self, options)
   given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
   local units = self.system.units or {}
   given.ylabel = given.ylabel or "error of " .. self.what
-  given.yunit = given.yunit or units[UNIT[self.what]]
+  given.yunit = given.yunit or unit_of(self)
   if given.file and not (given.size or given.width or given.height) then
     given.size = { 1000, 640 }
   end

@@ -118,6 +118,10 @@ end
 --- The turns that a system knows: cyclic coordinates shifted, else rotations of all blocks of two
 -- or three coordinates; raises where it has none. A fresh one for every run.
 function M.of(system, options)
+  if system.place then
+    fail("error = \"precession\" turns coordinates: on a group take \"position\", \"phase\" or an "
+      .. "angle of yours, error = function(g) ... end")
+  end
   local numbers, names = {}, system.coordinates
   for _, name in ipairs(system:structure().cyclic) do
     for i = 1, system.Q.dimension do
