@@ -104,12 +104,17 @@ static double unseen(const dm_control *c, const rooms *r, const dm_stepper *s, c
     double where = NAN;
     if (!c->hidden) return where;
     const double *p[3] = {state + n, r->middle + n, r->halves + n};
-    double momentum = largest(r->size + n, n);
-    for (uint32_t i = 0; i < n; i++) momentum = fmax(momentum, fmax(fabs(p[1][i]), fabs(p[2][i])));
+    const double *q[3] = {state, r->middle, r->halves};
+    double position = largest(r->size, n), momentum = largest(r->size + n, n);
+    for (uint32_t i = 0; i < n; i++) {
+        position = fmax(position, fmax(fabs(q[1][i]), fabs(q[2][i])));
+        momentum = fmax(momentum, fmax(fabs(p[1][i]), fabs(p[2][i])));
+    }
     const dm_swept swept = {.t = c->t,
                             .h = h,
-                            .q = {state, r->middle, r->halves},
+                            .q = {q[0], q[1], q[2]},
                             .p = {p[0], p[1], p[2]},
+                            .position = position,
                             .momentum = momentum};
     dm_hidden_nothing(c->hidden, &swept, &where);
     return where;

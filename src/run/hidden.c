@@ -34,16 +34,24 @@ static int find_velocities(dm_hidden *x, const dm_swept *step) {
     return 1;
 }
 
+/* k[] of the parabola through a, b, c at the start, in the middle, at the end; what it bends by */
+static double parabola(double k[6], double a, double b, double c) {
+    const double even = 0.5 * (a + c) - b;
+    k[0] = b, k[1] = c - a, k[2] = 4.0 * even, k[3] = k[4] = k[5] = 0.0;
+    return even;
+}
+
 /* The polynomial of degree 5 through q and v at the start, in the middle and at the end; without v
- * the parabola. */
+ * the parabola, as that of p is. */
 static void find_curve(dm_hidden *x, const dm_swept *step) {
     const uint32_t n = x->n;
     const int known = find_velocities(x, step);
+    for (uint32_t i = 0; x->in_phase_space && i < n; i++)
+        parabola(x->curve[n + i], step->p[0][i], step->p[1][i], step->p[2][i]);
     for (uint32_t i = 0; i < n; i++) {
         const double a = step->q[0][i], b = step->q[1][i], c = step->q[2][i];
-        const double even = 0.5 * (a + c) - b;
         double *k = x->curve[i];
-        k[0] = b, k[1] = c - a, k[2] = 4.0 * even, k[3] = k[4] = k[5] = 0.0;
+        const double even = parabola(k, a, b, c);
         if (!known) continue;
         const double *v = x->velocity;
         const double start = step->h * v[i], end = step->h * v[2 * (size_t)n + i];
@@ -80,19 +88,35 @@ static dm_interval divided(dm_interval a, double h) {
     return (dm_interval){fmin(a.lo / h, a.hi / h), fmax(a.lo / h, a.hi / h)};
 }
 
+/* input i, whose curve is known, and its derivatives by s, up to d away from s = 1/2 + m */
+static void sweep_input(dm_hidden *x, uint32_t i, double m, double d) {
+    double k[6];
+    shift(k, x->curve[i], m);
+    x->in[i] = around(k, 0, d);
+    x->rate_in[i] = around(k, 1, d);
+    x->bend_in[i] = around(k, 2, d);
+}
+
+/* the same of the velocity of q_i, its derivative by the time */
+static void sweep_rate(dm_hidden *x, uint32_t i, double m, double d, double h) {
+    const uint32_t of = x->n + i;
+    double k[6];
+    shift(k, x->curve[i], m);
+    x->in[of] = divided(x->rate_in[i], h);
+    x->rate_in[of] = divided(x->bend_in[i], h);
+    x->bend_in[of] = divided(around(k, 3, d), h);
+}
+
 /* the inputs, and their derivatives by s, while s goes from a to b, parts of the step */
 static void sweep(dm_hidden *x, const dm_swept *step, double a, double b) {
     const uint32_t n = x->n;
-    const double h = step->h, d = 0.5 * (b - a);
+    const double h = step->h, m = 0.5 * (a + b) - 0.5, d = 0.5 * (b - a);
     for (uint32_t i = 0; i < n; i++) {
-        double k[6];
-        shift(k, x->curve[i], 0.5 * (a + b) - 0.5);
-        x->in[i] = around(k, 0, d);
-        x->rate_in[i] = around(k, 1, d);
-        x->in[n + i] = divided(x->rate_in[i], h);
-        x->bend_in[i] = around(k, 2, d);
-        x->rate_in[n + i] = divided(x->bend_in[i], h);
-        x->bend_in[n + i] = divided(around(k, 3, d), h);
+        sweep_input(x, i, m, d);
+        if (x->in_phase_space)
+            sweep_input(x, n + i, m, d);
+        else
+            sweep_rate(x, i, m, d, h);
     }
     const double start = step->t + a * h, end = step->t + b * h;
     x->in[2 * n] = (dm_interval){fmin(start, end), fmax(start, end)};
@@ -107,10 +131,11 @@ static double input_at(const dm_hidden *x, const dm_swept *step, uint32_t i, dou
     const double u = s - 0.5;
     double out = 0.0;
     if (i >= 2 * n) return step->t + s * step->h;
-    const double *k = x->curve[i % n];
-    for (int j = 5; i < n && j >= 0; j--) out = out * u + k[j];
-    for (int j = 5; i >= n && j > 0; j--) out = out * u + j * k[j];
-    return i < n ? out : out / step->h;
+    const int is_rate = i >= n && !x->in_phase_space;
+    const double *k = x->curve[is_rate ? i - n : i];
+    for (int j = 5; !is_rate && j >= 0; j--) out = out * u + k[j];
+    for (int j = 5; is_rate && j > 0; j--) out = out * u + j * k[j];
+    return is_rate ? out / step->h : out;
 }
 
 /* y[] = all nodes at s; what only an equation defines is no number */
@@ -197,10 +222,13 @@ static double excess(const dm_hidden *x, uint32_t k, uint32_t i, double unlike) 
     return (below > above || isnan(below) ? below : above) - unlike * size;
 }
 
-/* What root i counts for over a time h: what is watched, off by one, for what is still nothing. */
+/* What root i counts for over a time h, as an impulse: what is watched, off by one, for what is
+ * still nothing; the way that a rate makes as a part of the largest q, that is of p. */
 static double weight_of(const dm_hidden *x, const dm_swept *step, double h, uint32_t i) {
     if (i + x->watched >= x->count) return fmax(nothing(x, step), DBL_MIN);
-    return i < x->impulses ? fabs(h) : 1.0;
+    if (i < x->impulses) return fabs(h);
+    if (!x->in_phase_space) return 1.0;
+    return step->position > 0.0 ? fabs(h) * step->momentum / step->position : 0.0;
 }
 
 /* What node n may be off by in the box of x->value: its operation is rounded; velocities are
@@ -209,7 +237,9 @@ static double round_off(const dm_hidden *x, const dm_swept *step, dm_node n) {
     const dm_expr *e = dm_graph_at(x->graph, n);
     const dm_interval y = x->value[n];
     const double off = ROUND_OFF * fmax(fabs(y.lo), fabs(y.hi));
-    if (e->op != DM_OP_INPUT || e->as.input < x->n || e->as.input >= 2 * x->n) return off;
+    if (x->in_phase_space || e->op != DM_OP_INPUT || e->as.input < x->n ||
+        e->as.input >= 2 * x->n)
+        return off;
     const dm_interval q = x->in[e->as.input - x->n];
     return off + DIFFERENCE * fmax(fabs(q.lo), fabs(q.hi)) / fabs(step->h);
 }

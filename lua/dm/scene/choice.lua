@@ -128,6 +128,15 @@ function M.finer(scene)
   return true
 end
 
+local MOST_WORDS = 8
+
+-- the first of what was tried
+local function in_few_words(list)
+  local more = #list - MOST_WORDS
+  return table.concat(list, "; ", 1, min(#list, MOST_WORDS))
+    .. (more > 0 and (", and %d more"):format(more) or "")
+end
+
 --- Sets best and checked_error of a scene: the cheapest finalist that stands the check; a few more
 -- steps are allowed to it. Raises what was tried where there is none.
 function M.choose(scene)
@@ -141,10 +150,9 @@ function M.choose(scene)
     if core.cpu() > scene.began + scene.allowed then break end
   end
   local words = {}
-  for _, c in ipairs(scene.search.candidates) do
+  for _, c in ipairs(#tried == 0 and scene.search.candidates or {}) do
     words[#words + 1] = ("%s with h = %.3g errs by %s")
       :format(c.rule, c.h, report.error(scene, c.error))
-    if #words == 8 then break end
   end
   if #tried + #words == 0 then
     error(("dm.scene: no rule could be tried within %g seconds; give more seconds")
@@ -152,7 +160,7 @@ function M.choose(scene)
   end
   error(("dm.scene: nothing that was tried delivers the tolerance: %s. Take a larger tolerance, "
     .. "or give more seconds")
-    :format(table.concat(#tried > 0 and tried or words, "; ")), 0)
+    :format(in_few_words(#tried > 0 and tried or words)), 0)
 end
 
 return M

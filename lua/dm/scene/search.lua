@@ -40,8 +40,11 @@ local TWICE = 3  -- a controlled step is made whole and in two halves
 function M.rules(given, system, except)
   local known, names = instances()
   local out, seen = {}, {}
+  local s = system:structure()
   -- where kicks and drifts step the system, what solves with any step only costs more
-  if not given and system:structure().separable then seen["controlled(gauss(4))"] = true end
+  if not given and s.separable and s.constraints + s.rolling == 0 then
+    seen["controlled(gauss(4))"] = true
+  end
   for _, list in ipairs(given and { given } or { UNEVEN, EARLY, names, FURTHER }) do
     for _, rule in ipairs(list) do
       local inner = pilot.controlled(rule) or rule

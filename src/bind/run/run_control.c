@@ -24,15 +24,18 @@ static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, uint3
     unsigned char *rough = lua_newuserdatauv(L, size, 0);
     const uint32_t parts = dm_hidden_parts(f->alone, roots + count, rough), all = count + parts;
     dm_interval *room = lua_newuserdatauv(L, (3 * (size + inputs) + all) * sizeof *room, 0);
-    const dm_model *m = of_velocity(r);
+    const dm_model *own = &r->model->model;
+    const int in_phase_space = own->structure & DM_HAMILTONIAN || own->group != NULL;
+    const dm_model *m = in_phase_space ? NULL : of_velocity(r);
     const size_t samples = dm_hidden_samples(all), work = m ? dm_legendre_work(m) : 0;
-    double *more = lua_newuserdatauv(L, (size + samples + 9 * (size_t)n + work) * sizeof *more, 0);
+    double *more = lua_newuserdatauv(L, (size + samples + 15 * (size_t)n + work) * sizeof *more, 0);
     *x = (dm_hidden){.graph = f->alone,
                      .roots = roots,
                      .n = n,
                      .count = count,
                      .parts = parts,
                      .impulses = forces > n ? forces - n : forces,
+                     .in_phase_space = in_phase_space,
                      .watched = watched,
                      .value = room,
                      .rate = room + size,
@@ -44,12 +47,13 @@ static void open_hidden(lua_State *L, dm_hidden *x, const dml_function *f, uint3
                      .weight = more,
                      .samples = more + size,
                      .curve = (double(*)[6])(more + size + samples),
-                     .velocity = more + size + samples + 6 * (size_t)n,
+                     .velocity = more + size + samples + 12 * (size_t)n,
                      .model = m,
-                     .work = more + size + samples + 9 * (size_t)n};
+                     .work = more + size + samples + 15 * (size_t)n};
 }
 
-/* the forces, a traced function of (q, v, t), in the table at `at`; it stays on the stack */
+/* the forces, a traced function of (q, v, t) or (q, p, t), in the table at `at`; it stays on the
+ * stack */
 static void read_hidden(lua_State *L, int at, dml_run_control *c, const dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const double negligible = dml_positive(L, at, "negligible", 1e-9);
@@ -59,8 +63,7 @@ static void read_hidden(lua_State *L, int at, dml_run_control *c, const dml_step
         f->s.length[2] != DML_SCALAR_ARGUMENT)
         luaL_error(L,
                    "field 'control.hidden' must be dm.trace(f, %d, %d, \"number\"), the forces as "
-                   "a "
-                   "function of (q, v, t)",
+                   "a function of (q, v, t); of (q, p, t) on groups and of H",
                    (int)n, (int)n);
     dml_function_alone(L, f);
     lua_getfield(L, at, "watched");
