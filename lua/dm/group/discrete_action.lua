@@ -182,28 +182,31 @@ function M.slope_of_stationary(H, c, h, d)
   return core.matrix(J)
 end
 
+local SHRINKS = 0.1  -- of an increment: one matrix is kept while they shrink so fast
+
 --- V and S_1 with dS/dV_j = h beta_j S_1 and h sum_j beta_j V_j = xi, by Newton's method.
 function M.stationary(S, c, h, q0, xi, t)
   local d = #xi
-  local m, last = #c.beta * d, math.huge
+  local m, last, J = #c.beta * d, math.huge, nil
   local z = core.zeros(m + d)
   for k = 1, m do z[k] = xi[(k - 1) % d + 1] / h end
-  local function equation()
-    local V = part(z, 0, m)
+  local function residual(V)
     local G, R = S.gradient(q0, V, t), core.zeros(m + d)
     for a = 1, d do R[m + a] = -xi[a] end
     for k = 1, m do
       local hb, a = h * c.beta[(k - 1) // d + 1], (k - 1) % d + 1
       R[k], R[m + a] = G[d + k] - hb * z[m + a], R[m + a] + hb * V[k]
     end
-    return R, M.slope_of_stationary(S.hessian(q0, V, t), c, h, d)
+    return R
   end
   for _ = 1, 30 do
-    local R, J = equation()
-    local change = J:solve(R)
+    local V = part(z, 0, m)
+    J = J or M.slope_of_stationary(S.hessian(q0, V, t), c, h, d)
+    local change = J:solve(residual(V))
     z = z - change
     local size = change:norm()
     if size ~= size or size >= last and size < 1e-9 * (1 + z:norm()) then break end
+    if size > SHRINKS * last then J = nil end
     last = size
     if size == 0 then break end
   end

@@ -237,8 +237,9 @@ local function theory_of(map, cell)
   if not linear then return nil, why end
   for _, matrix in ipairs(linear.matrices) do
     if not takes_apart(rule, matrix) then
-      return nil, "forces linear in v (magnetic, Coriolis, friction) couple the oscillations, and "
-        .. "this rule does not step each by itself"
+      local what = linear.system.place and "the turn of the motion (its frame is that of the body)"
+        or "a force linear in v (magnetic, Coriolis, friction)"
+      return nil, what .. " couples the oscillations, and this rule does not step each by itself"
     end
   end
   return linear, z, told

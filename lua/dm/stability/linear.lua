@@ -10,27 +10,56 @@ local abs, sqrt, max, pi, huge = math.abs, math.sqrt, math.max, math.pi, math.hu
 
 ---- the amplification matrix of a rule on the oscillator q'' = -q, h omega = z ----
 
-local oscillator
-local function unit_oscillator()
-  oscillator = oscillator or core.system { Q = core.R(1), L = function(q, v)
+local kept_systems = {}
+
+-- the oscillator, and beside a body at rest for rules that step groups alone: q and p of a member
+local function oscillators()
+  if #kept_systems > 0 then return kept_systems end
+  local G = core.SO(3)
+  kept_systems[1] = { system = core.system { Q = core.R(1), L = function(q, v)
     return (v[1] ^ 2 - q[1] ^ 2) / 2
-  end }
-  return oscillator
+  end }, start = function(x) return { x } end, momentum = function(y) return { y } end,
+    read = function(q, p) return q[1], p[1] end }
+  kept_systems[2] = { system = core.system { Q = core.product(G, core.R(1)), L = function(q, v)
+    return (v:dot(v) - q[2][1] ^ 2) / 2
+  end }, start = function(x) return { G:identity(), { x } } end,
+    momentum = function(y) return { 0, 0, 0, y } end,
+    read = function(q, p) return q[2][1], p[4] end }
+  return kept_systems
+end
+
+-- of these the first that the rule steps, and a solver; raises what the first one says
+local function stepped_by(rule)
+  local why
+  for _, one in ipairs(oscillators()) do
+    local fine, solver = blame.try(function()
+      local its = one.system:solver { rule = rule, h = 1 }
+      its:run { q = one.start(0), p = one.momentum(0), steps = 0 }
+      return its
+    end)
+    if fine then return one, solver end
+    why = why or solver
+  end
+  error(why, 0)
 end
 
 -- one step from both unit vectors for every z: entries a, b, c, d of ((a, b), (c, d)); where a step
 -- fails NaN
 local function matrices(rule, zs)
-  local n = #zs
-  local e = unit_oscillator():solver({ rule = rule, h = 1 }):ensemble { members = 2 * n, steps = 1,
-    q = function(i) return { i % 2 } end, p = function(i) return { (i + 1) % 2 } end,
+  local n, one, solver = #zs, stepped_by(rule)
+  local e = solver:ensemble { members = 2 * n, steps = 1,
+    q = function(i) return one.start(i % 2) end,
+    p = function(i) return one.momentum((i + 1) % 2) end,
     h = function(i) return zs[(i + 1) // 2] end }
   local out, status = {}, e.status
   for i = 1, n do
     local j, k = 2 * i - 1, 2 * i
-    local fine = status[j] == "ok" and status[k] == "ok"
-    out[i] = fine and { a = e.q[j][1], b = e.q[k][1], c = e.p[j][1], d = e.p[k][1] }
-      or { a = 0 / 0, b = 0 / 0, c = 0 / 0, d = 0 / 0 }
+    local x = { a = 0 / 0, b = 0 / 0, c = 0 / 0, d = 0 / 0 }
+    if status[j] == "ok" and status[k] == "ok" then
+      x.a, x.c = one.read(e.q[j], e.p[j])
+      x.b, x.d = one.read(e.q[k], e.p[k])
+    end
+    out[i] = x
   end
   return out
 end

@@ -96,4 +96,16 @@ local pendulum = dm.system { Q = dm.R(1), L = function(q, v)
 end }
 near(pendulum:stability { rule = "verlet", q = { 1e-3 }, v = { 0 }, steps = 2000, chaos = false,
   h = { 0.5, 0.9, 1.1 } }:limit(1), 1, 2e-3, "the limit of a small pendulum")
+
+-- rules that step groups alone: what they do to coordinates beside a body at rest is Verlet's rule,
+-- and Runge-Kutta of orders 3 and 4
+for _, case in ipairs { { "rotations(2)", 2 }, { "crouch-grossman3", sqrt(3) },
+  { "rkmk4", 2 * sqrt(2) } } do
+  near(dm.stability_limit(case[1]), case[2], 1e-4, case[1] .. ": its limit on the oscillator")
+end
+near(dm.amplification("rotations(2)", 1)[2][1], -0.75, 1e-14, "rotations(2) is Verlet's rule there")
+tap.raises("unknown rule", dm.stability_limit, "none")
+local theory, said = hung:stability { rule = "rotations(2)", q = rest, v = { 0, 0, 0 }, steps = 100,
+  h = { 0.5 } }:theory(1)
+ok(theory == nil and said:find "the turn of the motion", "why a group has no linear theory", said)
 tap.done()
