@@ -5584,13 +5584,14 @@ function dm.ceil(x) end
 ---seven, from the coarsest that shows the motion, by halves) over the duration t (h is made to fit a
 ---whole number of steps) and measure error against CPU time (median of batches, set-up included,
 ---pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the
----largest difference of a coordinate from a reference over 32 times), "phase" (the time by which a run
----is ahead of the reference or behind it, the shift that fits it best, followed from the start),
----"precession" (how far it has turned besides: cyclic coordinates, else rotations of the plane or of
----space that L does not feel, in rad), "energy", "momentum" (of
----coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
----compared with the reference, or { f }: the change of f along the run. What changes along the run
----itself is looked at after each step, or at as many times as `samples` says. Errors below
+---largest difference of a coordinate from a reference over 32 times; on a group of elements their
+---distance, of rotations the angle between them), "phase" (the time by which a run is ahead of the
+---reference or behind it, the shift that fits it best, followed from the start), "precession" (how far
+---it has turned besides: cyclic coordinates, else rotations of the plane or of space that L does not
+---feel, in rad), "energy", "momentum" (of coordinates that L does not depend on) or a group
+---(dm.SO(2)), "constraint", a function f(q, v, t, p) compared with the reference, or { f }: the change
+---of f along the run. What changes along the run itself is looked at after each step, or at as many
+---times as `samples` says. Errors below
 ---chart.floor, what the references differ by, are raised to it and marked `below`; those of more than
 ---0.3 of the range of the motion, which tell of no order, are marked `far`. ns is the CPU time of a
 ---run, setup that of its first step, kernels included.
