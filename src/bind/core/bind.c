@@ -26,7 +26,8 @@ int dml_is_stop(lua_State *L, int at) {
 int dml_try(lua_State *L, int arguments, int results) {
     const int status = lua_pcall(L, arguments, results, 0);
     if (status == LUA_OK) return 1;
-    if (status == LUA_ERRMEM || dml_stop || dml_is_stop(L, -1)) lua_error(L);
+    if (status == LUA_ERRMEM || dml_is_stop(L, -1)) lua_error(L);
+    dml_checkstop(L); /* a stop that nobody has seen yet; what failed here is no answer to it */
     return 0;
 }
 

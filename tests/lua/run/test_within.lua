@@ -20,4 +20,14 @@ outer, failure = core.within(0.02, function()
   while true do require "dm.base.blame".try(error, "a try that fails") tried = tried + 1 end
 end)
 tap.ok(not outer and tostring(failure):find "interrupted!" and tried > 0, "a loop of Lua that tries things ends", tostring(failure))
+
+-- a function that has no value at points that are made up: that is no answer to a stop that came meanwhile
+local partial = dm.system { Q = dm.R(1), L = function(q, v)
+  if type(q[1]) == "number" and q[1] ~= 1 then error "no value here" end
+  return v[1] ^ 2 / 2 - q[1] ^ 2 / 2
+end }
+local function start() return partial:solver({ rule = "verlet", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 1 } end
+local passed, ended, why = pcall(core.within, 0, start)
+tap.ok(passed and ended == false and tostring(why):find "interrupted!", "a try that fails beside a stop is the stop", tostring(ended) .. tostring(why))
+tap.ok(#start() == 2, "and is tried again by the next call")
 tap.done()
