@@ -11,6 +11,8 @@
 
 static const double DEPENDENT = 1e-13; /* what is left of a row's square, relatively */
 static const double ROUND_OFF = 1e-15, SETTLED = 1e-12;
+static const double ASIDE = 0x1p-20, /* a shift of x, relatively, */
+    LOST = 0x1p-28;                  /* of which that by rounding is so much */
 enum { TRIES = 500 };
 
 /* everything that one question needs, laid into the caller's scratch */
@@ -106,6 +108,41 @@ static dm_status read_constraints(frame *f, const double *x) {
 }
 
 /* ---- dependent rows ---- */
+
+/* each entry by another part of itself: units do not matter, and common factors change too */
+static void shift_aside(double *out, const double *x, size_t count) {
+    static const double GOLDEN = 0.6180339887498949;
+    for (size_t i = 0; i < count; i++) {
+        const double turns = GOLDEN * (double)i;
+        out[i] = x[i] * (1.0 + ASIDE * (turns - floor(turns) - 0.5));
+    }
+}
+
+/* the largest |a_i - factor b_i| */
+static double farthest(const double *a, const double *b, double factor, uint32_t n) {
+    double most = 0.0;
+    for (uint32_t i = 0; i < n; i++) most = fmax(most, fabs(a[i] - factor * b[i]));
+    return most;
+}
+
+/* rows that rounding x moves by as much as they are long are zero: 1 - a . b of two axes, which
+ * are equal but for rounding */
+static void drop_lost_rows(frame *f, const double *x) {
+    const uint32_t n = f->n;
+    double *aside = f->carried, *rows_at_x = f->basis;
+    memcpy(rows_at_x, f->A, f->m * (size_t)n * sizeof *f->A);
+    memcpy(f->y, f->c, f->m * sizeof *f->c);
+    shift_aside(aside, x, 2 * (size_t)n);
+    aside[2 * n] = x[2 * n];
+    const dm_status status = read_constraints(f, aside);
+    for (uint32_t i = 0; i < f->m && status == DM_OK; i++) {
+        double *row = rows_at_x + i * (size_t)n;
+        const double moved = farthest(row, f->A + i * (size_t)n, 1.0, n);
+        if (farthest(row, row, 0.0, n) <= LOST * moved) memset(row, 0, n * sizeof *row);
+    }
+    memcpy(f->A, rows_at_x, f->m * (size_t)n * sizeof *f->A);
+    memcpy(f->c, f->y, f->m * sizeof *f->c);
+}
 
 /* row i with a largest entry of 1; 0: it is zero */
 static int scale(frame *f, uint32_t i) {
@@ -204,6 +241,7 @@ static dm_status defect(dm_constraints_defect *out, frame *f, const double *x) {
     for (uint32_t i = 0; i < f->m; i++)
         if (!out->row || fabs(f->c[i]) > out->distance)
             out->distance = fabs(f->c[i]), out->row = i + 1;
+    drop_lost_rows(f, x);
     find_dependent(f, out);
     if (out->depends) return DM_OK;
     memcpy(f->y, f->c, f->m * sizeof *f->y);

@@ -109,7 +109,7 @@ static void check_rank(lua_State *L, const dm_constraints *t, const dm_constrain
     if (!d->on)
         luaL_error(L,
                    "%sno start: the gradient of %s is zero at this q, so it holds nothing there "
-                   "(is it the square of a constraint?)",
+                   "(is it the square of a constraint, or 1 - the cosine of an angle that is zero?)",
                    who, name);
     luaL_error(L,
                "%sno start: the constraints are redundant at this q: %s depends on those before "
@@ -176,7 +176,7 @@ static void project(lua_State *L, dml_stepping *r, const char *who) {
         status = dm_constraints_project_velocity(m->constraints, r->x, r->metric, work);
     if (status == DM_OK)
         status = dm_legendre(m, r->state + m->n, r->x, r->x + m->n, r->t0, r->work);
-    if (status == DM_SINGULAR && ranked == DM_OK) check_rank(L, m->constraints, &first, who);
+    if (status != DM_OK && ranked == DM_OK) check_rank(L, m->constraints, &first, who);
     if (status != DM_OK)
         luaL_error(L,
                    "%sno start: project = true found no state on the constraints near this one "

@@ -278,6 +278,17 @@ raises("constraint 4 depends on those before it", run, dm.system { Q = pair, L =
     local g = held(q)
     return { g[1], g[2], g[3], g[1] + g[2] }
   end }, "lie(1)", 0.1, 1, tilt)
+-- of two axes that are one but for rounding 1 - cos has no gradient, though that is no zero
+local twist = SO3:exp { 0.3, 0.2, 0.1 }
+local aligned = dm.system { Q = dm.product(SO3, SO3), L = function(_, v) return v:dot(v) / 2 end,
+  constraint = function(q)
+    local axis = vector { 0, 0, 1 }
+    return { 1 - (q[1] * axis):dot(q[2] * axis) }
+  end }
+for _, project in ipairs { false, true } do
+  raises("the gradient of constraint 1 is zero at this q", run, aligned, "lie(1)", 0.1, 1,
+    { q = { twist, twist }, v = { 0.1, 0.2, 0.3, 0.1, 0.2, 0.5 }, project = project })
+end
 raises("turns the body by 4.0 rad; the chart ends at pi", run, hung, "lie(1)", 1, 1,
   { q = { one, vector { 0, 0, 1 } }, v = { 0, 0, 4, 0, 0, 0 } })
 raises("lie(s) does", run, dm.system { Q = dm.SO(4), L = function(_, w) return w:dot(w) / 2 end,
