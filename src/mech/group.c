@@ -63,13 +63,17 @@ dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *
     return dm_graph_status(j->g);
 }
 
-/* What stands for xi are products. */
+/* What stands for xi are products. Those in exp, a series, are fused with 0, which compaction does
+ * not take apart: high powers of a and of V overflow in units where those of a V do not. Those in
+ * other tau are taken apart, since much of them cancels against V. */
 dm_status dm_joining_open_line(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
                                uint32_t extras, uint32_t a) {
     const dm_status status = begin(j, group, m, tau, extras);
     if (status != DM_OK) return status;
     j->a = dm_input(j->g, a);
-    for (uint32_t i = 0; i < j->d; i++) j->xi[i] = dm_mul(j->g, j->a, j->rate[i]);
+    for (uint32_t i = 0; i < j->d; i++)
+        j->xi[i] = tau == DM_TAU_EXP ? dm_multiply_add(j->g, j->a, j->rate[i], 0)
+                                     : dm_mul(j->g, j->a, j->rate[i]);
     join_chart(j);
     if (tau == DM_TAU_EXP) memcpy(j->place + j->n, j->rate, j->d * sizeof *j->rate);
     return dm_graph_status(j->g);

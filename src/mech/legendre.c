@@ -163,8 +163,33 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
     return DM_OK;
 }
 
+/* is L_v(v) . p larger than |p|^2, or without a value? */
+static int is_beyond(equation *e, const double *v) {
+    const uint32_t n = e->m->n;
+    double excess = 0.0, size = 0.0;
+    evaluate(e->m, e->x, e->out, v);
+    for (uint32_t i = 0; i < n; i++) size = fmax(size, fabs(e->p[i]));
+    for (uint32_t i = 0; i < n; i++) excess += (e->out[i] - e->p[i]) / size * (e->p[i] / size);
+    return !(excess <= 0.0);
+}
+
+/* The power of 2 by which p is a velocity of about this momentum, in whatever units: L_v . p grows
+ * along p where L is convex. */
+static double velocity_along(equation *e, double *v) {
+    int low = -256, high = 256;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        for (uint32_t i = 0; i < e->m->n; i++) v[i] = ldexp(e->p[i], middle);
+        if (is_beyond(e, v))
+            high = middle;
+        else
+            low = middle;
+    }
+    return ldexp(1.0, low);
+}
+
 /* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0, or it
- * leads nowhere: so far along p. */
+ * leads nowhere: so far along p, in units of that. */
 static const double along[] = {1.0, 0.125, 8.0};
 
 /* v stays as it is where there is no answer */
@@ -181,9 +206,11 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, con
     e.p = p;
     memcpy(root, v, n * sizeof *v);
     dm_status status = solve(m, &e, root, root + n);
+    const int again = status != DM_OK && status != DM_CALLBACK;
+    const double unit = again ? velocity_along(&e, root) : 0.0;
     for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < sizeof along / sizeof *along;
          k++) {
-        for (uint32_t i = 0; i < n; i++) root[i] = along[k] * p[i];
+        for (uint32_t i = 0; i < n; i++) root[i] = along[k] * unit * p[i];
         status = solve(m, &e, root, root + n);
     }
     if (status == DM_OK) memcpy(v, root, n * sizeof *v);
