@@ -38,6 +38,7 @@ static int in_module(lua_State *L) {
  * core.until_stop of what has something to show: Ctrl-C for good, SIGTERM for a second. */
 static void interrupt(lua_State *L, lua_Debug *ar) {
     (void)ar;
+    if (dml_holds_stops()) return;
     const int inside = in_module(L);
     /* until a function of the user goes on */
     dml_raised = dml_stop || (dml_raised && inside);
@@ -68,8 +69,11 @@ static void set_hook(void) {
  * a change of the thread; after SIGTERM until the script ends */
 static void wake(int signal) {
     (void)signal;
-    if (was_terminated) over = dml_stop = 1;
-    if (!dml_stop) return;
+    if (was_terminated) {
+        over = 1;
+        dml_tell_stop();
+    }
+    if (!dml_stop && !dml_holds_stops()) return;
     set_hook();
     alarm(1);
 }
@@ -97,7 +101,7 @@ static void stop(int signal) {
     pressed = now();
     if (signal == SIGTERM) was_terminated = 1;
     if (signal == SIGINT) was_interrupted = 1;
-    dml_stop = 1;
+    dml_tell_stop();
     set_hook();
     set_signal(SIGALRM, wake, NULL);
     alarm(1);

@@ -43,6 +43,26 @@ static void push_path(lua_State *L) {
     lua_pushnil(L);
 }
 
+/* The module of a name and a file, its chunk upvalue 1. No stop comes before it is whole and among
+ * those that are loaded: it would be read again, and wrap what it has wrapped. */
+static int load(lua_State *L) {
+    lua_settop(L, 2);
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_insert(L, 1);
+    dml_hold_stops();
+    const int status = lua_pcall(L, 2, 1, 0);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);
+    if (status == LUA_OK && !lua_isnil(L, 2)) {
+        lua_pushvalue(L, 2);
+        lua_setfield(L, -2, lua_tostring(L, 1));
+    }
+    dml_release_stops();
+    lua_settop(L, 2);
+    return status == LUA_OK ? 1 : lua_error(L);
+}
+
 /* a searcher for dm and dm.* only: upvalue 1 is package.searchpath, 2 the path */
 static int search(lua_State *L) {
     const char *name = luaL_checkstring(L, 1);
@@ -56,6 +76,7 @@ static int search(lua_State *L) {
     if (!file) return 1; /* the list of files tried */
     if (luaL_loadfile(L, file) != LUA_OK)
         return luaL_error(L, "error loading module '%s':\n\t%s", name, lua_tostring(L, -1));
+    lua_pushcclosure(L, load, 1);
     lua_pushstring(L, file);
     return 2;
 }

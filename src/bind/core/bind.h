@@ -93,6 +93,14 @@ static inline void dml_checkstop(lua_State *L) {
     luaL_error(L, "interrupted!");
 }
 
+/* Set it, from a signal handler. While a module of ours is loaded a stop waits until the module is
+ * whole: what it has put into its place would stay there, and be wrapped again by the next load.
+ * Holds nest. */
+void dml_tell_stop(void);
+void dml_hold_stops(void);
+void dml_release_stops(void);
+int dml_holds_stops(void);
+
 /* Ctrl-C as an error on its way through Lua: no pcall of our modules may keep it but
  * core.until_stop. */
 extern volatile sig_atomic_t dml_raised;

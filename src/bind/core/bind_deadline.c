@@ -34,7 +34,10 @@ static void set_timer(double left) {
 /* What is tried under a pcall may keep a stop to itself: it is told again until the call ends. */
 static void tell(double left) {
     static const double AGAIN = 0.2;
-    if (left <= 0.0) late = dml_stop = 1;
+    if (left <= 0.0) {
+        late = 1;
+        dml_tell_stop();
+    }
     set_timer(left > 0.0 ? left : AGAIN);
 }
 
