@@ -2,12 +2,19 @@
 #define _DEFAULT_SOURCE
 #include "bind/core/new_file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { TRIES = 64, LETTERS = 12 };
+enum { STALE = 3600 }; /* s since a file was written to that nobody finishes any more */
+
+static const char letters[] = "0123456789abcdefghijklmnopqrstuv"; /* 32: no bias */
+static const char mark[] = ".dmlua-";                             /* between name and letters */
 
 static int silent;
 
@@ -21,7 +28,6 @@ int dml_issilent(void) {
 
 /* random letters; 0: the system has none */
 static int draw(char out[LETTERS + 1]) {
-    static const char letters[] = "0123456789abcdefghijklmnopqrstuv"; /* 32: no bias */
     unsigned char bytes[LETTERS];
     const int source = open("/dev/urandom", O_RDONLY | O_CLOEXEC);
     const int fine = source >= 0 && read(source, bytes, sizeof bytes) == (ssize_t)sizeof bytes;
@@ -31,19 +37,54 @@ static int draw(char out[LETTERS + 1]) {
     return fine;
 }
 
+static const char *base_of(const char *file) {
+    const char *slash = strrchr(file, '/');
+    return slash ? slash + 1 : file;
+}
+
 /* ".png", which tells some programs what to write; "" without one */
 static const char *ending(const char *file) {
-    const char *slash = strrchr(file, '/'), *dot = strrchr(slash ? slash + 1 : file, '.');
+    const char *dot = strrchr(base_of(file), '.');
     return dot ? dot : "";
+}
+
+/* Is that the name, in the same folder, of a new file for `file`? */
+static int is_new(const char *name, const char *file) {
+    const char *base = base_of(file);
+    const size_t length = strlen(base);
+    if (strncmp(name, base, length) != 0) return 0;
+    name += length;
+    if (strncmp(name, mark, sizeof mark - 1) != 0) return 0;
+    name += sizeof mark - 1;
+    return strspn(name, letters) == LETTERS && strcmp(name + LETTERS, ending(file)) == 0;
+}
+
+/* What runs that were killed have left beside `file`: our own new files for it, which nobody has
+ * written to for long. */
+static void remove_stale(const char *file) {
+    char folder[DML_FILE_NAME];
+    const size_t length = (size_t)(base_of(file) - file);
+    struct stat s;
+    if (length >= sizeof folder) return;
+    snprintf(folder, sizeof folder, "%.*s", length ? (int)length : 1, length ? file : ".");
+    DIR *all = opendir(folder);
+    for (const struct dirent *at; all && (at = readdir(all));) {
+        if (!is_new(at->d_name, file) || fstatat(dirfd(all), at->d_name, &s, AT_SYMLINK_NOFOLLOW))
+            continue;
+        if (S_ISREG(s.st_mode) && s.st_uid == geteuid() && time(NULL) - s.st_mtime > STALE)
+            unlinkat(dirfd(all), at->d_name, 0);
+    }
+    if (all) closedir(all);
 }
 
 FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]) {
     int descriptor = -1;
     const char *end = ending(file);
+    remove_stale(file);
     for (int k = 0; k < TRIES && descriptor < 0; k++) {
-        char letters[LETTERS + 1];
-        if (!draw(letters)) return NULL;
-        if (snprintf(name, DML_FILE_NAME, "%s.%s%s", file, letters, end) >= DML_FILE_NAME) {
+        char drawn[LETTERS + 1];
+        if (!draw(drawn)) return NULL;
+        if (snprintf(name, DML_FILE_NAME, "%s%s%s%s", file, mark, drawn, end) >= DML_FILE_NAME) {
             errno = ENAMETOOLONG;
             return NULL;
         }

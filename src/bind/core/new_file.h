@@ -11,7 +11,7 @@
 enum { DML_FILE_NAME = 4096 };
 
 /* A new file beside `file`, open for writing, its name, which ends as that of `file`, in `name`.
- * NULL: errno says why. */
+ * Such of runs that were killed over an hour ago are removed. NULL: errno says why. */
 FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]);
 
 /* Close it and, where `whole` and all of it is on the disk, put it in the place of `file`; else
