@@ -44,6 +44,29 @@ static const double *numbers_of(lua_State *L, const char *key, uint32_t n) {
     return out;
 }
 
+/* The slices at 3 as times on the stack; *slices: how many steps they make. */
+static const double *read_times(lua_State *L, long *slices) {
+    const long count = dml_length(L, 3);
+    luaL_argcheck(L, count >= 2 && count < UINT32_MAX, 3, "at least two times expected");
+    double *times = lua_newuserdatauv(L, (size_t)count * sizeof *times, 0);
+    dml_vectorarg(L, 3, "slices", times, (uint32_t)count);
+    for (long k = 0; k + 1 < count; k++)
+        luaL_argcheck(L, times[k] < times[k + 1] && isfinite(times[k + 1] - times[k]), 3,
+                      "growing finite times expected");
+    *slices = count - 1;
+    return times;
+}
+
+/* Option `from` on the stack, an ending of so many numbers; NULL where the run begins. */
+static const double *read_ending(lua_State *L, uint32_t n, uint32_t *count) {
+    lua_getfield(L, 2, "from");
+    const long length = lua_isnil(L, -1) ? 0 : dml_length(L, -1);
+    luaL_argcheck(L, lua_isnil(L, -1) || length >= (long)dm_state_size(n), 2,
+                  "its field 'from' must be an ending: a state and what its method keeps");
+    *count = (uint32_t)length;
+    return numbers_of(L, "from", *count);
+}
+
 /* Between two slices: the state, and what the method keeps beside it, as option `ending`. */
 static void push_ending(lua_State *L, dml_stepping *r) {
     double *place;
@@ -102,12 +125,14 @@ static dm_status go(dml_stepping *r, dml_field_rows *rows, const double *times, 
 static int prismal_run(lua_State *L) {
     dml_stepping r = {.solver = luaL_checkudata(L, 1, DML_SOLVER)};
     dml_field_rows rows;
-    const long slices = dml_length(L, 3) - 1, every = luaL_checkinteger(L, 4);
-    double *times = lua_newuserdatauv(L, ((size_t)slices + 2) * sizeof *times, 0);
-    dml_vectorarg(L, 3, "slices", times, (uint32_t)slices + 1);
-    lua_getfield(L, 2, "from");
-    const uint32_t count = lua_isnil(L, -1) ? 0 : (uint32_t)dml_length(L, -1);
-    const double *from = numbers_of(L, "from", count);
+    const lua_Integer asked = luaL_checkinteger(L, 4);
+    long slices;
+    uint32_t count;
+    luaL_checktype(L, 2, LUA_TTABLE);
+    luaL_argcheck(L, asked >= 1, 4, "a number of slices >= 1 expected");
+    const double *times = read_times(L, &slices);
+    const double *from = read_ending(L, r.solver->n, &count);
+    const long every = asked < slices ? (long)asked : slices;
     long done = dml_count(L, 2, "done", 0, 0);
     const long began = done;
     luaL_argcheck(L, done < slices, 2, "all slices are done");

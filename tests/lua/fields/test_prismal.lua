@@ -85,4 +85,20 @@ raises("fields on meshes", function()
 local beyond = {}
 for i = 0, 400 do beyond[i + 1] = i end
 raises("NaN or infinite", function() run(beyond) end)
+
+-- the inner function takes what is none of slices, options and endings for what it is
+do
+  local core = require "dm.core"
+  local solver = dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 end }):solver { rule = "verlet", h = 0.1 }
+  local times = dm.vector { 0, 0.1, 0.3 }
+  local function run(more, slices, every)
+    local options = { q = { 0, 1 }, v = { 0, 0 } }
+    for key, value in pairs(more) do options[key] = value end
+    return core.prismal_run(solver, options, slices, every)
+  end
+  for _, slices in ipairs { {}, { 1 }, { 0, -1 }, { 0, 0 } } do tap.raises("#3", run, {}, slices, 1) end
+  for _, from in ipairs { 3, {}, { 1, 2 }, "x" } do tap.raises("'from' must be an ending", run, { from = from }, times, 1) end
+  for _, every in ipairs { 0, math.mininteger } do tap.raises("#4", run, {}, times, every) end
+  tap.ok(#run({}, times, math.maxinteger) == 2, "rows at every so many'th slice of more than there are: start and end")
+end
 tap.done()
