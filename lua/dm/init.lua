@@ -211,6 +211,10 @@ local registry = debug.getregistry()
 for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument = "argument" } do
   registry[name] = function(...) return require "dm.session.missing"[own](...) end
 end
+for name, own in pairs { dm_params = "shown", dm_unread = "unread", dm_may_read = "may_read",
+  dm_param_names = "names" } do
+  registry[name] = function(...) return require "dm.base.params"[own](...) end
+end
 -- what is noted is forgotten before a function is called whose nil is looked into
 function registry.dm_forget()
   local note = registry.dm_missed

@@ -17,7 +17,8 @@
     X(NO_START, "no_start", "the run could not start")                                             \
     X(OUT_OF_TIME, "out_of_time", "the seconds or steps allowed were over")                        \
     X(TOO_SHORT, "too_short", "the steps of controlled length became too short")                   \
-    X(BLOW_UP, "blow_up", "the energy has left that of the start")
+    X(BLOW_UP, "blow_up", "the energy has left that of the start")                                 \
+    X(NO_VALUE, "no_value", "a recorded column is NaN")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,
 typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;

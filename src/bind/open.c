@@ -133,6 +133,10 @@ static const dml_row functions[] =
       "core.with_step(options) -> dm.discrete_lagrangian\n"
       "As dm.discrete_lagrangian, whose map is not compared with Ld: that of a reduced one is the "
       "step of the unreduced equations."},
+     {"trace_with", dml_core_trace_with,
+      "core.trace_with(system, metatable)\n"
+      "Trace the functions of a system whose params are a userdata with that metatable, which tells "
+      "what they read; nothing is kept. Raises what they raise, and where nothing is traced."},
      {"miss", dml_core_miss,
       "core.miss(class, key [, names])\n"
       "Note that class has no such key, for the message of an error on the same line; called from "

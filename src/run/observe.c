@@ -63,11 +63,11 @@ dm_status dm_observe(dm_observer *o, double *out, const double *state, double t)
 dm_status dm_observe_row(dm_observer *o, double *out, const double *state, double t) {
     const dm_status status = dm_observe(o, out, state, t);
     const uint32_t width = dm_observer_width(o);
-    if (status != DM_OK) return status;
+    if (status != DM_OK || o->gaps) return status;
     for (uint32_t i = 0; i < width; i++) {
         if (!isnan(out[i])) continue;
         o->missing = i + 1, o->missed = t;
-        return DM_NOT_FINITE;
+        return DM_NO_VALUE;
     }
     return DM_OK;
 }

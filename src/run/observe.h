@@ -19,6 +19,7 @@ typedef struct {
     double *x;            /* [3n + 1], then as much as a kernel of the model takes */
     const double *params; /* [params of the model] */
     double *work;         /* dm_legendre_work doubles; NULL: no kernel reads v */
+    int gaps;             /* rows may have NaN */
     uint32_t missing;     /* number, from 1, that was NaN in dm_observe_row; 0: none */
     double missed;        /* the time of that */
 } dm_observer;
@@ -30,7 +31,7 @@ uint32_t dm_observer_width(const dm_observer *o);
  * DM_SINGULAR or DM_NO_CONVERGENCE where there is none. */
 dm_status dm_observe(dm_observer *o, double *out, const double *state, double t);
 
-/* The same of a row that is kept: DM_NOT_FINITE where one of them is NaN. */
+/* The same of a row that is kept: DM_NO_VALUE where one of them is NaN, unless these are gaps. */
 dm_status dm_observe_row(dm_observer *o, double *out, const double *state, double t);
 
 #endif

@@ -74,6 +74,9 @@ local function other_keys(t, n, limit)
   return keys, more
 end
 
+-- tables that stand for another one: the factors of a row of a path, the params of a system
+local BEHIND = { ["dm.element"] = true, ["dm.params"] = true }
+
 local show, long_text, is_long_now
 
 local function key_text(state, key, depth)
@@ -122,9 +125,7 @@ local function show_table(state, t, depth)
     and rawget(meta, "__name") ~= "dm.result" then
     return tostring(t)
   end
-  if type(meta) == "table" and rawget(meta, "__name") == "dm.element" then
-    t = meta.__index -- the factors of a row of a path
-  end
+  if type(meta) == "table" and BEHIND[rawget(meta, "__name")] then t = meta.__index end
   if state.open[t] then return paint(state, "table", "<cycle>") end
   if next(t) == nil then return "{}" end
   if depth >= state.depth then return paint(state, "table", "{...}") end

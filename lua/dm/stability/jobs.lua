@@ -43,6 +43,7 @@ end
 local function ensemble(job, system, o)
   local given = job.map.options
   o.members, o.t0, o.project = #o.h, given.t0, given.project
+  o.gaps = o.watch and true -- a class of its own
   if not o.steps and not o.t then o.steps, o.t = given.steps, given.t end
   o.threads = given.threads or is_small(o) and 1 or nil
   local solver = system:solver { rule = job.rule, h = 1, newton = given.newton,

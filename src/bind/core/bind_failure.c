@@ -54,6 +54,10 @@ static void push_advice(lua_State *L, const dml_failure *f) {
     case DM_STOPPED:
         lua_pushstring(L, "the path so far is in failure.path");
         break;
+    case DM_NO_VALUE:
+        lua_pushstring(L, "is the function that is watched inside its domain there? gaps = true "
+                          "keeps NaN");
+        break;
     case DM_NOT_WRITTEN:
         lua_pushstring(L, "is the folder there, is the disk full? The path so far is in "
                           "failure.path");
@@ -134,7 +138,7 @@ const dml_class dml_class_failure = {
     .doc =
         "dm.failure: raised when a computation fails; pcall returns it\n"
         "fields: code (\"no_convergence\", \"singular\", \"not_finite\", \"inertia\", "
-        "\"too_short\", \"stopped\"), step, time, "
+        "\"too_short\", \"no_value\", \"stopped\"), step, time, "
         "residual, iterations, rule, message, path (what was computed before); constraint or "
         "rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value",
     .meta = meta,

@@ -247,7 +247,7 @@ static const dml_row functions[] =
 static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,
       "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, "
-      "watch=, project=, energy=, a=, beside=} -> dm.ensemble\n"
+      "watch=, gaps=, project=, energy=, a=, beside=} -> dm.ensemble\n"
       "Run `members` starts side by side for `steps` steps or the duration t. q, and v or p (q "
       "alone "
       "where L is linear in v): "
@@ -264,7 +264,7 @@ static const dml_row solver_row[] =
       "ends with the same bits as a run of its own, whatever the number of threads; one that fails "
       "does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = "
       "k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen "
-      "numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, "
+      "numbers, as in solver:run (gaps, too): ensemble:path(i). energy: that the steps of sem(s, "
       "quadrature(r)) of all members are to have. a: the quantity that all members of a reduced "
       "system carry along (dm.euler_poincare). beside = { watch = { ... }, compared = names, flows "
       "= "

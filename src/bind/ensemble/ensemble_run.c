@@ -282,7 +282,7 @@ int dml_solver_ensemble(lua_State *L) {
     static const char *const known[] = {"members", "q",      "v",       "p",    "steps",
                                         "t",       "t0",     "threads", "vary", "project",
                                         "every",   "watch",  "rows",    "h",    "energy",
-                                        "a",       "beside", NULL};
+                                        "a",       "beside", "gaps",    NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);

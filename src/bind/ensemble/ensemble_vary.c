@@ -14,10 +14,19 @@ static void check_parameter(lua_State *L, const char *name) {
     if (dml_systemfield(L, lua_gettop(L), "params") != LUA_TTABLE)
         luaL_error(L, "field 'vary': the system has no parameters; give them as dm.system{params = "
                       "{...}} and take them as the fourth argument of L");
-    if (lua_getfield(L, -1, name) != LUA_TNUMBER)
+    if (lua_getfield(L, -1, name) == LUA_TNIL) {
+        lua_getfield(L, LUA_REGISTRYINDEX, "dm_param_names");
+        lua_pushvalue(L, -3);
+        lua_call(L, 1, 1);
+        luaL_error(L,
+                   "field 'vary': '%s' is not a number among the params of the system (it is not "
+                   "there; its parameters are %s)",
+                   name, lua_tostring(L, -1));
+    }
+    if (lua_type(L, -1) != LUA_TNUMBER)
         luaL_error(L,
                    "field 'vary': '%s' is not a number among the params of the system (it is %s)",
-                   name, lua_isnil(L, -1) ? "not there" : luaL_typename(L, -1));
+                   name, luaL_typename(L, -1));
     lua_pop(L, 3);
 }
 
@@ -49,6 +58,62 @@ static double read_value(lua_State *L, int vary, const char *name, long i) {
     return x;
 }
 
+/* push the params of the system of the solver at 1 with the values of member i */
+static void push_params(lua_State *L, const double *values, int names, long i) {
+    const lua_Integer count = luaL_len(L, names);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_systemfield(L, -1, "params");
+    dml_pushcopy(L, -1);
+    for (lua_Integer k = 1; k <= count; k++) {
+        lua_rawgeti(L, names, k);
+        lua_pushnumber(L, values[i * count + k - 1]);
+        lua_rawset(L, -3);
+    }
+    lua_remove(L, -2);
+    lua_remove(L, -2);
+}
+
+/* replace the list of names on top by those of them that nothing reads where the params are those
+ * of member i */
+static void keep_unread(lua_State *L, const double *values, int names, long i) {
+    const int unread = lua_gettop(L);
+    lua_getfield(L, LUA_REGISTRYINDEX, "dm_unread");
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    push_params(L, values, names, i);
+    lua_pushvalue(L, unread);
+    lua_call(L, 3, 1);
+    lua_replace(L, unread);
+}
+
+/* is the first name of the list on top in the code of a function of the system? */
+static int may_be_read(lua_State *L) {
+    const int unread = lua_gettop(L);
+    lua_getfield(L, LUA_REGISTRYINDEX, "dm_may_read");
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    lua_rawgeti(L, unread, 1);
+    lua_call(L, 2, 1);
+    const int may = lua_toboolean(L, -1);
+    lua_settop(L, unread);
+    return may;
+}
+
+/* A parameter that nothing reads makes members that are alike without a word. One value of another
+ * may decide what is read, so several members are looked at. */
+static void check_read(lua_State *L, const double *values, int names, long members) {
+    enum { LOOKS = 8 };
+    lua_pushvalue(L, names);
+    for (long k = 0; k < LOOKS && k < members && luaL_len(L, -1); k++)
+        keep_unread(L, values, names, members <= LOOKS ? k : k * (members - 1) / (LOOKS - 1));
+    if (luaL_len(L, -1) && !may_be_read(L)) {
+        lua_rawgeti(L, -1, 1);
+        luaL_error(L,
+                   "field 'vary': no function of the system reads its parameter '%s', so members "
+                   "would not differ by it",
+                   lua_tostring(L, -1));
+    }
+    lua_pop(L, 1);
+}
+
 const double *dml_read_vary(lua_State *L, long members, uint32_t *count) {
     const int type = lua_getfield(L, 2, "vary"), vary = lua_gettop(L);
     if (type == LUA_TNIL) return lua_pop(L, 1), NULL;
@@ -67,6 +132,7 @@ const double *dml_read_vary(lua_State *L, long members, uint32_t *count) {
             values[(size_t)i * *count + k] = read_value(L, vary, name, i);
         lua_pop(L, 1);
     }
+    check_read(L, values, vary + 1, members);
     lua_insert(L, -2);
     lua_remove(L, vary);
     return values;

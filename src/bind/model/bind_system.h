@@ -108,6 +108,13 @@ void dml_asgiven(lua_State *L, dml_model *m);
  * large. */
 void dml_writeout(lua_State *L, dml_model *m);
 
+/* (system, key) -> params as a script sees them; the options at 1 with those behind such. */
+int dml_shownparams(lua_State *L);
+void dml_plainparams(lua_State *L);
+
+/* core.trace_with */
+int dml_core_trace_with(lua_State *L);
+
 /* Push function `key` of the system at `arg`, its params bound as the last argument. */
 void dml_pushbound(lua_State *L, int arg, const char *key);
 

@@ -252,7 +252,7 @@ static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NUL
 static const dml_row methods[] =
     {{"run", dml_solver_run,
       "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, "
-      "record=, events=, file=, checkpoint=, energy=} -> dm.path\n"
+      "record=, gaps=, events=, file=, checkpoint=, energy=} -> dm.path\n"
       "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the "
       "momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or "
       "by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` "
@@ -265,7 +265,8 @@ static const dml_row methods[] =
       "numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "
       "\"lambda\" stands for system:multipliers at the state; on groups entries of the element are "
       "watched, too (\"R33\", of factor k \"R33_k\"). record = { \"lambda\", ... }: such "
-      "columns beside q and p. record = { \"impulses\" }: multipliers of the steps, in units of "
+      "columns beside q and p. NaN in a column ends the run; gaps = true keeps it. "
+      "record = { \"impulses\" }: multipliers of the steps, in units of "
       "momentum: what the end of one step and the start of the next give the momentum at the row, "
       "along the rows of constraint and rolling (reaction); so the first and the last row have a "
       "half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange "

@@ -26,7 +26,7 @@ static const char *why_of(const dml_stepping *r, dm_status status, int *turned) 
     const dm_trouble *trouble = &s.report.trouble;
     const char *why = NULL;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
-    if (status == DM_NOT_FINITE && r->unseen) return *turned = 1, r->unseen;
+    if (status == DM_NO_VALUE && r->unseen) return *turned = 1, r->unseen;
     if (r->degenerate) return r->degenerate;
     if (fades(r, status)) return dml_failure_fading;
     if (status == DM_TOO_SHORT)
@@ -117,7 +117,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     if (*trouble) f.root = trouble, f.turned = 0;
     f.step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN && status != DM_OUT_OF_TIME);
     f.time = time_of(r, done);
-    if (f.turned && r->unseen) { /* a row of the state itself belongs to no step that failed */
+    if (status == DM_NO_VALUE && r->unseen) { /* a row: no step failed */
         f.step -= r->unseen_at <= f.time;
         f.time = r->unseen_at;
     }

@@ -361,7 +361,7 @@ int dml_solver_run(lua_State *L) {
                                         "p0",         "steps",   "t0",     "every",   "t",
                                         "at",         "watch",   "record", "events",  "file",
                                         "checkpoint", "project", "a",      "control", "seconds",
-                                        "energy",     NULL};
+                                        "energy",     "gaps",    NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);

@@ -257,8 +257,17 @@ void dml_watch_missed(lua_State *L, const dml_observables *o, int at, dml_steppi
     r->unseen = lua_pushfstring(L,
                                 "column '%s' is NaN there: is its function inside its domain (a "
                                 "logarithm, root or quotient)? dm.where(c, a, b) gives it a value "
-                                "elsewhere; failure.path has the rows before",
+                                "elsewhere, gaps = true keeps NaN; failure.path has the rows "
+                                "before",
                                 lua_tostring(L, -1));
+}
+
+/* gaps = true */
+static void read_gaps(lua_State *L, dml_observables *o) {
+    if (lua_getfield(L, 2, "gaps") != LUA_TNIL && !lua_isboolean(L, -1))
+        luaL_error(L, "field 'gaps' must be true or false (got %s)", luaL_typename(L, -1));
+    o->observer.gaps = lua_toboolean(L, -1);
+    lua_pop(L, 1);
 }
 
 /* Rows hold t and these, in the order of dml_pushkeys. */
@@ -267,6 +276,7 @@ void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
     reading in = {.field = "watch", .names = lua_gettop(L)};
     add_name(L, &in, "t");
     dml_observables_start(o, r);
+    read_gaps(L, o);
     read_all(L, o, r, &in);
     dml_observables_end(L, o);
 }
@@ -355,6 +365,7 @@ void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
     reading in = {.field = "record", .names = lua_gettop(L), .impulses = impulses};
     add_state_names(L, r, &in);
     dml_observables_start(o, r);
+    read_gaps(L, o);
     add_parts(L, o, r, &in);
     if (lua_getfield(L, 2, "record") != LUA_TNIL) read_all(L, o, r, &in);
     dml_observables_end(L, o);

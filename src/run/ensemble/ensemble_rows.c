@@ -9,7 +9,7 @@ dm_status dm_ensemble_rows_add(const dm_ensemble_rows *r, dm_observer *watch, lo
     row[0] = t;
     dm_status status = DM_OK;
     if (watch)
-        status = dm_observe(watch, row + 1, state, t);
+        status = dm_observe_row(watch, row + 1, state, t);
     else
         memcpy(row + 1, state, (r->width - 1) * sizeof *row);
     if (status == DM_OK) r->count[member]++;

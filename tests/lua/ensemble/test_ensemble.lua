@@ -189,6 +189,20 @@ local function vary(what)
   return spring:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, steps = 1, q = { { 1 }, { 2 } }, p = { { 0 }, { 0 } }, vary = what }
 end
 raises("'l' is not a number among the params", vary, { l = { 1, 2 } })
+raises("its parameters are k, m", vary, { l = { 1, 2 } })
+-- what nothing reads makes no member another one
+for _, rule in ipairs { "verlet", "gauss(2)" } do
+  local idle = dm.system { Q = dm.R(1), params = { k = 1, idle = 1, mode = 1, deep = 1 }, L = function(q, v, _, p)
+    return v[1] ^ 2 / 2 - p.k * (p.mode == 2 and p.deep or 1) * q[1] ^ 2 / 2
+  end }
+  local function members(which)
+    return idle:solver({ rule = rule, h = 0.1 }):ensemble { members = 3, q = function() return { 1 } end, v = function() return { 0 } end, steps = 10, vary = which }
+  end
+  raises("no function of the system reads its parameter 'idle'", members, { idle = { 1, 2, 3 } })
+  raises("reads its parameter 'idle'", members, { k = { 1, 2, 3 }, idle = { 1, 2, 3 } })
+  local mixed = members { mode = { 1, 2, 2 }, deep = { 1, 1, 4 } }
+  ok(mixed.q[1] == mixed.q[2] and mixed.q[2] ~= mixed.q[3], rule .. ": a parameter that some members read")
+end
 raises("'k' of member 2 must be a finite number", vary, { k = { 1, "x" } })
 raises("'k' of member 1 must be a finite number", vary, { k = function() return 0 / 0 end })
 raises("rows for 2 members", vary, { k = { 1, 2, 3 } })

@@ -96,4 +96,45 @@ raises("no velocity", fast.velocity, dm.system { Q = dm.R(1), L = function(q, v)
 -- standard actions
 ok(dm.SO(3).dimension == 3 and dm.SO(4).dimension == 6 and dm.T(2).dimension == 2, "dimensions of groups")
 ok(dm.R(2) == dm.R(2) and dm.R(2) ~= dm.R(3) and tostring(dm.SO(2)) == "SO(2)", "spaces compare and print")
+
+-- params: a change through system.params reaches the next run; a name that nothing reads is refused
+do
+  local given = { k = 2, g = 1 }
+  local function L(q, v, _, p) return v[1] ^ 2 / 2 - p.k * q[1] ^ 2 / 2 - (p.tilt or 0) * q[1] - (p.mode == 2 and p.deep or 0) * q[1] - p.g end
+  local s = dm.system { Q = dm.R(1), params = given, L = L }
+  raises("params.kk: no function of this system reads it; its parameters are g, k; did you mean 'k'?", function() s.params.kk = 5 end)
+  ok(given.kk == nil and s.params.kk == nil, "and is not taken")
+  s.params.k, s.params.tilt = 3, 0.5
+  ok(given.k == 3 and given.tilt == 0.5, "what L has, or asks for in vain, is taken")
+  s.params.deep = 1
+  ok(given.deep == 1, "so is what a branch may read later")
+  s.params.deep = nil
+  given.k, given.note = 4, "mine"
+  ok(s.params.k == 4 and s:energy({ 1 }, { 0 }) == 2 + 0.5 + 1, "the table itself is the user's")
+  local names = {}
+  for name in pairs(s.params) do names[#names + 1] = name end
+  table.sort(names)
+  ok(table.concat(names, " ") == "g k note tilt" and rawequal(s.params, s.params), "params are enumerated")
+  ok(dm.pretty(s.params) == '{ g = 1, k = 4, note = "mine", tilt = 0.5 }', "and printed", dm.pretty(s.params))
+  ok(dm.system({ Q = dm.R(1), params = s.params, L = L }).params.k == 4, "and given to another system")
+  for name, step in pairs { pairs = pairs, next = function(t) return next, t end } do
+    local sum = dm.system { Q = dm.R(1), params = { a1 = 1, a2 = 2 }, L = function(q, v, _, p)
+      local V = 0
+      for _, x in step(p) do V = V + x * q[1] ^ 2 end
+      return v[1] ^ 2 / 2 - V
+    end }
+    sum.params.a3 = 4
+    ok(sum:energy({ 1 }, { 0 }) == 7, "a new name is taken where L goes through its params by " .. name)
+  end
+  local list = dm.system { Q = dm.R(1), params = { 1, 2 }, L = function(q, v, _, p) return v[1] ^ 2 / 2 - (p[1] + p[2] + (p[3] or 0)) * q[1] end }
+  list.params[3] = 4
+  ok(#list.params == 3 and list:energy({ 1 }, { 0 }) == 7, "a list of params")
+  local rubbed = dm.system { Q = dm.R(1), params = { c = 1 }, L = function(_, v) return v[1] ^ 2 / 2 end, force = function(_, v, _, p) return { -p.c * (p.d or 1) * v[1] } end }
+  rubbed.params.d = 2
+  ok(rubbed.params.d == 2, "what a force reads is read")
+  raises("its parameters are c, d", function() rubbed.params.e = 2 end)
+  local numbers = dm.system { Q = dm.R(1), derivatives = "hyperdual", params = { c = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - p.c * q[1] end }
+  numbers.params.any = 1
+  ok(numbers.params.any == 1, "what is not traced may read anything")
+end
 tap.done()

@@ -122,6 +122,12 @@ M["core.new_file"] = [=[
 > part:match "result" ~= nil, io.open(part) ~= nil
 true	true]=]
 
+M["core.trace_with"] = [=[
+> core = require "dm.core"
+> s = dm.system { Q = dm.R(1), params = { k = 1, m = 1 }, L = function(q, v, t, p) return v[1]^2 - p.k*q[1]^2 end }
+> core.trace_with(s, { __index = function(_, name) print(name); return 1 end })
+k]=]
+
 M["core.open_file"] = [=[
 > core = require "dm.core"
 > select(2, core.open_file "/dev/zero")
