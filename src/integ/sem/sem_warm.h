@@ -73,11 +73,17 @@ static inline void dm_sem_warm_one(double *place, double z, uint32_t K, double *
     }
 }
 
+/* How many steps are known; a checkpoint may hold anything there. */
+static inline int dm_sem_known(const double *warm) {
+    const double known = warm[DM_SEM_KNOWN];
+    return known >= 0.0 && known <= DM_SEM_TERMS ? (int)known : 0;
+}
+
 /* A step has made it z; goes_on: behind those that are kept. Two unknowns at a time pay where there
  * are many. */
 static inline void dm_sem_warm_keep(double *warm, const double *z, uint32_t K, int goes_on) {
     double *next = warm + DM_SEM_NEXT, *P = next + K, size[DM_SEM_TERMS] = {0.0};
-    const int known = goes_on ? (int)warm[DM_SEM_KNOWN] : 0;
+    const int known = goes_on ? dm_sem_known(warm) : 0;
     uint32_t k = K < DM_SEM_MANY ? 0 : dm_sem_warm_twos(P, z, K, size);
 #pragma GCC unroll 8
     for (; k < K; k++) dm_sem_warm_one(P + k, z[k], K, size);

@@ -57,7 +57,7 @@ end
 
 -- rules that keep counts, pivots, matrices beside the state
 for _, case in ipairs { { kepler, "gauss(3)" }, { kepler, "midpoint" }, { kepler, dm.curve "rk4" },
-  { kepler, "verlet" }, { own } } do
+  { kepler, "verlet" }, { kepler, "sem(2, gauss(2))" }, { kepler, "galerkin(2, gauss(3))" }, { own } } do
   local system, rule = case[1], case[2]
   local solver = rule and system:solver { rule = rule, h = 0.05 } or dm.solver { system }
   local path = solver:run(rule and start { steps = 9 } or { q = { 0.4, 0 }, p = { 0, 2 }, steps = 9 })
