@@ -174,8 +174,9 @@ static void place_border(double *A, size_t N, const double *M, const double *G, 
 /* How many are negative of the mass that was found, and the size of the value next to zero. With
  * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
  * that on the velocities they allow; the number is that of the bordered matrix, which has as many
- * more as there are independent constraints. */
-static uint32_t count(const dm_inertia *x, double *least) {
+ * more as there are independent constraints. *all: the product of the values, zero where less work
+ * did not tell. */
+static uint32_t count(const dm_inertia *x, double *least, double *all) {
     static const double FAR = 1e-3;
     const dm_model *m = x->model;
     uint32_t n = m->n, rows = (uint32_t)order(m) - n, negative = 0;
@@ -193,7 +194,10 @@ static uint32_t count(const dm_inertia *x, double *least) {
         N = dm_restrict(A, n, G, rows, border);
     }
     memcpy(copy, A, (size_t)N * N * sizeof *A);
-    if (dm_all_positive(A, N, FAR, least)) return negative;
+    const int told = dm_all_positive(A, N, FAR, least);
+    *all = told ? 1.0 : 0.0;
+    for (size_t i = 0; i < N && told; i++) *all *= A[i * N + i];
+    if (told) return negative;
     const uint32_t own = dm_negative_values(copy, N, least);
     return rows ? negative : own;
 }
@@ -201,7 +205,8 @@ static uint32_t count(const dm_inertia *x, double *least) {
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
                   double *least) {
     if (!find_mass(x, state, t)) return 0;
-    *negative = count(x, least);
+    double all;
+    *negative = count(x, least, &all);
     return 1;
 }
 
@@ -217,9 +222,9 @@ double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, d
 }
 
 uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t) {
-    double least;
+    double least, all;
     dm_inertia_mass(x, q, v, t);
-    return count(x, &least);
+    return count(x, &least, &all);
 }
 
 const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t) {
@@ -241,7 +246,7 @@ double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int 
     return !v ? INFINITY : surely ? out : sqrt(squares) / x->seen.least;
 }
 
-/* The size of the value next to zero one step on, if no force acted; *changed: and behind zero.
+/* The size of the value next to zero one step on, if no force acted; *changed: and beyond zero.
  * What depends on the velocity alone does not move. */
 static double look_ahead(const dm_inertia *x, const double *state, double t, double h,
                          int *changed) {
@@ -255,7 +260,8 @@ static double look_ahead(const dm_inertia *x, const double *state, double t, dou
         ahead[n + i] = state[n + i];
     }
     if (!v || !dm_inertia_at(x, ahead, t, &negative, &least)) return x->seen.least;
-    *changed = negative != x->seen.negative;
+    const dm_chord way = {.a = state, .b = ahead, .ta = t, .tb = t};
+    *changed = negative != x->seen.negative || dm_inertia_has_touched(x, &way);
     return least;
 }
 
@@ -266,24 +272,19 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t)};
     if (!s->known) return DM_OK;
     find_scales(x, M);
-    s->negative = count(x, &s->least);
+    s->negative = count(x, &s->least, &s->all);
     s->degenerate = dm_inertia_is_degenerate(x, state, t);
     if (s->degenerate) return DM_SINGULAR;
     int changed = 0;
     const double ahead = look_ahead(x, state, t, h, &changed), falls = s->least - ahead;
     s->left = changed ? 0.0 : falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
     s->at = t;
+    s->nearest = s->left;
+    dm_inertia_keep_place(x, state);
     x->h = h;
     dm_inertia_expect(x);
     dm_inertia_foresee(x, state, t, 0);
     return DM_OK;
-}
-
-int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t) {
-    uint32_t negative;
-    double least;
-    return x->seen.known && dm_inertia_at(x, state, t, &negative, &least) &&
-           negative != x->seen.negative;
 }
 
 /* Like (t0 - t)^(2/3) where the mass depends on positions alone, since M v^2 stays finite; else
@@ -301,12 +302,16 @@ static int is_strange(double before, double now) {
     return now < PART * before || before < PART * now;
 }
 
+/* Steps until a value may vanish, so few that one which does not go on falling may have been thrown
+ * back: by what it kept in one step. */
+static const double NEAR = 4.0, KEPT = 0.9;
+
 /* Steps that may come before the next look, so that the value moves by little meanwhile, since to
  * go back costs more than to look: by how fast its logarithm moved, and how that changed, as that
  * of a value that is about to turn does. Ways grow slowly, but for a value that hardly moves. */
-static double still_steps(dm_inertia_seen *s, double least, double since) {
+static double still_steps(dm_inertia_seen *s, double ratio, double since) {
     static const double LITTLE = 0.3, SURELY = 0.25;
-    const double rate = log(least / s->least) / since;
+    const double rate = log(ratio) / since;
     const double bend = s->way > 0.0 ? 2.0 * (rate - s->rate) / (since + s->way) : 0.0;
     const double now = fabs(rate + 0.5 * bend * since);
     const double steps = 2.0 * LITTLE / (now + sqrt(now * now + 2.0 * LITTLE * fabs(bend)));
@@ -316,9 +321,9 @@ static double still_steps(dm_inertia_seen *s, double least, double since) {
 
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     dm_inertia_seen *s = &x->seen;
-    double least = s->least;
+    double least = s->least, all = 0.0;
     const int found = s->known && find_mass(x, state, t);
-    const int changed = found && count(x, &least) != s->negative;
+    const int changed = found && count(x, &least, &all) != s->negative;
     if (!found) least = 0.0; /* so near to a fold that no velocity is found */
     if (done == s->looked) return changed ? DM_INERTIA_CHANGED : 0; /* a step from here failed */
     x->before = s->left;
@@ -326,17 +331,41 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     const int strange = found && since > 1 && is_strange(s->least, least);
     const double part = sees_velocity(x->model) ? OF_VELOCITY : OF_POSITION;
     s->left = dm_inertia_left(x, s->least, least, (double)since);
-    /* one that grew may fall as fast */
-    const double back = dm_inertia_left(x, least, s->least, (double)since) + (double)since;
-    const double safe = part * fmin(s->left, back);
-    const double far = fmin(fmin(safe, MOST), still_steps(s, least, (double)since));
+    const dm_inertia_way way = dm_inertia_way_since(x, least, all, since);
+    const double nearest = fmin(s->left, way.left), safe = part * nearest;
+    const int touched = found && !changed && dm_inertia_touches_since(x, state, t, &way);
+    const int turned = since == 1 && x->before <= NEAR && least > KEPT * s->least;
+    const double still = still_steps(s, fmin(way.is / way.was, least / s->least), (double)since);
+    const double far = s->left <= NEAR ? 1.0 : fmin(fmin(safe, MOST), still);
     s->due = done + (found && far >= 1.0 ? (long)far : 1);
-    s->least = least;
+    s->least = least, s->all = all, s->nearest = nearest, s->fell = way.is < way.was;
     s->open = 0;
     if (found && !changed) dm_inertia_foresee(x, state, t, done);
     s->looked = done;
     s->at = t;
-    return changed ? DM_INERTIA_CHANGED : strange ? DM_INERTIA_STRANGE : 0;
+    dm_inertia_keep_place(x, state);
+    if (changed || touched) return DM_INERTIA_CHANGED;
+    return strange ? DM_INERTIA_STRANGE : found && turned ? DM_INERTIA_TURNED : 0;
+}
+
+void dm_inertia_begin_closely(dm_inertia *x) {
+    uint32_t negative;
+    x->close_left = x->kept_left;
+    if (!dm_inertia_at(x, x->state, x->t, &negative, &x->close_least)) x->close_least = 0.0;
+}
+
+int dm_inertia_look_closely(dm_inertia *x, const double *state, double t, int *steep) {
+    const dm_chord way = {.a = x->state, .b = state, .ta = x->t, .tb = t};
+    const double before = x->close_least;
+    uint32_t negative;
+    double least;
+    *steep = 0;
+    x->before = x->close_left;
+    if (!x->seen.known || !dm_inertia_at(x, state, t, &negative, &least)) return 0;
+    x->close_least = least, x->close_left = dm_inertia_left(x, before, least, 1.0);
+    *steep = x->before <= (least > KEPT * before ? NEAR : DM_INERTIA_STEEP);
+    const int changed = negative != x->seen.negative || dm_inertia_has_touched(x, &way);
+    return changed ? DM_INERTIA_CHANGED : 0;
 }
 
 int dm_inertia_is_fading(const dm_inertia *x) {
@@ -348,9 +377,14 @@ int dm_inertia_is_steep(const dm_inertia_seen *s) {
     return s->known && s->left <= DM_INERTIA_STEEP;
 }
 
+int dm_inertia_is_near(const dm_inertia_seen *s) {
+    return s->known && s->left <= NEAR;
+}
+
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state) {
     double *place;
     memcpy(x->state, state, dm_state_size(x->model->n) * sizeof *state);
+    x->kept_left = x->seen.left;
     if (!x->memory_size) return;
     dm_stepper_memory(s, &place);
     memcpy(x->memory, place, x->memory_size * sizeof *place);

@@ -12,6 +12,9 @@ typedef struct {
     uint32_t negative; /* at the start */
     int known;         /* is it? a start without a velocity has none */
     double least;      /* size of the value next to zero, when it was looked at last */
+    double all;        /* the product of all values, if they are positive; 0: it is not known */
+    double nearest;    /* `left`, or steps until a value could vanish by how that product moved */
+    int fell;          /* did it? */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
     double rate, way;  /* how fast the logarithm of that size moved, a step, and in how many */
@@ -30,9 +33,12 @@ typedef struct {
 typedef struct {
     const dm_model *model;
     dm_inertia_seen seen;
-    double before;  /* what was left before the last look */
+    double close_least, close_left; /* of the last step, where every one is looked at */
+    double kept_left;               /* seen.left at the kept state */
+    double before;                  /* what was left before the last look */
     double *scale;  /* [n] of the velocities: the mass at the start has ones on its diagonal */
-    double *region; /* [2n] of coordinates: the least, then the largest; both in members[][3n] */
+    double *region; /* [2n] of coordinates: the least, then the largest; both in members[][3n].
+                     * Without mass_bounds: q[n] at the last look */
     double *members;
     double *room; /* arguments and outputs of kernels, the matrix */
     /* a state that steps can be taken again from, what the engine remembered there, how many
@@ -63,13 +69,17 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
  * round-off there, and a value is about to vanish. */
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
 
-/* Has it changed since? */
-int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);
-
 /* The same after so many steps, or may it have changed and come back? A run on its own goes back to
- * see; a member in lanes does not, since it would begin anew. And when to look again. */
-enum { DM_INERTIA_CHANGED = 1, DM_INERTIA_STRANGE = 2 };
+ * see; a member in lanes does not, since it would begin anew. Or did a value that fell not go on
+ * falling in the one step since the last look, so that it may have vanished inside? And when to
+ * look again. */
+enum { DM_INERTIA_CHANGED = 1, DM_INERTIA_STRANGE = 2, DM_INERTIA_TURNED = 3 };
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
+
+/* From the kept state on again, after every step: 0 or DM_INERTIA_CHANGED; *steep: or a value may
+ * have vanished inside. Leaves `seen` as it is. */
+void dm_inertia_begin_closely(dm_inertia *x);
+int dm_inertia_look_closely(dm_inertia *x, const double *state, double t, int *steep);
 
 /* Was a value about to vanish within a few steps of the last look? */
 int dm_inertia_is_fading(const dm_inertia *x);
@@ -77,9 +87,10 @@ int dm_inertia_is_fading(const dm_inertia *x);
 /* Steps until a value vanishes that was `before` so many steps ago; infinite: it does not fall. */
 double dm_inertia_left(const dm_inertia *x, double before, double now, double since);
 
-/* May it vanish in the next step? */
+/* May it vanish in the next step, or be so near that DM_INERTIA_TURNED may come of it? */
 #define DM_INERTIA_STEEP 1.25
 int dm_inertia_is_steep(const dm_inertia_seen *s);
+int dm_inertia_is_near(const dm_inertia_seen *s);
 
 /* How many values are negative at a state, and the size of the one next to zero; 0: no velocity is
  * known there. */
@@ -117,6 +128,12 @@ int dm_inertia_is_degenerate(const dm_inertia *x, const double *state, double t)
  * nothing is known of it, as under constraints. */
 int dm_inertia_direction(const dm_inertia *x, const double *state, double t, double *v);
 
+/* The scaled u[n] of size 1 that A[n*n] u is least for, by inverse iteration; by how much its
+ * inverse is larger, zero where there is none. From the moves by dp[n]: where scales hide a small
+ * value, as at a fold of a diagonal mass, they have its direction already. A becomes its factors,
+ * with room for n pivots behind it. */
+double dm_inertia_find_least(double *A, const double *dp, double *u, uint32_t n);
+
 /* ---- tangent maps (inertia_prolonged.c) ---- */
 
 /* Is M[n*n] that of a prolonged L? */
@@ -142,6 +159,35 @@ void dm_inertia_foresee(dm_inertia *x, const double *state, double t, long done)
  * or it has a place to do so where the motion need not come. */
 enum { DM_INERTIA_HIDDEN = 1, DM_INERTIA_NEAR = 2 };
 int dm_inertia_hides(dm_inertia *x, const double *from, double t0, const double *to, double t1);
+
+/* A straight way from a[n] at time ta to b[n] at tb; the products of all values there, where they
+ * are known, else 0. */
+typedef struct {
+    const double *a, *b;
+    double ta, tb, first, last;
+} dm_chord;
+
+/* Does a value vanish on the chord c, a small part of `way` or of a curve beside it, without a
+ * change of sign, so that the motion ends there (inertia_touch.c)? room[3n]. */
+int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, double *room);
+
+/* Does one on a line between two states? */
+int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way);
+
+/* How values moved in `since` steps: the product of all (`whole`), where bounds do not tell how
+ * those move that are not the least, or the one next to zero; and steps until it could vanish. */
+typedef struct {
+    double was, is, left;
+    long since;
+    int whole;
+} dm_inertia_way;
+
+dm_inertia_way dm_inertia_way_since(const dm_inertia *x, double least, double all, long since);
+
+/* Did one touch zero on the line from the last look? The next line begins at this state. */
+int dm_inertia_touches_since(const dm_inertia *x, const double *state, double t,
+                             const dm_inertia_way *w);
+void dm_inertia_keep_place(dm_inertia *x, const double *state);
 
 /* Keep a state, and go back to it. */
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state);

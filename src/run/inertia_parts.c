@@ -10,7 +10,7 @@
 
 /* A part is at least so short a part of the step. What fails is passed by one of WIDEST such parts
  * or by none. */
-enum { FINEST = 1 << 16, WIDEST = 16 };
+enum { FINEST = 1 << 26, WIDEST = 16 };
 /* Where M vanishes and M v^2 does not, v grows with this power of what a value has lost, or one
  * between these two. By less: the momentum vanishes there, too. By more, 1: coordinates have a pole
  * there, and a momentum that stays turns the motion back. Seen first after so large a loss. */

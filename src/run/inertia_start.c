@@ -39,10 +39,7 @@ static void find_rounding(const dm_inertia *x, const double *state, double t, do
     for (size_t i = 0; i < n; i++) dp[i] = x->scale[i] * FOUND * (largest > 0.0 ? largest : 1.0);
 }
 
-/* The scaled u[n] of size 1 that A u is least for, by inverse iteration; by how much its inverse is
- * larger, zero where there is none. From the moves by dp: where scales hide a small value, as at
- * a fold of a diagonal mass, they have its direction already. A becomes its factors. */
-static double find_least(double *A, const double *dp, double *u, uint32_t n) {
+double dm_inertia_find_least(double *A, const double *dp, double *u, uint32_t n) {
     uint32_t *pivot = (uint32_t *)(void *)(A + (size_t)n * n);
     double size = 0.0;
     for (uint32_t i = 0; i < n; i++) u[i] = dp[i] / (double)(i + 1);
@@ -62,7 +59,7 @@ static double find_least(double *A, const double *dp, double *u, uint32_t n) {
 static int is_at_fold(const dm_inertia *x, const double *q, double t, const double *v,
                       const double *dp, double *u, double *near) {
     const uint32_t n = x->model->n;
-    const double by = find_least(dm_inertia_mass(x, q, v, t), dp, u, n);
+    const double by = dm_inertia_find_least(dm_inertia_mass(x, q, v, t), dp, u, n);
     double along = 0.0;
     for (size_t i = 0; i < n; i++) along += fabs(u[i] * dp[i]);
     for (int side = -2; side < 3 && by > 0.0; side += 4) {
@@ -109,7 +106,7 @@ int dm_inertia_direction(const dm_inertia *x, const double *state, double t, dou
     find_rounding(x, state, t, dp, v);
     double *A = dm_inertia_mass(x, state, at, t);
     for (size_t i = 0; i < n; i++) A[i * n + i] += SHIFT;
-    const int good = find_least(A, dp, v, n) > 0.0;
+    const int good = dm_inertia_find_least(A, dp, v, n) > 0.0;
     for (size_t i = 0; i < n; i++) v[i] *= x->scale[i];
     return good && normalize(v, n);
 }

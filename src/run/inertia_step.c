@@ -24,12 +24,14 @@ enum { PASSES = 3 }; /* over the nodes of a region */
 /* Speeds up to this multiple of the present one are counted on. */
 static const double FASTER = 2.0;
 enum { FINEST = 1 << 12 }; /* parts of a step into which it is cut at most */
+enum { TOUCH = 80 };       /* values of M that a look for a touch takes */
 
 /* What lies where in x->boxes. */
 typedef struct {
     dm_interval *in, *rate_in, *box, *nodes; /* [inputs], [inputs], [n], [3 size] */
     double (*curve)[4];                      /* [n]: q(s) = sum_k curve[k] s^k along a step */
     double *velocity;                        /* [n] */
+    double *ends, *place;                    /* [4n], [3n] */
     double *centre, *inverse, *radius;       /* [n*n] */
     uint32_t *pivot;                         /* [n] */
 } rooms;
@@ -37,7 +39,7 @@ typedef struct {
 size_t dm_inertia_boxes(const dm_model *m) {
     const dm_mass_bounds *b = m->mass_bounds;
     const size_t n = m->n;
-    return b ? 4 * (size_t)b->inputs + 6 * (size_t)b->size + 8 * n + 3 * n * n : 0;
+    return b ? 4 * (size_t)b->inputs + 6 * (size_t)b->size + 15 * n + 3 * n * n : 0;
 }
 
 static rooms open(const dm_inertia *x) {
@@ -49,7 +51,8 @@ static rooms open(const dm_inertia *x) {
     r.nodes = r.box + n;
     r.curve = (double(*)[4])(void *)(r.nodes + 3 * (size_t)b->size);
     r.velocity = (double *)(void *)(r.curve + n);
-    r.centre = r.velocity + n;
+    r.ends = r.velocity + n, r.place = r.ends + 4 * n;
+    r.centre = r.place + 3 * n;
     r.inverse = r.centre + n * n;
     r.radius = r.inverse + n * n;
     r.pivot = (uint32_t *)(void *)(r.radius + n * n);
@@ -276,7 +279,20 @@ static int is_another(const dm_inertia *x, const rooms *r, double s, double t) {
     return dm_inertia_at(x, r->velocity, t, &negative, &least) && negative != x->seen.negative;
 }
 
-/* Boxes along the curve, halved until they tell: is there another inertia on it? */
+/* Does a value touch zero while s is in [a, a + width], a box that bounds do not tell of? */
+static int is_touched(dm_inertia *x, const rooms *r, double a, double width, double t0, double t1) {
+    const uint32_t n = x->model->n;
+    const double s[4] = {0.0, 1.0, a, a + width}, h = t1 - t0;
+    for (uint32_t k = 0; k < 4; k++)
+        for (uint32_t i = 0; i < n; i++) r->ends[k * n + i] = curve_at(r->curve[i], s[k]);
+    const dm_chord way = {r->ends, r->ends + n, t0, t1, 0.0, 0.0};
+    const dm_chord part = {way.b + n, way.b + 2 * (size_t)n, t0 + a * h, t0 + (a + width) * h, 0.0,
+                           0.0};
+    x->seen.credit -= TOUCH * (double)x->model->mass_bounds->size;
+    return dm_inertia_touches(x, &part, &way, r->place);
+}
+
+/* Boxes along the curve, halved until they tell: is there another inertia on it, or none? */
 static int changes_on_curve(dm_inertia *x, const rooms *r, double t0, double t1) {
     double a = 0.0, width = 1.0;
     while (a < 1.0 && x->seen.credit > 0.0) {
@@ -287,6 +303,7 @@ static int changes_on_curve(dm_inertia *x, const rooms *r, double t0, double t1)
             width *= 0.5;
             continue;
         }
+        if (!clear && is_touched(x, r, a, width, t0, t1)) return 1;
         a += width;
         while (width < 1.0 && fmod(a, 2.0 * width) == 0.0) width *= 2.0;
     }

@@ -274,27 +274,6 @@ static void go_back(loop *l) {
     if (l->plan->control) *l->plan->control = l->control;
 }
 
-/* from the kept state again, step by step up to the one that goes over, which is not taken */
-static dm_status stop_before(loop *l, long end) {
-    dm_inertia *x = l->plan->inertia;
-    l->goes_on = 0;
-    const int one = l->done == x->done + 1;
-    go_back(l);
-    l->rows_done = x->rows;
-    if (one) return DM_INERTIA;
-    while (l->done < end) {
-        keep(l);
-        dm_status status = advance_plainly(l, l->done + 1);
-        if (status == DM_OK && dm_inertia_has_changed(x, l->state, time_now(l))) {
-            go_back(l);
-            return DM_INERTIA;
-        }
-        if (status == DM_OK && l->done < end) status = record_due(l);
-        if (status != DM_OK) return status;
-    }
-    return DM_OK;
-}
-
 /* Does the value next to zero vanish inside the one step behind? Times of a run and of a member in
  * lanes differ by round-off; their h does not, and both go over the same parts to the last bit. */
 static int vanishes_inside(loop *l, int steep, int open) {
@@ -303,6 +282,44 @@ static int vanishes_inside(loop *l, int steep, int open) {
     const double now = time_now(l), own = now - x->t, h = l->plan->h;
     const double by = fabs(own - h) <= ROUND_OFF * fabs(h) ? h : own;
     return dm_inertia_vanishes(x, l->s, l->state, now - by, by, steep, open);
+}
+
+/* Does the one step behind go over a place, or has one inside? What `seen` says is of its end. */
+static int goes_over(loop *l, int seen, int steep, int open) {
+    if (seen == DM_INERTIA_CHANGED) return 1;
+    steep |= seen == DM_INERTIA_TURNED;
+    if (!steep && !open) return 0;
+    l->goes_on = 0;
+    return vanishes_inside(l, steep, open);
+}
+
+/* The step that goes over is not taken. */
+static dm_status end_before(loop *l) {
+    l->goes_on = 0;
+    go_back(l);
+    l->rows_done = l->plan->inertia->rows;
+    return DM_INERTIA;
+}
+
+/* from the kept state again, step by step up to the one that goes over */
+static dm_status stop_before(loop *l, long end) {
+    dm_inertia *x = l->plan->inertia;
+    dm_status status = DM_OK;
+    l->goes_on = 0;
+    go_back(l);
+    l->rows_done = x->rows;
+    dm_inertia_begin_closely(x);
+    while (l->done < end && status == DM_OK) {
+        int steep = 0;
+        keep(l);
+        status = advance_plainly(l, l->done + 1);
+        const int open = x->model->mass_bounds != NULL;
+        const int seen =
+            status == DM_OK ? dm_inertia_look_closely(x, l->state, time_now(l), &steep) : 0;
+        if (status == DM_OK && goes_over(l, seen, steep, open)) return end_before(l);
+        if (status == DM_OK && l->done < end) status = record_due(l);
+    }
+    return status;
 }
 
 /* steps up to `end`, or to one that goes over a change of inertia, or has one inside */
@@ -315,10 +332,10 @@ static dm_status advance(loop *l, long end) {
         if (l->done == x->seen.looked) keep(l);
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
-        const int crossed = looks && dm_inertia_look(x, l->state, time_now(l), l->done);
-        const int one = status == DM_OK && l->done == x->done + 1 && (steep || open);
-        l->goes_on = l->goes_on && !one;
-        if (crossed || (one && vanishes_inside(l, steep, open))) {
+        const int seen = looks ? dm_inertia_look(x, l->state, time_now(l), l->done) : 0;
+        const int one = status == DM_OK && l->done == x->done + 1;
+        if (one && goes_over(l, seen, steep, open)) return end_before(l);
+        if (seen && !one) {
             const dm_status again = stop_before(l, next);
             if (status == DM_OK || again == DM_INERTIA) status = again;
         }

@@ -115,10 +115,13 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     double *now = x->b->lanes.alone;
     if (!inertia || done == 0) return 0;
     const int one = !failed && done == inertia->seen.looked + 1;
-    const int steep = one && dm_inertia_is_steep(&inertia->seen), open = one && inertia->seen.open;
+    const int open = one && inertia->seen.open;
+    int steep = one && dm_inertia_is_steep(&inertia->seen);
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
     const double t = dm_hand_time(x, i, now, done);
-    int over = dm_inertia_look(inertia, now, t, done) == DM_INERTIA_CHANGED;
+    const int seen = dm_inertia_look(inertia, now, t, done);
+    int over = seen == DM_INERTIA_CHANGED;
+    steep |= one && seen == DM_INERTIA_TURNED;
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));
     x->seen[i] = inertia->seen;
@@ -178,7 +181,7 @@ static void leave(dm_hand *x, long i) {
 static int looks_into(const dm_hand *x) {
     int out = 0;
     for (long i = 0; i < x->count && x->b->inertia && !out; i++)
-        out = dm_hand_runs(x, i) && (dm_inertia_is_steep(&x->seen[i]) || x->seen[i].open);
+        out = dm_hand_runs(x, i) && (dm_inertia_is_near(&x->seen[i]) || x->seen[i].open);
     return out;
 }
 
