@@ -18,11 +18,13 @@ local fail = option.fail
 
 ---- the text of the head ----
 
+local function one_line(value) return (tostring(value):gsub("\n", " ")) end
+
 --- Of a list of { key, value }: values are texts of one line.
 function M.text(head)
   local lines = {}
   for i, entry in ipairs(head) do
-    lines[i] = entry[1] .. " = " .. tostring(entry[2]):gsub("\n", " ") .. "\n"
+    lines[i] = entry[1] .. " = " .. one_line(entry[2]) .. "\n"
   end
   return table.concat(lines)
 end
@@ -61,7 +63,7 @@ function M.difference(a, b)
   for i = 1, math.max(#a, #b) do
     local x, y = a[i] or { "nothing", "" }, b[i] or { "nothing", "" }
     if x[1] ~= y[1] then return ("%s and %s"):format(x[1], y[1]), x[2], y[2] end
-    if tostring(x[2]) ~= tostring(y[2]) then return x[1], x[2], y[2] end
+    if one_line(x[2]) ~= one_line(y[2]) then return x[1], x[2], y[2] end
   end
 end
 

@@ -16,11 +16,15 @@ function M.of(kind, members)
     { "processor", core.processor() } }
 end
 
---- A value of an option: numbers with all digits, tables in a fixed order; of a function what
--- say(function) gives, or that it is one.
+--- A value of an option: numbers with all digits, also of vectors and matrices, tables in a fixed
+-- order; of a function what say(function) gives, or that it is one.
 function M.text(x, say)
   if type(x) == "number" then return ("%.17g"):format(x) end
   if type(x) == "function" then return say and say(x) or "function" end
+  if type(x) == "userdata" then
+    local fine, list = blame.try(function() return x:totable() end)
+    if fine then x = list end
+  end
   if type(x) ~= "table" then return tostring(x) end
   local out = {}
   for i, value in ipairs(x) do out[i] = M.text(value, say) end

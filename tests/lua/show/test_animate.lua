@@ -190,6 +190,13 @@ do
   raises("'shape' must be", turning.animate, turning, html, { bodies = { { shape = "cube" } } })
   raises("a factor that turns", thrown.animate, thrown, html, { bodies = { { factor = 2 } } })
   raises("needs pose = function", tick.animate, tick, html, { bodies = { {} } })
+  raises("list of tables", turning.animate, turning, html, { bodies = { 3 } })
+  for _, size in ipairs { { 1, -2, 1 }, { 1, 0 / 0, 1 } } do raises("half lengths > 0", turning.animate, turning, html, { bodies = { { size = size } } }) end
+  raises("'inertia' of a body must have 3", turning.animate, turning, html, { bodies = { { inertia = { 1, 2 } } } })
+  raises("must give a place", turning.animate, turning, html, { bodies = { { at = function() return 1 end } } })
+  for _, R in ipairs { 1, dm.matrix { { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } } do
+    raises("must return a rotation matrix", tick.animate, tick, html, { bodies = { { pose = function() return R end } } })
+  end
   raises("must have 3 entries", turning.animate, turning, html, { bodies = { { points = { { 1, 2 } } } } })
   raises("three coordinates", tick.animate, tick, html, { draw = drawing, bodies = { { pose = function() return G:identity() end } } })
 end

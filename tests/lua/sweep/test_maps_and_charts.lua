@@ -208,5 +208,21 @@ ok(mapped(1), "so is a map")
 raises("mine.chart", charted, 2)
 raises("its rule gave something else", mapped, 2)
 
+-- starts that are vectors, and elements of groups: the same one goes on, one with another last digit does not
+local body = dm.system { Q = dm.SO(3), L = function(R, w) return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2 - R[3][3] end }
+local function turned(x)
+  return body:stability { q = dm.SO(3):exp { 0.1, x, 0 }, v = dm.vector { 0.1, 0.2, x }, steps = 200, rule = "lie(1)", h = { 0.1, 0.2, 2 },
+    journal = name "turned.map" }
+end
+local function swung(x)
+  return dm.chart { spring, q = dm.vector { x }, v = dm.vector { 0 }, t = 2, rules = { "verlet" }, h = { 0.1, 0.2 }, repeats = 1, rivals = false,
+    journal = name "swung.chart" }
+end
+for _, case in ipairs { { turned }, { swung } } do
+  case[1](1)
+  ok(case[1](1).journal.run == 0, "all is found again")
+  raises("the journal of another sweep", case[1], 1 + 2 ^ -52)
+end
+
 os.execute(("rm -rf '%s'"):format(folder))
 tap.done()

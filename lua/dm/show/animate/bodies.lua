@@ -3,6 +3,7 @@
 -- A body is { solid = {vertices, faces, tints} in its own axes, reach = half lengths of its axes,
 -- points = {{x, y, z}, ...} that leave a trail, joints = likewise without one,
 -- pose(q, t) -> rotation matrix, place of its origin }.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
@@ -65,12 +66,21 @@ end
 -- the place of an element R^2 or R^3, in space
 local function in_space(x) return { x[1], x[2], x[3] or 0 } end
 
+-- the same of what a function of the user gave
+local function given_place(x, key)
+  local fine, count = blame.try(function() return #x end)
+  if not fine or count ~= 2 and count ~= 3 then
+    fail("field '%s' of a body must give a place {x, y, z}, or {x, y} (got %s)", key, option.got(x))
+  end
+  return in_space(x)
+end
+
 -- at: {x, y, z}, the number of a factor, or a function of (q, t)
 local function placing(place, at)
   if at == nil then return nil end
   if type(at) == "function" then
     at = core.one(at, "field 'at' of a body")
-    return function(q, t) return in_space(at(q, t)) end
+    return function(q, t) return given_place(at(q, t), "at") end
   end
   if type(at) ~= "number" then
     local fixed = in_space(kits.vector(at, 3, "field 'at' of a body"))
@@ -80,8 +90,22 @@ local function placing(place, at)
   return function(q) return in_space(entry(q, factor)) end
 end
 
+-- what a function of the user gives: a rotation, and a place
+local function own_pose(f)
+  local space = core.SO(3)
+  return function(q, t)
+    local R, x = f(q, t)
+    local fine, found = blame.try(require "dm.group".element, space, R)
+    if not fine then
+      fail("field 'pose' of a body must return a rotation matrix, and a place {x, y, z}: %s",
+        blame.bare(found))
+    end
+    return core.matrix(found), x and given_place(x, "pose")
+  end
+end
+
 local function pose_of(place, given)
-  if given.pose then return given.pose end
+  if given.pose then return own_pose(given.pose) end
   if not place then
     fail "a body needs pose = function(q, t) return R, {x, y, z} end: this path is on no group"
   end
@@ -112,8 +136,10 @@ end
 -- half lengths, and the axes that they are along (rows of a matrix; nothing: those of the body)
 local function by_inertia(path, place, given, shape)
   local J, m = given.inertia, given.mass
-  if J and type(J[1]) == "number" then J = core.matrix { { J[1], 0, 0 }, { 0, J[2], 0 },
-    { 0, 0, J[3] } } end
+  if J and type(J[1]) == "number" then
+    local I = kits.vector(J, 3, "field 'inertia' of a body")
+    J = core.matrix { { I[1], 0, 0 }, { 0, I[2], 0 }, { 0, 0, I[3] } }
+  end
   if not J then J, m = inertia_of(path, place, given) end
   local I, axes = { J[1][1], J[2][2], J[3][3] }, nil
   if math.abs(J[1][2]) + math.abs(J[1][3]) + math.abs(J[2][3]) > 1e-12 * linear.size(J) then
@@ -161,6 +187,11 @@ local function body_of(path, place, given, which)
   local pose, size, axes = pose_of(place, given), given.size, nil
   if size then
     size = kits.vector(size, 3, "field 'size' of a body")
+    for i = 1, 3 do
+      if not (size[i] > 0 and size[i] < math.huge) then
+        fail("field 'size' of a body must be three half lengths > 0 (entry %d is %g)", i, size[i])
+      end
+    end
   elseif given.inertia or not given.pose then
     size, axes = by_inertia(path, place, given, shape)
   else
@@ -186,6 +217,10 @@ function M.of(path, options)
   end
   local out = {}
   for k, one in ipairs(given) do
+    if type(one) ~= "table" then
+      fail("option 'bodies' is a list of tables, { { factor = 1 }, ... } (entry %d is %s)", k,
+        option.got(one))
+    end
     local copy = {}
     for key, value in pairs(one) do copy[key] = value end
     out[k] = body_of(path, place, copy, k)
