@@ -42,10 +42,11 @@ end
 
 local OFFERED = 1000 -- times the tolerance: beyond it is no answer
 
--- both methods stay so many tolerances apart
+-- both methods stay so many tolerances apart; nil: a run of theirs failed
 local function take_tolerance(apart)
+  if not apart then return "Take another start, or a shorter until_t" end
   return ("Is the motion chaotic over this time, or the tolerance below round-off? Take a %s, a "
-    .. "shorter until_t, or watch something less sensitive"):format(apart and apart < OFFERED
+    .. "shorter until_t, or watch something less sensitive"):format(apart < OFFERED
     and ("tolerance %s times as large"):format(rounded_up(apart / ENOUGH)) or "larger tolerance")
 end
 

@@ -209,7 +209,7 @@ local function along_orbit(map, cell)
   if not is_quadratic(system) then
     states, done = orbits.states(system, start, T, out.fastest, options.project)
   end
-  out.first, out.states, out.noted = first, states, {}
+  out.first, out.states, out.noted, out.project = first, states, {}, options.project
   look_along(out)
   if not out.constant then look_closer(out, options.project) end
   if not (out.fastest > 0) then return nil, "nothing oscillates along the orbit" end
@@ -261,10 +261,12 @@ function M.limit_along_orbit(map, cell)
   return z / linear.fastest, why
 end
 
--- the frequencies of all oscillations, for resonances
+-- the frequencies of all oscillations, for resonances, and which of them are means alone
 local function all_modes(linear)
-  linear.modes = linear.modes or modes.frequencies(linear, note_state)
-  return linear.modes
+  if not linear.modes then
+    linear.modes, linear.means = modes.frequencies(linear, note_state)
+  end
+  return linear.modes, linear.means
 end
 
 --- Windows of growth of the rule in steps h, { from, to } for each oscillation of a cell; nil
@@ -283,19 +285,20 @@ function M.windows(map, cell)
   return out
 end
 
---- Steps on the axis that turn an oscillation of a cell by 2 pi / n: a list of { n, h, omega }; nil
--- and why.
+--- Steps on the axis that turn an oscillation of a cell by 2 pi / n: a list of { n, h, omega, mean
+-- }; nil and why.
 function M.resonances(map, cell, axis)
   if map.system_of(cell).line then return nil, "they are not looked for on lines" end
   local linear, why, told = theory_of(map, cell)
   if not linear then return nil, why end
   local out, last = {}, nil
-  for _, omega in ipairs(all_modes(linear)) do
+  local frequencies, means = all_modes(linear)
+  for _, omega in ipairs(frequencies) do
     if not last or abs(omega - last) > 1e-6 * last then
       for _, r in ipairs(told.resonances) do
         local h = r.z / omega
         if h >= axis[1] and h <= axis[#axis] then
-          out[#out + 1] = core.result { n = r.n, h = h, omega = omega }
+          out[#out + 1] = core.result { n = r.n, h = h, omega = omega, mean = means[omega] }
         end
       end
     end

@@ -237,12 +237,15 @@ class.method("dm.stability_map", "resonances", function(self, which)
   local list, why = tongues.theory(self, i, "resonances")
   return list and core.result(list) or core.result {}, why
 end, [[
-map:resonances(row) -> list of {n, h, omega}, sentence
+map:resonances(row) -> list of {n, h, omega, mean}, sentence
 The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
 linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
 nonlinear forces. omega: the frequency; where it changes along the orbit its mean over the time, if
-it is more than twice as fast as the orbit turns, else that of the orbit itself. The sentence says
-why where there are none.]])
+it is more than twice as fast as the orbit turns, else that of the orbit itself: of coordinates that
+turn with several oscillations (2 to 12 of them) a line of their spectrum, to about half a turn in
+the whole time. mean: true where it is a
+mean of frequencies that change, as a mode that hardly moves has it: the motion need not have it.
+The sentence says why where there are none.]])
 
 local RESERVED = { class = true, why = true, rule = true, observable = true }
 for _, name in ipairs(FIELDS) do RESERVED[name] = true end

@@ -1,6 +1,7 @@
 --- The frequency of each oscillation along an orbit, for resonances: a mean over the time, or how
 -- often the orbit turns.
 local orbits = require "dm.stability.orbit"
+local spectrum = require "dm.stability.spectrum"
 
 local M = {}
 
@@ -10,6 +11,7 @@ local PLACES, MANY = 32, 512 -- states for a mean: at first, at most
 local SAME = 1e-2  -- a frequency that changes less is one
 local CALM = 0.25  -- one that changes less has its mean, where nothing turns with it
 local CLOSE = 2e-3 -- means of twice as many states that are this near are settled
+local MOST_MIXED = 12 -- coordinates whose spectra are looked at
 local FASTER = 2   -- times the turns of the orbit: the mean of a frequency that changes is one
 
 -- mean over the time of oscillation k of what was seen along an orbit; 0 where it is not there
@@ -111,25 +113,45 @@ local function changes_less(linear, mode, part)
   return mode.count == #linear.matrices and mode.most - mode.least <= part * mode.most
 end
 
+-- do several coordinates turn, and not with one steady frequency each?
+local function may_mix(linear)
+  local n, changing = linear.system.Q.dimension, false
+  for _, mode in ipairs(linear.ranges) do
+    changing = changing or not changes_less(linear, mode, SAME)
+  end
+  return changing and n > 1 and n <= MOST_MIXED
+end
+
+-- how often the orbit turns, by its spectrum where coordinates may turn with several oscillations
+local function turns_along(linear)
+  local states = linear.states
+  local T = states[#states].t - states[1].t
+  local lines = T > 0 and may_mix(linear)
+    and spectrum.lines(linear.system, states[1], T, linear.fastest, linear.project)
+  return orbits.frequencies(states, linear.system.Q.dimension, lines or nil, #linear.ranges)
+end
+
 --- Frequencies of the oscillations, the largest first: of those that hardly change, or are fast
 -- beside the orbit, the mean; the others are the turns of the orbit itself, where it has some.
 -- look(linear, k): the frequencies at state k of the orbit, the largest first, and t; or false.
+-- Behind them { omega = true }: which are means, though they change, as nothing of the orbit turns
+-- with them.
 function M.frequencies(linear, look)
-  local still = linear.constant or linear.system.place
-  local turns = still and {} or orbits.frequencies(linear.states, linear.system.Q.dimension)
-  local modes, left, is_calm = {}, {}, {}
+  local turns = (linear.constant or linear.system.place) and {} or turns_along(linear)
+  local modes, left, is_calm, means = {}, {}, {}, {}
   for k, mean in ipairs(means_of(linear, look)) do
     local mode = linear.ranges[k]
     local steady = changes_less(linear, mode, SAME)
     local list = (steady or mean > FASTER * (turns[#turns] or 0)) and modes or left
     list[#list + 1] = mean
     is_calm[mean] = changes_less(linear, mode, CALM)
+    means[mean] = not steady or nil
   end
   for _, omega in ipairs(turns_for(left, modes, turns, is_calm)) do
     modes[#modes + 1] = omega
   end
   table.sort(modes, function(a, b) return a > b end)
-  return modes
+  return modes, means
 end
 
 return M

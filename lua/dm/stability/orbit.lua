@@ -96,30 +96,46 @@ local function rises(states, i)
   return out
 end
 
-local MULTIPLE = 1e-3  -- near a whole number of times a slower one: no frequency of its own
+-- near a whole number of times a slower one, by so much of it or of a turn in the whole time: no
+-- frequency of its own
+local MULTIPLE, OF_TURN = 1e-3, 0.1
 
 -- is it a multiple of one of these? So y = -cos(theta) turns twice while theta turns once
-local function is_multiple(omega, slower)
+local function is_multiple(omega, slower, T)
+  local near = max(MULTIPLE * omega, OF_TURN * 2 * pi / T)
   for _, w in ipairs(slower) do
     local times = math.floor(omega / w + 0.5)
-    if math.abs(omega - times * w) <= MULTIPLE * omega then return true end
+    if math.abs(omega - times * w) <= near then return true end
   end
   return false
 end
 
---- Frequencies of the coordinates of R^n along an orbit, the smallest first: 2 pi over the mean
--- time of a turn. Those that do not turn three times have none.
-function M.frequencies(states, n)
-  local all, out = {}, {}
-  for i = 1, n do
-    local list = rises(states, i)
-    if #list >= LEAST then all[#all + 1] = 2 * pi * (#list - 1) / (list[#list] - list[1]) end
-  end
-  table.sort(all)
-  for _, omega in ipairs(all) do
-    if not is_multiple(omega, out) then out[#out + 1] = omega end
+-- of a sorted list what is no multiple of what is before it
+local function without_multiples(list, T)
+  local out = {}
+  for _, omega in ipairs(list) do
+    if not is_multiple(omega, out, T) then out[#out + 1] = omega end
   end
   return out
+end
+
+--- Frequencies of the coordinates of R^n along an orbit, the smallest first: 2 pi over the mean
+-- time of a turn or, where a coordinate turns with several at once, its lines (lines[i], of
+-- dm.stability.spectrum). More lines than there are oscillations, `count`, are those of one whose
+-- frequency changes, and turns tell its mean. Those that do not turn three times have none.
+function M.frequencies(states, n, lines, count)
+  local all, T = {}, states[#states].t - states[1].t
+  for i = 1, n do
+    local list = rises(states, i)
+    local own = #list >= LEAST and lines and without_multiples(lines[i], T) or {}
+    if #own > 1 and #own <= count then
+      table.move(own, 1, #own, #all + 1, all)
+    elseif #list >= LEAST then
+      all[#all + 1] = 2 * pi * (#list - 1) / (list[#list] - list[1])
+    end
+  end
+  table.sort(all)
+  return without_multiples(all, T)
 end
 
 return M
