@@ -4465,13 +4465,16 @@ function dm_stability_map_class:limit(row, right) end
 ---@return string|nil
 function dm_stability_map_class:plot(options) end
 
----map:resonances(row) -> list of {n, h, omega}, sentence
+---map:resonances(row) -> list of {n, h, omega, mean}, sentence
 ---
 ---The steps, inside of those of the map and the smallest first, that turn an oscillation of the system
 ---linearised along the orbit by 2 pi / n, n = 3 to 6: near these a symplectic rule is unstable in
 ---nonlinear forces. omega: the frequency; where it changes along the orbit its mean over the time, if
----it is more than twice as fast as the orbit turns, else that of the orbit itself. The sentence says
----why where there are none.
+---it is more than twice as fast as the orbit turns, else that of the orbit itself: of coordinates that
+---turn with several oscillations (2 to 12 of them) a line of their spectrum, to about half a turn in
+---the whole time. mean: true where it is a
+---mean of frequencies that change, as a mode that hardly moves has it: the motion need not have it.
+---The sentence says why where there are none.
 ---@param row? any
 ---@return table
 ---@return any

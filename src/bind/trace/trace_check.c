@@ -25,6 +25,10 @@ static const double tolerance = 1e-8, nudge = 1e-6;
  * or that of the list it is in, and what may differ is round-off of terms of that size. */
 static const double round_off = 1e3 * DBL_EPSILON;
 
+/* What moves by more than an eighth of a difference where arguments do by their last bits has no
+ * digit there: cos of 1e28. */
+static const double last_bits = 4 * DBL_EPSILON, scattered = 8.0;
+
 /* arguments of values that are looked at for scatter: so many, so far apart */
 enum { ROW = 9 };
 static const double apart = 1e-4;
@@ -69,10 +73,10 @@ static double size_of_argument(const check *c, uint32_t i, int made_up) {
 
 /* The kernel where the arguments of a group have moved by a small part of their size, each with its
  * own sign; of very many inputs every so many'th one moves. */
-static void eval_moved(const check *c, uint32_t group, uint32_t groups, int made_up) {
+static void eval_moved(const check *c, uint32_t group, uint32_t groups, double part, int made_up) {
     const uint32_t n = c->kernel->inputs;
     for (uint32_t i = group; i < n; i += groups) {
-        const double move = nudge * size_of_argument(c, i, made_up);
+        const double move = part * size_of_argument(c, i, made_up);
         c->x[i] += i / groups * 7 % 5 % 2 ? -move : move;
     }
     eval(c, c->moved);
@@ -85,15 +89,20 @@ static uint32_t begin_moves(const check *c) {
     return n < MOST_MOVES ? n : MOST_MOVES;
 }
 
+/* how far f_k moves where the arguments do, each by this part of it */
+static double way_of(const check *c, uint32_t k, double part) {
+    const uint32_t groups = begin_moves(c);
+    double way = 0.0;
+    for (uint32_t group = 0; group < groups; group++) {
+        eval_moved(c, group, groups, part, 0);
+        if (isfinite(c->moved[k])) way += fabs(c->moved[k] - c->kernel_out[k]);
+    }
+    return way;
+}
+
 /* |f_k| + sum_i |x_i df_k/dx_i| by differences of the kernel */
 static double size_of_terms(const check *c, uint32_t k) {
-    const uint32_t groups = begin_moves(c);
-    double size = fabs(c->kernel_out[k]) + fabs(c->plain[k]);
-    for (uint32_t group = 0; group < groups; group++) {
-        eval_moved(c, group, groups, 0);
-        if (isfinite(c->moved[k])) size += fabs(c->moved[k] - c->kernel_out[k]) / nudge;
-    }
-    return size;
+    return fabs(c->kernel_out[k]) + fabs(c->plain[k]) + way_of(c, k, nudge) / nudge;
 }
 
 /* the same with the size of made-up points for x_i, of whichever outputs have the largest terms:
@@ -105,7 +114,7 @@ static double size_of_all_terms(const check *c) {
         if (isfinite(c->plain[k])) size = fmax(size, fabs(c->plain[k]));
     for (uint32_t group = 0; group < groups; group++) {
         double largest = 0.0;
-        eval_moved(c, group, groups, 1);
+        eval_moved(c, group, groups, nudge, 1);
         for (uint32_t k = 0; k < m; k++) {
             const double moved = fabs(c->moved[k] - c->kernel_out[k]);
             if (isfinite(moved)) largest = fmax(largest, moved);
@@ -128,6 +137,7 @@ static long mismatch(const check *c) {
         if (difference <= 8 * DBL_EPSILON * largest) continue;
         if (difference <= tolerance * fmax(fabs(a), fabs(b))) continue;
         if (difference <= tolerance * size_of_terms(c, k)) continue;
+        if (difference <= scattered * way_of(c, k, last_bits)) continue;
         if (difference > round_off * size_of_all_terms(c)) return (long)k;
     }
     return -1;

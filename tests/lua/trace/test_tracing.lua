@@ -304,4 +304,12 @@ do
   end
   ok(differ == 0, "sums of tiny exponentials are what their trace says", differ)
 end
+-- a force whose phase has no digit at the points that are tried (1e28 rad at t = 0.05): units of 1e20 and 1e-30
+do
+  local U, W = 1e20, 1e-30
+  local forced = dm.system { Q = dm.R(1), L = function(q, v, t) return (v[1] ^ 2 - q[1] ^ 2 / W ^ 2) / 2 + 0.2 * U / W ^ 2 * math.cos(1.3 * t / W) * q[1] end }
+  local path = forced:solver { rule = "gauss(6)", h = 0.02 * W }:run { q = { 0 }, v = { 0 }, t = 3 * W }
+  -- 0.2 (cos t - cos 1.3 t)/(1.3^2 - 1)
+  near(path.q[#path][1] / U, 0.2 * (math.cos(3) - math.cos(3.9)) / (1.3 ^ 2 - 1), 1e-9, "a driven oscillator in units of its own")
+end
 tap.done()
