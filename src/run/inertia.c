@@ -2,6 +2,7 @@
 
 #include "linalg/signature.h"
 #include "mech/constraints.h"
+#include "mech/group.h"
 
 #include <math.h>
 #include <string.h>
@@ -151,16 +152,27 @@ static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n)
     }
 }
 
+/* The first d columns of rows[count*n], d at most n, in their place: on a group the others have
+ * masses of 1, which are no velocities (mech/group.h). */
+static void narrow(double *rows, size_t count, uint32_t n, uint32_t d) {
+    for (size_t i = 0; i < count && d < n; i++) memmove(rows + i * d, rows + i * n, d * sizeof *rows);
+}
+
 /* Of velocities, by what is found: the diagonal becomes ones; of a prolonged L that of M. */
-static void find_scales(dm_inertia *x, const double *M) {
-    const uint32_t n = x->model->n, half = dm_inertia_is_prolonged(M, n) ? n / 2 : n;
-    const double *block = M + (n - half);
+static void find_scales(dm_inertia *x, const double *whole) {
+    const uint32_t n = x->model->n, d = dm_momenta(x->model);
+    double *M = x->room + 2 * (size_t)n + 1 + outputs(x->model);
+    memcpy(M, whole, (size_t)n * n * sizeof *M);
+    narrow(M, d, n, d);
+    const uint32_t half = dm_inertia_is_prolonged(M, d) ? d / 2 : d;
+    const double *block = M + (d - half);
+    for (uint32_t i = 0; i < n; i++) x->scale[i] = 1.0;
     for (uint32_t i = 0; i < half; i++) {
-        const double own = fabs(block[i * n + i]);
+        const double own = fabs(block[i * d + i]);
         x->scale[i] = own > 0.0 && own < INFINITY ? 1.0 / sqrt(own) : 1.0;
     }
-    scale_rows(x->scale, block, n, half);
-    memcpy(x->scale + half, x->scale, (n - half) * sizeof *x->scale);
+    scale_rows(x->scale, block, d, half);
+    memcpy(x->scale + half, x->scale, (d - half) * sizeof *x->scale);
 }
 
 /* [M, G^T; G, 0] as A[N*N] */
@@ -185,7 +197,9 @@ static uint32_t count(const dm_inertia *x, double *least, double *all) {
            *border = G + (size_t)(rows + 1) * n;
     place_mass(x, A, kept);
     if (rows) place_constraints(x, G, at, out); /* where the mass was */
-    n = dm_inertia_halve(A, G, &rows, n, border);
+    narrow(A, dm_momenta(m), n, dm_momenta(m));
+    narrow(G, rows, n, dm_momenta(m));
+    n = dm_inertia_halve(A, G, &rows, dm_momenta(m), border);
     uint32_t N = n;
     if (rows) {
         double unused;

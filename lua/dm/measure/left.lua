@@ -1,6 +1,5 @@
 --- A system in the right trivialization as one in the left: xi = Ad_g of the body velocity, and
--- covectors by the coadjoint action. Steps of lie(s) are the same, since exp(xi) g = g exp(Ad_(1/g)
--- xi); those of lifts are not, whose stages are off the group.
+-- covectors by the coadjoint action: the same motion. Steps are those of mirror.lua.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -40,32 +39,6 @@ function M.moved(system, g, x)
   local kit = system.place.kit
   if system.given.L then return core.vector(kit.Ad(kit.inverse(g), x)) end
   return core.vector(body(kit, g, x))
-end
-
---- A solver that steps it alike.
-function M.solver(solver, newton)
-  return M.system(solver.system):solver { rule = solver.rule, h = solver.h, newton = newton }
-end
-
---- A state { q, p, t } in the left trivialization.
-function M.state(kit, s) return { q = s.q, p = body(kit, s.q, s.p), t = s.t } end
-
---- The momentum of such a state in the right one.
-function M.momentum_right(kit, s) return kit.coAd(s.q, core.vector(s.p)) end
-
---- A change (u, dp) at a state s of the right trivialization as one of the left: mu = Ad*_g p moves
--- with g, too.
-function M.change(kit, s, w)
-  local d = kit.dimension
-  local u, turned = kit.Ad(kit.inverse(s.q), part(w, 0, d)), part(w, d, d)
-  return lists.joined(u, body(kit, s.q, turned) + kit.coad(u, body(kit, s.q, s.p))):totable()
-end
-
---- The inverse of that, at a state s of the left trivialization.
-function M.change_right(kit, s, w)
-  local d = kit.dimension
-  local u, dp = part(w, 0, d), part(w, d, d)
-  return lists.joined(kit.Ad(s.q, u), kit.coAd(s.q, dp - kit.coad(u, core.vector(s.p)))):totable()
 end
 
 return M

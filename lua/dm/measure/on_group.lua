@@ -5,8 +5,8 @@ local core = require "dm.core"
 local groups = require "dm.group"
 local lists = require "dm.base.lists"
 local bound = require "dm.base.bound"
-local left = require "dm.measure.left"
 local lifts = require "dm.measure.lifts"
+local mirror = require "dm.measure.mirror"
 local own_step = require "dm.measure.own_step"
 local tangent_group = require "dm.measure.tangent_group"
 local tangent_space = require "dm.measure.tangent_space"
@@ -120,41 +120,18 @@ local function steps_groups(rule)
   return type(rule) ~= "string" and not rule.stages
 end
 
-local SAME = 1e-10  -- of a state: two steps that are the same but for round-off
-
--- raises where a rule takes another step in the right trivialization than in the left one: its
--- tangent map is not that of the other
-local function check_alike(solver, other, s, what)
-  local kit, there = solver.system.place.kit, left.state(solver.system.place.kit, s)
-  local a = solver:run { q = s.q, p = s.p, t0 = s.t, steps = 1 }
-  local fine, b = blame.try(other.run, other, { q = there.q, p = there.p, t0 = s.t, steps = 1 })
-  if not fine then
-    error(("%s is a step of the same system in the left trivialization, and %s"):format(what,
-      tostring(b)), 0)
-  end
-  local p = left.momentum_right(kit, { q = b.q[2], p = b.p[2] })
-  local apart = kit.distance(a.q[2], b.q[2]) + (a.p[2] - p):norm() / max(1, p:norm())
-  if not (apart <= SAME) then
-    error(("%s: '%s' takes another step in the right trivialization than in the left one, and only "
-      .. "of the latter a tangent map is known; lie(s) and gauss(s) have theirs"):format(what,
-      tostring(solver.rule)), 0)
-  end
-end
-
 -- of a rule in charts
 local function chart_map(solver, what)
   local place = solver.system.place
   if not place.right then return by_prolonging(solver, what) end
-  local kit, other, checked = place.kit, left.solver(solver, newton(solver)), false
+  local kit, other = place.kit, mirror.system(solver.system)
+    :solver { rule = solver.rule, h = solver.h, newton = newton(solver) }
   local along = by_prolonging(other, what)
   return function(s, steps, vectors)
-    if not checked then check_alike(solver, other, s, what) end
-    checked = true
-    local there, out = left.state(kit, s), {}
-    for k, w in ipairs(vectors) do out[k] = left.change(kit, s, w) end
-    out = along(there, steps, out)
-    s.q, s.p, s.t = there.q, left.momentum_right(kit, there), there.t
-    for k, w in ipairs(out) do out[k] = left.change_right(kit, there, w) end
+    local there = mirror.state(kit, s)
+    local out = along(there, steps, vectors)
+    local back = mirror.state(kit, there)
+    s.q, s.p, s.t = back.q, back.p, back.t
     return out
   end
 end
@@ -182,15 +159,15 @@ end
 -- its entries then, up to a map that does not grow }.
 function M.beside(system, rule)
   local in_chart = steps_groups(rule)
-  local own = in_chart and system.place.right and left.system(system) or system
+  local own = in_chart and system.place.right and mirror.system(system) or system
   local out = in_chart and beside_in_chart(own, rule)
     or lifts.beside(own:solver { rule = rule, h = 1 })
   local kit, start = system.place.kit, out.start
   function out.start(q, v, p, t, w)
     local s = M.start(system, { q = q, v = v, p = p, t0 = t })
     w = M.allowed(system, s)(w)
-    if own == system then return start(s.q, s.p, w) end
-    return start(s.q, left.state(kit, s).p, left.change(kit, s, w))
+    if own ~= system then s = mirror.state(kit, s) end
+    return start(s.q, s.p, w)
   end
   return out
 end
