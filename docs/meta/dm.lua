@@ -4439,14 +4439,14 @@ function dm_stability_map_class:csv(file) end
 ---
 ---The largest value of the columns (the step h, or the last parameter of a map with one step) before
 ---the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
----infinity when none is lost, 0 when the first is, nil where the map was stopped before. The first
----time a limit of a row is asked for, the windows and resonances of linear theory (map:resonances) are
----tried between the columns, of maps with up to 64 rows: a narrow tongue of instability there is the
----limit, and the sentence says so. Other tongues narrower than a column, as those about resonances of
----two oscillations or of more than 6 steps a turn, are seen only where a column meets them. "right":
----the same of what is right, no observable further than `accuracy` from the resolved flow up to t; nil
----where no flow is known. row: its number, or a table such as { rule = "verlet", k = 100 } (the
----nearest). The sentence says what happens beyond.
+---infinity when none is lost, 0 (of a parameter -infinity) when the first is, nil where the map was
+---stopped before. The first time a limit of a row is asked for, the windows and resonances of linear
+---theory (map:resonances) are tried between the columns, of maps with up to 64 rows: a narrow tongue
+---of instability there is the limit, and the sentence says so. Other tongues narrower than a column,
+---as those about resonances of two oscillations or of more than 6 steps a turn, are seen only where a
+---column meets them. "right": the same of what is right, no observable further than `accuracy` from
+---the resolved flow up to t; nil where no flow is known. row: its number, or a table such as { rule =
+---"verlet", k = 100 } (the nearest). The sentence says what happens beyond.
 ---@param row? any
 ---@param right? any
 ---@return number
