@@ -293,11 +293,15 @@ static int goes_over(loop *l, int seen, int steep, int open) {
     return vanishes_inside(l, steep, open);
 }
 
-/* The step that goes over is not taken. */
+/* The step that goes over is not taken, nor are rows at times inside of it. */
 static dm_status end_before(loop *l) {
+    const dm_run_plan *plan = l->plan;
     l->goes_on = 0;
     go_back(l);
-    l->rows_done = l->plan->inertia->rows;
+    l->rows_done = plan->inertia->rows;
+    const double now = time_now(l), slack = dm_time_slack(l->s, plan->h, now, now + plan->h);
+    while (plan->at && l->rows_done > l->flushed && plan->at[l->rows_done - 1] > now + slack)
+        l->rows_done--;
     return DM_INERTIA;
 }
 

@@ -74,6 +74,26 @@ for _, case in ipairs { { "midpoint", 4, 0.0162, -0.0707, 0.2408 }, { "rk4", 4, 
     ("%s, x^%d v^2/2: the first step"):format(rule, k), tostring(e))
 end
 
+-- rows at times inside of the step that goes over are none
+do
+  local system = dm.system { Q = dm.R(2), L = function(q, v)
+    return q[1] ^ 2 * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 - q[1] / 2 end }
+  local times, behind, ended = {}, 0, 0
+  for j = 1, 120 do times[j] = 0.013 * j + 0.003 end
+  for i = 1, 20 do
+    for _, rule in ipairs { "gauss(2)", "rk4" } do
+      local solver = system:solver { rule = rule, h = 0.05 }
+      local fine, e = pcall(solver.run, solver, { q = { 0.3 + 0.03 * i, 0 }, v = { -1, 0.2 },
+        at = times })
+      local x = not fine and e.code == "inertia" and e.path:column "q1"
+      ended = ended + (x and 1 or 0)
+      if x and #x > 0 and (x[#x] <= 0 or e.path.t[#x] > e.time + 1e-9) then behind = behind + 1 end
+    end
+  end
+  ok(ended > 20 and behind == 0, "no row at a time lies in the step that goes over",
+    ("%d of %d"):format(behind, ended))
+end
+
 -- valid: poles in their own and in slanted coordinates, with and without a momentum along them; a
 -- mass that all but vanishes; one that touches zero in a point beside the motion
 local refused = 0
