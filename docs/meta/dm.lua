@@ -1415,7 +1415,7 @@ local dm_factor_class = {}
 function dm_factor_class:solve(b) end
 
 ---dm.failure: raised when a computation fails; pcall returns it
----fields: code ("no_convergence", "singular", "not_finite", "inertia", "too_short", "no_value", "stopped"), step, time, residual, iterations, rule, message, path (what was computed before); constraint or rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value
+---fields: code ("no_convergence", "singular", "not_finite", "inertia", "too_short", "stopped"), step, time, residual, iterations, rule, message, path (what was computed before); constraint or rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value
 ---@class dm.failure
 local dm_failure_class = {}
 
@@ -3867,9 +3867,9 @@ local dm_solver_class = {}
 ---@return table
 function dm_solver_class:backward_error(options) end
 
----solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, gaps=, project=, energy=, a=, beside=} -> dm.ensemble
+---solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, watch=, project=, energy=, a=, beside=} -> dm.ensemble
 ---
----Run `members` starts side by side for `steps` steps or the duration t. q, and v or p (q alone where L is linear in v): functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions, and for fields by implicit rules). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run (gaps, too): ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). beside = { watch = { ... }, compared = names, flows = { { e =, i =, horizon =, rows =, bound = }, ... } }: columns beside those of a resolved flow for every member (false: none), member i of the ensemble e, as in ensemble:departure, up to the time `horizon`, at about so many rows, until one is beyond its bound (a list as `compared`; left out: none), then at the rows that are kept; no row of this stays: ensemble:followed(i). Raises dm.failure with the ensemble as its path on Ctrl-C.
+---Run `members` starts side by side for `steps` steps or the duration t. q, and v or p (q alone where L is linear in v): functions of the member's number (from 1) that return dim Q numbers, or a matrix or table with a row per member. vary = { name = }: numbers among the params of the system that every member has for itself, as functions or tables too; where the potential alone depends on them and the rule is explicit all share one kernel, else members that follow each other with the same ones do. h: a step of its own for every member, as a function or a table (with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in vector registers, neighbours with one step, implicit rules also those with steps of their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). threads: default one per core (always one for hyper-dual functions, and for fields by implicit rules). Each member ends with the same bits as a run of its own, whatever the number of threads; one that fails does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen numbers, as in solver:run: ensemble:path(i). energy: that the steps of sem(s, quadrature(r)) of all members are to have. a: the quantity that all members of a reduced system carry along (dm.euler_poincare). beside = { watch = { ... }, compared = names, flows = { { e =, i =, horizon =, rows =, bound = }, ... } }: columns beside those of a resolved flow for every member (false: none), member i of the ensemble e, as in ensemble:departure, up to the time `horizon`, at about so many rows, until one is beyond its bound (a list as `compared`; left out: none), then at the rows that are kept; no row of this stays: ensemble:followed(i). Raises dm.failure with the ensemble as its path on Ctrl-C.
 ---journal = "file": finished ranges of members are kept in this file; the same call goes on where it
 ---stopped, and one that is finished is only read. The file is refused where the system, the rule, h,
 ---steps or members are others, or where a member that is run again differs. ensemble.journal is
@@ -3961,10 +3961,10 @@ function dm_solver_class:report() end
 ---@return number
 function dm_solver_class:reversal(options) end
 
----solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, record=, gaps=, events=, file=, checkpoint=, energy=} -> dm.path
+---solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, record=, events=, file=, checkpoint=, energy=} -> dm.path
 ---
 ---Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` (default 1) and the end, or the states at the growing times `at` (by a shorter step on the side, which leaves the run as it is); t0 (default 0) is the time of the start. With constraints the start must lie on them, and its velocity be tangent: project = true moves it to the nearest such state in the metric of the mass. The Lagrangian is traced anew, so changed upvalues are picked up.
----watch = { "q1", "energy", r = function(q, v, t, p) ... end }: rows hold t and these numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "lambda" stands for system:multipliers at the state; on groups entries of the element are watched, too ("R33", of factor k "R33_k"). record = { "lambda", ... }: such columns beside q and p. NaN in a column ends the run; gaps = true keeps it. record = { "impulses" }: multipliers of the steps, in units of momentum: what the end of one step and the start of the next give the momentum at the row, along the rows of constraint and rolling (reaction); so the first and the last row have a half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "inner": those between as well, of the step that begins at the row. path.lambda[i], path.impulses[i] are vectors. file = "rows.npy": rows go there as they come, the path keeps the last one, failure.path those that a full disk did not take (of fields on meshes t, q and p, a row of q an array). events = { name = function(q, v, t, p) ... end } or { name = { g = f, direction = "up" | "down", stop = true } }: zeros of these functions, by steps of fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; a zero that is touched but not crossed, or two of one function within a step, are not seen. checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, instead of that of the first. Raises dm.failure with the path so far when a step cannot be solved, the state stops being finite, a column is NaN, or on Ctrl-C.
+---watch = { "q1", "energy", r = function(q, v, t, p) ... end }: rows hold t and these numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "lambda" stands for system:multipliers at the state; on groups entries of the element are watched, too ("R33", of factor k "R33_k"). record = { "lambda", ... }: such columns beside q and p. record = { "impulses" }: multipliers of the steps, in units of momentum: what the end of one step and the start of the next give the momentum at the row, along the rows of constraint and rolling (reaction); so the first and the last row have a half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "inner": those between as well, of the step that begins at the row. path.lambda[i], path.impulses[i] are vectors. file = "rows.npy": rows go there as they come, the path keeps the last one, failure.path those that a full disk did not take (of fields on meshes t, q and p, a row of q an array). events = { name = function(q, v, t, p) ... end } or { name = { g = f, direction = "up" | "down", stop = true } }: zeros of these functions, by steps of fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; a zero that is touched but not crossed, or two of one function within a step, are not seen. checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, instead of that of the first. Raises dm.failure with the path so far when a step cannot be solved, the state stops being finite, a column is NaN, or on Ctrl-C.
 ---A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
 ---inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.
 ---A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes;
@@ -4617,7 +4617,7 @@ function dm_sweep_class:plot(x, y, options) end
 local dm_symbol_class = {}
 
 ---dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}
----fields: Q, L, name, coordinates, units, params, given (all options as they were given); system.params.k = 3 reaches the next run, a new name that nothing reads is refused
+---fields: Q, L, name, coordinates, units, params, given (all options as they were given)
 ---@class dm.system
 local dm_system_class = {}
 
@@ -6403,14 +6403,14 @@ function dm.scaling(options) end
 ---operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
 ---a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 ---scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
----seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
----(scene.best.worst_step; with a tolerance: both, or it raises; without one a plain run has a row a
----frame, whose error_estimate knows of no lines between them). On a group entries of the element are
----watched (R31, of factor k R31_k), body momenta (p1), "energy" and functions (g, xi, t, mu); the
----model is the system as given, as it is of an H without a Lagrangian; one that is reduced
----(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(), scene:animate(file);
----scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns, error (of the
----tolerance, 1 at most) }.
+---seconds, as exactly as rules of fixed work can, or those of few iterations under constraints, where
+---something rolls, for L linear in v (scene.best.worst_step; with a tolerance: both, or it raises;
+---without one a plain run has a row a frame, whose error_estimate knows of no lines between them). On
+---a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1), "energy" and
+---functions (g, xi, t, mu); the model is the system as given, as it is of an H without a Lagrangian;
+---one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
+---scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
+---error (of the tolerance, 1 at most) }.
 ---@param options? table
 ---@return dm.scene
 function dm.scene(options) end

@@ -16,8 +16,11 @@ local fail = require "dm.base.options".failing "dm.scene"
 local RULES = { "verlet", "blanes-moan(4)", "blanes-moan(6)", "blanes-moan(6, 14)", "kahan-li(6)",
   "kahan-li(8)", "sofroniou-spaletta(10)", "rk4", "rk8", "gauss(2, 4)", "gauss(4, 6)" }
 local SWEEPS = { ["gauss(2, 4)"] = true, ["gauss(4, 6)"] = true }
--- with constraints: two or three small iterations in each step
+-- two or three iterations in each step: with constraints, where something rolls, of an L that is
+-- linear in v
 local BOUND = { "rattle", "suzuki(4, rattle)", "kahan-li(6, rattle)", "kahan-li(8, rattle)" }
+local ROLLING = { "midpoint", "gauss(2)", "gauss(3)", "gauss(4)" }
+local FIRST_ORDER = { "degenerate(1)", "degenerate(2)", "degenerate(3)", "degenerate(4)" }
 local PARTS = 0.5     -- of the deadline that the steps of a frame may take as they are first timed
 local MOST = 4096     -- steps of a frame
 local REPLAYS, FRAMES = 3, 1e5
@@ -77,18 +80,26 @@ end
 -- an error as far as the reference tells it: what is nearer than that is so by chance
 local function seen(scene, err) return max(err, scene.uncertainty) end
 
+-- rules that are looked at, and whether they iterate
+local function rules_of(scene, system)
+  local s = system:structure()
+  local iterating = s.rolling > 0 and ROLLING or s.constraints > 0 and BOUND
+    or s.linear_in_v and FIRST_ORDER
+  local named = scene.options.rules
+  return named or iterating or RULES, named or iterating
+end
+
 -- every rule of fixed work that has room, with what it errs by
 local function candidates(scene, model)
   local out, refused = {}, {}
-  local bound = model.system:structure().constraints > 0
-  local named = scene.options.rules
-  for _, rule in ipairs(named or bound and BOUND or RULES) do
+  local rules, iterating = rules_of(scene, model.system)
+  for _, rule in ipairs(rules) do
     if #out > 0 and core.cpu() > scene.began + RULES_TIME * scene.allowed then
       scene.search.cut = true
       break
     end
     local fine, steps = blame.try(steps_of, scene, model, rule,
-      not (named or bound or SWEEPS[rule]))
+      not (iterating or SWEEPS[rule]))
     if fine and steps then
       -- fewer steps may be more accurate: round-off
       for _, fewer in ipairs { 1, 4, 16 } do

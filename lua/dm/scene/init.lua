@@ -208,14 +208,14 @@ scene:run() raises with everything that was measured (docs/theory/trust.md). Cos
 operations (scene.best.work), so that two scenes choose alike; costs = "clock" measures ns; profile:
 a file of scene.profile:save(file) has them. seconds: CPU time to be spent on looking (default 20);
 scene.cut says what they left out. frame, per_step: each frame of model time costs at most per_step
-seconds, as exactly as rules of fixed work can, under constraints rattle and its compositions
-(scene.best.worst_step; with a tolerance: both, or it raises; without one a plain run has a row a
-frame, whose error_estimate knows of no lines between them). On a group entries of the element are
-watched (R31, of factor k R31_k), body momenta (p1), "energy" and functions (g, xi, t, mu); the
-model is the system as given, as it is of an H without a Lagrangian; one that is reduced
-(dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(), scene:animate(file);
-scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns, error (of the
-tolerance, 1 at most) }.]]
+seconds, as exactly as rules of fixed work can, or those of few iterations under constraints, where
+something rolls, for L linear in v (scene.best.worst_step; with a tolerance: both, or it raises;
+without one a plain run has a row a frame, whose error_estimate knows of no lines between them). On
+a group entries of the element are watched (R31, of factor k R31_k), body momenta (p1), "energy" and
+functions (g, xi, t, mu); the model is the system as given, as it is of an H without a Lagrangian;
+one that is reduced (dm.euler_poincare) starts from p or v, and a. scene:run(), scene:why(),
+scene:animate(file); scene.candidates, scene.best = { model, rule, N, h, n (dimension), work, ns,
+error (of the tolerance, 1 at most) }.]]
 
 M.scene = blame.caller(function(options)
   options = starts.of_system(options)

@@ -90,4 +90,17 @@ raises("option 'frame' is missing", function()
 end)
 raises("per_step = 1e-12", try { per_step = 1e-12 }, "no room for a step")
 
+-- what rolls, and an L of first order, in closed form: a skate that turns evenly goes around; q2 pushes q1 around a circle
+local skate = dm.system { Q = dm.R(3), L = function(_, v) return v:dot(v) / 2 end, rolling = function(q, v) return math.cos(q[3]) * v[2] - math.sin(q[3]) * v[1] end }
+local circle = dm.system { Q = dm.R(2), L = function(q, v) return q[2] * v[1] - (q[1] ^ 2 + q[2] ^ 2) / 2 end }
+for _, case in ipairs { { skate, { 0, 0, 0 }, { 1, 0, 0.8 }, function(t) return math.sin(0.8 * t) / 0.8 end, "gauss" },
+  { circle, { 1, 0 }, { 0, -1 }, function(t) return math.cos(t) end, "degenerate" } } do
+  local scene = dm.scene { case[1], q = case[2], v = case[3], watch = { "q1" }, until_t = 3, frame = 0.05, per_step = 1e-2, seconds = 2 }
+  local run, worst = scene:run(), 0
+  local t, x = run.t, run:column "q1"
+  for i = 1, #t do worst = math.max(worst, math.abs(x[i] - case[4](t[i]))) end
+  ok(scene.best.rule:find(case[5]) and scene.best.worst_step <= 1e-2, "a rule of few iterations keeps the deadline", scene.best.rule)
+  ok(#t == 61 and worst <= run.error_estimate and worst < 1e-8, "a row a frame, as exact as it says", worst, run.error_estimate)
+end
+
 tap.done()
