@@ -41,9 +41,9 @@ static FILE *gather(int fd, const char **why) {
 }
 
 static const char *kind_of(mode_t mode) {
-    return S_ISDIR(mode)                      ? strerror(EISDIR)
+    return S_ISDIR(mode)                    ? strerror(EISDIR)
            : S_ISCHR(mode) || S_ISBLK(mode) ? "it is a device, which may have no end, and no file"
-                                             : "it is no file";
+                                            : "it is no file";
 }
 
 /* *opened: there is something of this name */

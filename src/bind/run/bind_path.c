@@ -201,8 +201,8 @@ static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
 static int keeps_energy(lua_State *L) {
     if (dml_checksystem(L, 1)->hyperdual) return lua_pushboolean(L, 1), 1;
     const dm_model *m = &dml_pushmodel(L, 1)->model;
-    lua_pushboolean(L, (m->structure & DM_AUTONOMOUS) &&
-                           !(m->constraints && m->constraints->forced));
+    lua_pushboolean(L,
+                    (m->structure & DM_AUTONOMOUS) && !(m->constraints && m->constraints->forced));
     return 1;
 }
 

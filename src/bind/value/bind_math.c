@@ -54,7 +54,7 @@ static double number_at(lua_State *L, int arg) {
         int is_number, results;                                                                    \
         const double x = lua_tonumberx(L, 1, &is_number);                                          \
         if (!is_number && is_done(L, math_##name, &results)) return results;                       \
-        lua_pushnumber(L, f(is_number ? x : number_at(L, 1)));                              \
+        lua_pushnumber(L, f(is_number ? x : number_at(L, 1)));                                     \
         return 1;                                                                                  \
     }
 static double sign_of(double x) {
@@ -147,7 +147,7 @@ static int push_whole(lua_State *L, double x) {
         int is_number, results;                                                                    \
         double x = lua_tonumberx(L, 1, &is_number);                                                \
         if (!is_number && is_done(L, math_##name, &results)) return results;                       \
-        if (!is_number) x = number_at(L, 1);                                                \
+        if (!is_number) x = number_at(L, 1);                                                       \
         const double y = name(x);                                                                  \
         if (x == y && lua_isinteger(L, 1)) return lua_settop(L, 1), 1;                             \
         return push_whole(L, y);                                                                   \

@@ -294,12 +294,12 @@ for _, rule in ipairs { "verlet", "gauss(2)", "rk8" } do -- in lanes and alone
 end
 
 -- printing raises nothing that the functions of a system raise by now
-stiffness = 2
+_G.stiffness = 2
 local own = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - stiffness * q[1] ^ 2 / 2 end }
 local tied = dm.system { Q = dm.R(2), L = function(_, v) return stiffness * v:dot(v) / 2 end, constraint = function(q) return q[1] end }
 local printed = own:solver { rule = "gauss(2)", h = 0.1 }
 local rows = printed:run { q = { 1 }, v = { 0 }, steps = 10 }
-stiffness = nil
+_G.stiffness = nil
 for _, x in ipairs { own, tied, printed } do
   tap.ok(tostring(x):find "fail now: .*global 'stiffness'", "a system whose global is gone says so", tostring(x))
 end
