@@ -97,7 +97,7 @@ return {
     { "lua/dm/notebook/machine.lua", 1, "the answer of a request, which must have one" },
     { "lua/dm/reduce/run/failure.lua", 1, "raised again, with what the path tells of it" },
     { "lua/dm/session/text.lua", 1, "raised again when lines are printed again" },
-    { "lua/dm/session/variable.lua", 1, "inside of a message handler, whose levels are counted" },
+    { "lua/dm/session/variable.lua", 2, "inside of a message handler, whose levels are counted" },
     { "lua/dm/show/animate/film.lua", 1, "raised again when the folder is removed" },
     { "lua/dm/show/inline.lua", 1, "raised again when the file is removed" },
     { "lua/dm/stability/closer.lua", 1, "raised again when the map is as it was" },

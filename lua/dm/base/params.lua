@@ -1,4 +1,4 @@
---- Parameters of a system: which of them its functions read, and what `system.params` is to a script.
+--- Parameters of a system: which of them its functions read, and what `system.params` is.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -22,7 +22,7 @@ end
 local function mentions(f, text, looked)
   if looked[f] then return false end
   looked[f] = true
-  local fine, code = pcall(string.dump, f, true)
+  local fine, code = blame.try(string.dump, f, true)
   if not fine then return false end -- it is in C
   if code:find(string.char(#text + 1 | 0x80) .. text, 1, true) then return true end
   for k = 1, 255 do

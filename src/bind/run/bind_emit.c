@@ -1,7 +1,7 @@
 /* bind_emit.c - `system:emit_c()` and `f:emit_c()`: what dmlua computes, as C. */
 #include "algebra/derive.h"
+#include "bind/core/c_names.h"
 #include "bind/model/bind_system.h"
-#include "bind/trace/c_names.h"
 #include "bind/trace/function.h"
 #include "code/tape/emit_c.h"
 

@@ -124,7 +124,8 @@ true	true]=]
 
 M["core.trace_with"] = [=[
 > core = require "dm.core"
-> s = dm.system { Q = dm.R(1), params = { k = 1, m = 1 }, L = function(q, v, t, p) return v[1]^2 - p.k*q[1]^2 end }
+> s = dm.system { Q = dm.R(1), params = { k = 1, m = 1 },
+>>   L = function(q, v, t, p) return v[1]^2 - p.k*q[1]^2 end }
 > core.trace_with(s, { __index = function(_, name) print(name); return 1 end })
 k]=]
 

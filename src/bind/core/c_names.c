@@ -1,4 +1,4 @@
-#include "bind/trace/c_names.h"
+#include "bind/core/c_names.h"
 
 #include <stddef.h>
 #include <string.h>
