@@ -135,8 +135,8 @@ static const dml_row functions[] =
       "step of the unreduced equations."},
      {"trace_with", dml_core_trace_with,
       "core.trace_with(system, metatable)\n"
-      "Trace the functions of a system whose params are a userdata with that metatable, which tells "
-      "what they read; nothing is kept. Raises what they raise, and where nothing is traced."},
+      "Trace the functions of a system whose params are a userdata with that metatable, which "
+      "tells what they read; nothing is kept. Raises what they raise, and where nothing is traced."},
      {"miss", dml_core_miss,
       "core.miss(class, key [, names])\n"
       "Note that class has no such key, for the message of an error on the same line; called from "

@@ -236,7 +236,7 @@ local function argument_of(level, called, arg)
 end
 
 --- Kind and name, "global" and "K", of the nil that is argument `arg` of the function in C at
--- `level` of the caller, by what the function that called it has; nothing where that cannot be told.
+-- `level` of the caller, by what the function that called it has; nothing where that is unknown.
 function M.of_argument(level, arg)
   level = level + 1
   local called, caller = getinfo(level, "n").name, getinfo(level + 1, "S")
