@@ -102,66 +102,66 @@ static int make_result(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] =
-    {{"result", make_result,
-      "core.result(t) -> t\n"
-      "The table t as what a method returns: print(t) and tostring(t) show its entries, in scripts "
-      "as in a session."},
-     {"class", begin_class,
-      "core.class(metatable, doc) -> metatable\n"
-      "Begin a class whose objects are Lua tables with this metatable: its __name is the name, "
-      "metatable.methods its methods (core.method adds to them). Without an __index of its own it "
-      "gets the one of all classes, which looks among the methods."},
-     {"method", method_of_class,
-      "core.method(class, name [, f, doc]) -> function, doc\n"
-      "The method `name` of a class (\"dm.path\"), nil where it has none. With f and doc "
-      "(signature line, then shapes, units, errors) f is that method from now on. Raises on an "
-      "unknown class."},
-     {"arity", arity,
-      "core.arity(doc) -> integer or nil\n"
-      "How many arguments the signature that begins a doc allows, the object of a method among "
-      "them; nil: any number. More raise."},
-     {"one", one,
-      "core.one(f, what) -> function\n"
-      "The function f of the user, called `what` in messages, which raises where it gives more "
-      "than one value; anything else as it is."},
-     {"until_stop", until_stop,
-      "core.until_stop(f, ...) -> true, results   or   false, error\n"
-      "pcall for what has something to show when Ctrl-C ends it: the only one of our modules that "
-      "keeps this error."},
-     {"with_step", dml_core_with_step,
-      "core.with_step(options) -> dm.discrete_lagrangian\n"
-      "As dm.discrete_lagrangian, whose map is not compared with Ld: that of a reduced one is the "
-      "step of the unreduced equations."},
-     {"trace_with", dml_core_trace_with,
-      "core.trace_with(system, metatable)\n"
-      "Trace the functions of a system whose params are a userdata with that metatable, which "
-      "tells what they read; nothing is kept. Raises what they raise, and where nothing is traced."},
-     {"miss", dml_core_miss,
-      "core.miss(class, key [, names])\n"
-      "Note that class has no such key, for the message of an error on the same line; called from "
-      "the __index of a class in Lua; names: a table with the keys there are, where methods and "
-      "docs do not say."},
-     {"open_file", dml_core_open_file,
-      "core.open_file(file) -> file   or   nil, why\n"
-      "A regular file, or what comes through a pipe up to its end (2^30 bytes at most), open for "
-      "reading. Devices and directories are refused: `why` says what it is."},
-     {"new_file", dml_core_new_file,
-      "core.new_file(file) -> name   or   nil, why\n"
-      "Make an empty file beside `file`, under a name that nobody can foresee, for a program to "
-      "write."},
-     {"is_silent", dml_core_is_silent,
-      "core.is_silent() -> boolean\nDo files that are written go nowhere? Those of a rank > 0."},
-     {"end_file", dml_core_end_file,
-      "core.end_file(name, file) -> true   or   nil, why\n"
-      "Put what core.new_file made, whole and on the disk, in the place of `file`."},
-     {"cut_file", dml_core_cut_file,
-      "core.cut_file(file, bytes)\n"
-      "Leave the first `bytes` bytes of a file. Raises where that is not possible."},
-     {"nearest", dml_core_nearest,
-      "core.nearest(word, names) -> name or nil\n"
-      "The name of the list that is spelt most like the word, nil when none is near."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"result", make_result,
+     "core.result(t) -> t\n"
+     "The table t as what a method returns: print(t) and tostring(t) show its entries, in scripts "
+     "as in a session."},
+    {"class", begin_class,
+     "core.class(metatable, doc) -> metatable\n"
+     "Begin a class whose objects are Lua tables with this metatable: its __name is the name, "
+     "metatable.methods its methods (core.method adds to them). Without an __index of its own it "
+     "gets the one of all classes, which looks among the methods."},
+    {"method", method_of_class,
+     "core.method(class, name [, f, doc]) -> function, doc\n"
+     "The method `name` of a class (\"dm.path\"), nil where it has none. With f and doc "
+     "(signature line, then shapes, units, errors) f is that method from now on. Raises on an "
+     "unknown class."},
+    {"arity", arity,
+     "core.arity(doc) -> integer or nil\n"
+     "How many arguments the signature that begins a doc allows, the object of a method among "
+     "them; nil: any number. More raise."},
+    {"one", one,
+     "core.one(f, what) -> function\n"
+     "The function f of the user, called `what` in messages, which raises where it gives more "
+     "than one value; anything else as it is."},
+    {"until_stop", until_stop,
+     "core.until_stop(f, ...) -> true, results   or   false, error\n"
+     "pcall for what has something to show when Ctrl-C ends it: the only one of our modules that "
+     "keeps this error."},
+    {"with_step", dml_core_with_step,
+     "core.with_step(options) -> dm.discrete_lagrangian\n"
+     "As dm.discrete_lagrangian, whose map is not compared with Ld: that of a reduced one is the "
+     "step of the unreduced equations."},
+    {"trace_with", dml_core_trace_with,
+     "core.trace_with(system, metatable)\n"
+     "Trace the functions of a system whose params are a userdata with that metatable, which "
+     "tells what they read; nothing is kept. Raises what they raise, and where nothing is traced."},
+    {"miss", dml_core_miss,
+     "core.miss(class, key [, names])\n"
+     "Note that class has no such key, for the message of an error on the same line; called from "
+     "the __index of a class in Lua; names: a table with the keys there are, where methods and "
+     "docs do not say."},
+    {"open_file", dml_core_open_file,
+     "core.open_file(file) -> file   or   nil, why\n"
+     "A regular file, or what comes through a pipe up to its end (2^30 bytes at most), open for "
+     "reading. Devices and directories are refused: `why` says what it is."},
+    {"new_file", dml_core_new_file,
+     "core.new_file(file) -> name   or   nil, why\n"
+     "Make an empty file beside `file`, under a name that nobody can foresee, for a program to "
+     "write."},
+    {"is_silent", dml_core_is_silent,
+     "core.is_silent() -> boolean\nDo files that are written go nowhere? Those of a rank > 0."},
+    {"end_file", dml_core_end_file,
+     "core.end_file(name, file) -> true   or   nil, why\n"
+     "Put what core.new_file made, whole and on the disk, in the place of `file`."},
+    {"cut_file", dml_core_cut_file,
+     "core.cut_file(file, bytes)\n"
+     "Leave the first `bytes` bytes of a file. Raises where that is not possible."},
+    {"nearest", dml_core_nearest,
+     "core.nearest(word, names) -> name or nil\n"
+     "The name of the list that is spelt most like the word, nil when none is near."},
+    {NULL, NULL, NULL}};
 
 #define X(name) extern const dml_class dml_class_##name;
 #include "bind/classes.def"
