@@ -155,7 +155,8 @@ static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n)
 /* The first d columns of rows[count*n], d at most n, in their place: on a group the others have
  * masses of 1, which are no velocities (mech/group.h). */
 static void narrow(double *rows, size_t count, uint32_t n, uint32_t d) {
-    for (size_t i = 0; i < count && d < n; i++) memmove(rows + i * d, rows + i * n, d * sizeof *rows);
+    for (size_t i = 0; i < count && d < n; i++)
+        memmove(rows + i * d, rows + i * n, d * sizeof *rows);
 }
 
 /* Of velocities, by what is found: the diagonal becomes ones; of a prolonged L that of M. */
@@ -393,21 +394,4 @@ int dm_inertia_is_steep(const dm_inertia_seen *s) {
 
 int dm_inertia_is_near(const dm_inertia_seen *s) {
     return s->known && s->left <= NEAR;
-}
-
-void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state) {
-    double *place;
-    memcpy(x->state, state, dm_state_size(x->model->n) * sizeof *state);
-    x->kept_left = x->seen.left;
-    if (!x->memory_size) return;
-    dm_stepper_memory(s, &place);
-    memcpy(x->memory, place, x->memory_size * sizeof *place);
-}
-
-void dm_inertia_go_back(const dm_inertia *x, dm_stepper *s, double *state) {
-    double *place;
-    memcpy(state, x->state, dm_state_size(x->model->n) * sizeof *state);
-    if (!x->memory_size) return;
-    dm_stepper_memory(s, &place);
-    memcpy(place, x->memory, x->memory_size * sizeof *place);
 }

@@ -259,3 +259,22 @@ int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, 
     dm_inertia_keep(x, s, from);
     return dm_inertia_vanishes(x, s, to, t, h, steep, open);
 }
+
+/* ---- the kept state ---- */
+
+void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state) {
+    double *place;
+    memcpy(x->state, state, dm_state_size(x->model->n) * sizeof *state);
+    x->kept_left = x->seen.left;
+    if (!x->memory_size) return;
+    dm_stepper_memory(s, &place);
+    memcpy(x->memory, place, x->memory_size * sizeof *place);
+}
+
+void dm_inertia_go_back(const dm_inertia *x, dm_stepper *s, double *state) {
+    double *place;
+    memcpy(state, x->state, dm_state_size(x->model->n) * sizeof *state);
+    if (!x->memory_size) return;
+    dm_stepper_memory(s, &place);
+    memcpy(place, x->memory, x->memory_size * sizeof *place);
+}

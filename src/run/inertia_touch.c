@@ -4,6 +4,7 @@
  * along it, and motions pass. */
 #include "linalg/signature.h"
 #include "mech/constraints.h"
+#include "mech/group.h"
 #include "run/inertia.h"
 
 #include <math.h>
@@ -101,10 +102,12 @@ int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *w
            leads_off(x, &at, w, way->b, way->tb, last, there);
 }
 
-/* Only of M(q), whose lost velocity is that of the place. */
+/* Only of M(q), whose lost velocity is that of the place, in coordinates whose differences are
+ * velocities: not on groups. */
 static int may_touch(const dm_inertia *x) {
     const dm_constraints *c = x->model->constraints;
-    return (x->model->structure & DM_QUADRATIC_IN_V) && !(c && c->holonomic + c->rolling);
+    return (x->model->structure & DM_QUADRATIC_IN_V) && !(c && c->holonomic + c->rolling) &&
+           dm_momenta(x->model) == x->model->n;
 }
 
 int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way) {
