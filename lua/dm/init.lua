@@ -161,12 +161,15 @@ local OF_GROUPS = { "Ad", "ad", "bonds", "cayley", "cayleyinv", "coAd", "coad", 
   "left_tangent", "log", "matrix", "project", "random", "right", "right_tangent", "unflat",
   "valid", "vee" }
 
--- methods of the core that modules wrap
-local WRAPPED = { ["dm.solver"] = { run = "dm.reduce.methods", ensemble = "dm.reduce.methods" },
-  ["dm.system"] = { solver = "dm.reduce.methods" },
-  ["dm.ensemble"] = { failures = "dm.reduce.methods" },
-  ["dm.path"] = { momentum = "dm.group.methods.momentum" },
-  ["dm.discrete_lagrangian"] = { momentum = "dm.group.methods.momentum" } }
+-- methods and metamethods of the core that modules wrap: the first module first
+local WRAPPED = { ["dm.solver"] = { run = { "dm.dec.fields.methods", "dm.reduce.methods" },
+    ensemble = { "dm.sweep.methods", "dm.reduce.methods" } },
+  ["dm.system"] = { solver = { "dm.dec.fields.methods", "dm.reduce.methods" } },
+  ["dm.ensemble"] = { failures = { "dm.reduce.methods" }, __tostring = { "dm.reduce.methods" },
+    __index = { "dm.sweep.methods" } },
+  ["dm.path"] = { momentum = { "dm.group.methods.momentum" },
+    checkpoint = { "dm.dec.fields.methods" } },
+  ["dm.discrete_lagrangian"] = { momentum = { "dm.group.methods.momentum" } } }
 
 local dm = {}
 
@@ -200,12 +203,15 @@ for name, module in pairs(rows) do
 end
 for _, name in ipairs(OF_GROUPS) do class.later("dm.space", name, "dm.group.methods") end
 for owner, methods in pairs(WRAPPED) do
-  for name, module in pairs(methods) do class.wrapped_later(owner, name, module) end
+  for name, modules in pairs(methods) do
+    for _, module in ipairs(modules) do class.wrapped_later(owner, name, module) end
+  end
 end
 for _, name in ipairs { "semidirect", "discrete_lagrangian" } do
   class.function_later(name, "dm.group")
   M.lazy[name] = "dm.group"
 end
+class.function_later("resume", "dm.dec.fields.methods")
 -- asked for where an error speaks of a nil: the module puts its own functions here
 local registry = debug.getregistry()
 for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument = "argument" } do

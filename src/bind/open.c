@@ -16,12 +16,28 @@ static void push_class(lua_State *L) {
                    name);
 }
 
+/* A class of that name that a load which failed began goes on as the same table, with the fields of
+ * the one at 1: modules that were loaded meanwhile have put their methods there. */
+static void go_on(lua_State *L, const char *name) {
+    if (luaL_getmetatable(L, name) != LUA_TTABLE) {
+        lua_pop(L, 1);
+        return;
+    }
+    for (lua_pushnil(L); lua_next(L, 1);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -4);
+    }
+    lua_replace(L, 1);
+}
+
 static int begin_class(lua_State *L) {
     luaL_checktype(L, 1, LUA_TTABLE);
     luaL_checkstring(L, 2);
     lua_settop(L, 2);
     lua_getfield(L, 1, "__name");
     const char *name = luaL_checkstring(L, -1);
+    go_on(L, name);
     dml_setdoc(L, -1, lua_tostring(L, 2));
     lua_pushvalue(L, 1);
     if (lua_getfield(L, 1, "__index") == LUA_TNIL) {
@@ -111,7 +127,9 @@ static const dml_row functions[] = {
      "core.class(metatable, doc) -> metatable\n"
      "Begin a class whose objects are Lua tables with this metatable: its __name is the name, "
      "metatable.methods its methods (core.method adds to them). Without an __index of its own it "
-     "gets the one of all classes, which looks among the methods."},
+     "gets the one of all classes, which looks among the methods. A class that is begun again, as "
+     "by a module whose load failed, is the table that it was, with these fields and the methods "
+     "that it had."},
     {"method", method_of_class,
      "core.method(class, name [, f, doc]) -> function, doc\n"
      "The method `name` of a class (\"dm.path\"), nil where it has none. With f and doc "

@@ -46,56 +46,63 @@ function M.later(class, name, module)
   core.docs[stand_in] = nil
 end
 
----- methods and functions of the core that a module wraps, once it is loaded ----
+---- methods and functions of the core that modules wrap, once they are loaded ----
 
--- stand-in -> { get, put (of the place where it stands), plain, doc, module, f (once loaded) }
+-- stand-in -> { get, put (of the place where it stands), plain, module, f (what the module puts
+-- there, once it is loaded), doc, is_loaded }; a stand-in stays in its place until its module is
+-- loaded whole, so that a load which fails can be tried again
 local wrapping = {}
-
-local unwrapped = {} -- modules that have begun to wrap
 
 -- what the module has put in the place of a stand-in; where somebody else has wrapped this one, he
 -- stays
 local function wrapped_now(stand_in)
   local row = wrapping[stand_in]
-  if row.f then return row.f end
-  local outer, is_loaded = row.get(), package.loaded[row.module]
-  if unwrapped[row.module] and not is_loaded then return row.plain end -- while it is loaded
-  local outer_doc = outer ~= stand_in and rawget(core.docs, outer)
-  if outer ~= stand_in and not is_loaded then row.put(row.plain, row.doc) end
+  if row.is_loaded then return row.f end
   require(row.module)
-  row.f = row.get()
-  if outer ~= stand_in and not is_loaded then row.put(outer, outer_doc) end
+  row.is_loaded = true
+  if row.get() == stand_in then row.put(row.f, row.doc) end
   return row.f
 end
 
-local function wrap_later(get, put, module)
+local by_place = {} -- module -> place -> stand-in
+
+local function wrap_later(place, get, put, module)
   local plain, stand_in = get(), nil
   function stand_in(...) return wrapped_now(stand_in)(...) end
-  wrapping[stand_in] = { get = get, put = put, plain = plain,
-    doc = rawget(core.docs, plain), module = module }
+  wrapping[stand_in] = { get = get, put = put, plain = plain, module = module }
+  by_place[module] = by_place[module] or {}
+  by_place[module][place] = stand_in
   put(stand_in, "")
   core.docs[stand_in] = nil
 end
 
---- The method `name` of a class is wrapped by `module`, which is loaded when the method is first
--- called or its doc is read; the module begins with M.unwrap.
+--- The method `name` of a class, or its metamethod, is wrapped by `module`, which is loaded when it
+-- is first called or its doc is read; the module asks M.wraps for it.
 function M.wrapped_later(class, name, module)
-  local methods = debug.getregistry()[class].methods
-  wrap_later(function() return methods[name] end,
-    function(f, doc) core.method(class, name, f, doc) end, module)
+  local meta = debug.getregistry()[class]
+  local is_method = name:sub(1, 2) ~= "__"
+  local at = is_method and meta.methods or meta
+  wrap_later(class .. ":" .. name, function() return at[name] end, function(f, doc)
+    if is_method then core.method(class, name, f, doc) else at[name] = f end
+  end, module)
 end
 
 --- The same of a function of the core.
 function M.function_later(name, module)
-  wrap_later(function() return core[name] end,
+  wrap_later(name, function() return core[name] end,
     function(f, doc) core[name], core.docs[f] = f, doc end, module)
 end
 
---- What stands in the places that `module` wraps is plain again.
-function M.unwrap(module)
-  unwrapped[module] = true
-  for stand_in, row in pairs(wrapping) do
-    if row.module == module and row.get() == stand_in then row.put(row.plain, row.doc) end
+--- For the module that wraps it: the function in a place ("dm.solver:run", or "semidirect" of the
+-- core) without the wrapper of this module, and its doc; and put(f [, doc]), which says what
+-- stands there when the module is loaded.
+function M.wraps(module, place)
+  local stand_in = by_place[module][place]
+  local row = wrapping[stand_in]
+  local plain = wrapping[row.plain] and wrapped_now(row.plain) or row.plain
+  return plain, core.docs[plain], function(f, doc)
+    row.f, row.doc = f, doc
+    core.docs[f] = doc
   end
 end
 

@@ -246,8 +246,11 @@ q1) = h A_d(q0, q1) h^-1, (ii) A_d(q, h q) = h, (iii) A_d(q0, h q1) = h A_d(q0, 
 all, and where that is, { axiom, q0, q1, h }. Raw connections break (iii), mechanical ones of a
 momentum other than 0 break (ii).]])
 
--- the others find this module complete
+-- the others find this module complete; where one of them fails, it is not loaded
 package.loaded["dm.connection"] = M
+local _ <close> = setmetatable({}, { __close = function(_, failure)
+  if failure ~= nil then package.loaded["dm.connection"] = nil end
+end })
 require "dm.connection.classes"
 require "dm.connection.groupoid"
 require "dm.connection.limit"

@@ -1,34 +1,30 @@
 --- The kits of spaces, and elements of groups, checked. What groups can do as methods of dm.space
 -- is in dm.group.methods.
 local blame = require "dm.base.blame"
-local core = require "dm.core"
+local class = require "dm.base.class"
 local kits = require "dm.group.kit"
 
 local M = {}
-
-require "dm.base.class".unwrap "dm.group"
 
 --- The kit of a space: the table of its functions, for elements that are known to be right.
 M.kit = kits.of
 
 -- the action of a semidirect product is looked at when it is made, not at its first use
-local semidirect = core.semidirect
-core.semidirect = blame.caller(function(...)
+local semidirect, semidirect_doc, put_semidirect = class.wraps("dm.group", "semidirect")
+M.semidirect = blame.caller(function(...)
   local space = semidirect(...)
   M.kit(space)
   return space
 end)
-core.docs[core.semidirect] = core.docs[semidirect]
+put_semidirect(M.semidirect, semidirect_doc)
 
 -- those on groups without coordinates are another class (group/discrete.lua)
-local discrete = core.discrete_lagrangian
-core.discrete_lagrangian = blame.caller(function(...)
+local discrete, discrete_doc, put_discrete = class.wraps("dm.group", "discrete_lagrangian")
+M.discrete_lagrangian = blame.caller(function(...)
   return require "dm.group.discrete".new(...) or discrete(...)
 end)
-M.semidirect, M.discrete_lagrangian = core.semidirect, core.discrete_lagrangian
-core.docs[core.discrete_lagrangian] = core.docs[discrete]
-  .. " On a group elements take the place of q, and momenta are body covectors; of a system rule "
-  .. "is lie(s): class dm.group_lagrangian."
+put_discrete(M.discrete_lagrangian, discrete_doc .. " On a group elements take the place of q, and "
+  .. "momenta are body covectors; of a system rule is lie(s): class dm.group_lagrangian.")
 
 --- The kit of a group; raises for another manifold.
 function M.group(space)

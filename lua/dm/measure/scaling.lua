@@ -158,7 +158,8 @@ M.scaling = blame.caller(function(options)
       end)
       if fine then
         out.points[#out.points + 1] = { rule = out.rules[i], size = size, ns = ns, setup = setup }
-      elseif type(ns) ~= "string" and ns.code == "stopped" then
+      elseif blame.is_stop(ns) then
+        ns = blame.stopped(ns)
         ns.scaling = out
         error(ns, 0)
       else

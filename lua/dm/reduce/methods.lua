@@ -1,13 +1,12 @@
 --- What reduction adds to methods of the core: rules of reduced systems, reasons of their failures.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 
-require "dm.base.class".unwrap "dm.reduce.methods"
-require "dm.sweep.methods"
-require "dm.dec.fields.methods"
+local function wraps(place) return class.wraps("dm.reduce.methods", place) end
 
 -- rsprk(rule) is one more name of a rule, of reduced systems
-local solver, solver_doc = core.method("dm.system", "solver")
+local solver, solver_doc, put_solver = wraps "dm.system:solver"
 
 local function of_rule(system, options)
   local rule = type(options) == "table" and options.rule
@@ -17,12 +16,12 @@ local function of_rule(system, options)
   return solver(system, options)
 end
 
-core.method("dm.system", "solver", blame.relay(of_rule, "solver"), solver_doc .. [[
+put_solver(blame.relay(of_rule, "solver"), solver_doc .. [[
 
 Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps
 as `rule`, whose p is s + mu A.]])
 
-local run, run_doc = core.method("dm.solver", "run")
+local run, run_doc, put_run = wraps "dm.solver:run"
 
 -- a run of a reduced system that fails says what of the reduction is in the way
 local function guarded(solver, options)
@@ -37,7 +36,7 @@ local function guarded(solver, options)
   return run(solver, options)
 end
 
-core.method("dm.solver", "run", blame.relay(guarded, "run"), run_doc .. [[
+put_run(blame.relay(guarded, "run"), run_doc .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes;
 also raised where a step jumped through such a shape), "pole" or "edge" of the coordinates. Jumps
@@ -45,7 +44,7 @@ are looked for at every step of runs of up to 20000 steps, whatever rows are kep
 rows are made again), in longer ones at the rows that are kept and, where these are suspect, between
 them.]])
 
-local ensemble, ensemble_doc = core.method("dm.solver", "ensemble")
+local ensemble, ensemble_doc, put_ensemble = wraps "dm.solver:ensemble"
 
 local function guarded_ensemble(solver, options)
   local reduced = package.loaded["dm.reduce.euler_poincare"] and type(options) == "table"
@@ -59,7 +58,7 @@ local function guarded_ensemble(solver, options)
   return ensemble(solver, options)
 end
 
-core.method("dm.solver", "ensemble", blame.relay(guarded_ensemble, "ensemble"), ensemble_doc .. [[
+put_ensemble(blame.relay(guarded_ensemble, "ensemble"), ensemble_doc .. [[
 
 Members of a reduced system (system:routh) are looked through for jumps: status[i] is "collapse",
 "pole" or "edge" where a run of its own would have been refused, failures() names the step; q and p
@@ -68,18 +67,17 @@ energy at the end has moved by more than 2 %, the 256 that moved most. Not looke
 ensembles that only watch, of more than 1000 members with less than 500 steps each, and long ones
 with vary, a force or a time in L.]])
 
-local failures, failures_doc = core.method("dm.ensemble", "failures")
-core.method("dm.ensemble", "failures", blame.relay(function(e)
+local failures, failures_doc, put_failures = wraps "dm.ensemble:failures"
+put_failures(blame.relay(function(e)
   local members = package.loaded["dm.reduce.run.members"]
   if members then return members.failures(failures, e) end
   return failures(e)
 end, "failures"), failures_doc)
 
-local class = debug.getregistry()["dm.ensemble"]
-local text = class.__tostring
-class.__tostring = function(e)
+local text, _, put_text = wraps "dm.ensemble:__tostring"
+put_text(function(e)
   local members = package.loaded["dm.reduce.run.members"]
   return members and members.text(text, e) or text(e)
-end
+end)
 
 return {}

@@ -1,9 +1,9 @@
 --- What sweeps add to methods of the core: solver:ensemble{journal =}, and ensembles that ranks
 -- share out.
 local blame = require "dm.base.blame"
-local core = require "dm.core"
+local class = require "dm.base.class"
 
-local plain, doc = core.method("dm.solver", "ensemble")
+local plain, doc, put = class.wraps("dm.sweep.methods", "dm.solver:ensemble")
 
 -- ensemble -> { file, found, run }
 local journals = setmetatable({}, { __mode = "k" })
@@ -21,7 +21,7 @@ local function ensemble(solver, options)
   return plain(solver, options)
 end
 
-core.method("dm.solver", "ensemble", blame.relay(ensemble, "ensemble"),
+put(blame.relay(ensemble, "ensemble"),
   doc:gsub("project=}", "project=, journal=}", 1) .. [[
 
 journal = "file": finished ranges of members are kept in this file; the same call goes on where it
@@ -30,11 +30,10 @@ steps or members are others, or where a member that is run again differs. ensemb
 { file, found, run }: members read from the file, members run now. dmlua --part k/n runs a part of
 the members (docs/sweeps.md).]])
 
-local class = debug.getregistry()["dm.ensemble"]
-local index = class.__index
-function class.__index(e, key)
+local index, _, put_index = class.wraps("dm.sweep.methods", "dm.ensemble:__index")
+put_index(function(e, key)
   if key == "journal" then return journals[e] end
   return index(e, key)
-end
+end)
 
 return {}

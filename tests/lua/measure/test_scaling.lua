@@ -35,4 +35,9 @@ raises("option 'h' is missing: a step > 0", dm.scaling, { system = chain, start 
 raises("unknown option 'size'", dm.scaling, { size = 1 })
 raises("nothing could be measured", dm.scaling, { system = kepler, start = start, members = { 1 }, rules = { "verlett" }, h = 0.1 })
 raises("no point of rule", grown.exponent, grown, "gauss(2)")
+-- a stop between two runs, of which core.within makes a text, is no failure of a rule
+local core = require "dm.core"
+local ended, why = core.within(0, dm.scaling, { system = function() core.pass_stop() end, start = function() return { 1 }, { 0 } end,
+  n = { 1, 2 }, rules = { "verlet" }, h = 0.1, steps = 2, repeats = 1 })
+tap.ok(ended == false and why.code == "stopped" and why.scaling, "a stop is raised, with what is there", tostring(why))
 tap.done()

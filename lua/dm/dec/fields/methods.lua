@@ -1,11 +1,14 @@
 --- Rules that only fields have, as names of rules for field:solver.
 local blame = require "dm.base.blame"
 local checkpoints = require "dm.data.checkpoint"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local endings = require "dm.dec.fields.ending"
 local option = require "dm.base.options"
 
-local solver, solver_doc = core.method("dm.system", "solver")
+local function wraps(place) return class.wraps("dm.dec.fields.methods", place) end
+
+local solver, solver_doc, put_solver = wraps "dm.system:solver"
 
 local function of_rule(system, options)
   local rule = type(options) == "table" and options.rule
@@ -18,14 +21,14 @@ local function of_rule(system, options)
   return solver(system, options)
 end
 
-core.method("dm.system", "solver", blame.relay(of_rule, "solver"), solver_doc .. [[
+put_solver(blame.relay(of_rule, "solver"), solver_doc .. [[
 
 Of a field on a mesh (K:field) also rule = "avi", with h a number, a list or a function(cell) of the
 cells of the potential (default: half of what each allows), start = "half" for half a kick at the
 start: every cell has a step of its own (Lew, Marsden, Ortiz & West 2003); and rule =
 dm.prismal{t0, t1, ...}, without h: prisms over uneven slices of time.]])
 
-local run, run_doc = core.method("dm.solver", "run")
+local run, run_doc, put_run = wraps "dm.solver:run"
 
 -- of a run of a field
 local function guarded(solver, options)
@@ -35,24 +38,24 @@ local function guarded(solver, options)
 end
 
 -- dm.reduce.methods relays it
-core.method("dm.solver", "run", guarded, run_doc .. [[
+put_run(guarded, run_doc .. [[
 
 A failure of a field on a mesh says where h is beyond its limit of stability, and which cell turned
 inside out; a field without forces whose energy has outgrown the start by 2^104 fails, too.]])
 
 ---- where runs ended that the core knows nothing of ----
 
-local checkpoint, checkpoint_doc = core.method("dm.path", "checkpoint")
+local checkpoint, checkpoint_doc, put_checkpoint = wraps "dm.path:checkpoint"
 
-core.method("dm.path", "checkpoint", blame.relay(function(path, file)
+put_checkpoint(blame.relay(function(path, file)
   local kind = endings.kind_of(path)
   if not kind then return checkpoint(path, file) end
   return checkpoints.write(kind, path, file)
 end, "checkpoint"), checkpoint_doc)
 
-local resume = core.resume
+local resume, resume_doc, put_resume = wraps "resume"
 
-core.resume = function(from, model, options)
+put_resume(function(from, model, options)
   local kind = endings.kind_of(from)
   if not kind then return resume(from, model, options) end
   model = model or type(from) == "userdata" and from.system
@@ -63,5 +66,4 @@ core.resume = function(from, model, options)
   local solver = checkpoints.resume(kind, model, from, options)
   solver.ending.missing = endings.missing(from)
   return solver
-end
-core.docs[core.resume] = core.docs[resume]
+end, resume_doc)

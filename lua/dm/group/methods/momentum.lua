@@ -1,17 +1,16 @@
 --- Momentum maps of a dm.action on paths and discrete Lagrangians, beside those of a group's
 -- standard action.
 local blame = require "dm.base.blame"
+local classes = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-
-require "dm.base.class".unwrap "dm.group.methods.momentum"
 
 -- the method `momentum` of a class, which asks `other` when its argument is a dm.action
 local function also_of_actions(class, other, signature)
   local most = select(2, signature:gsub(",", "")) + 1
-  local momentum, doc = core.method(class, "momentum")
+  local momentum, doc, put = classes.wraps("dm.group.methods.momentum", class .. ":momentum")
   doc = doc:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
-  core.method(class, "momentum", blame.relay(function(object, action, ...)
+  put(blame.relay(function(object, action, ...)
     if action == nil and kits.class_of(object) == class or type(action) == "string" then
       error(("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got %s)")
         :format(action and "a string" or "nil"), 0)

@@ -58,7 +58,7 @@ function branch.__index(b, key)
   if found == nil and type(key) == "string" then core.miss("dm.branch", key) end
   return found
 end
-core.class(branch, [[
+branch = core.class(branch, [[
 dm.branch: relative equilibria followed in the momentum by shape:continue
 fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
 changes of stability, crossings); columns, vectors: mu, energy, velocity, growth (largest real part
