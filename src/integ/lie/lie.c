@@ -220,7 +220,7 @@ static dm_status solve(dm_lie *e, dm_stepper *s) {
 }
 
 /* a step that was guessed far away is tried once more from the velocity of the state; one that
- * fails there too tells the turn of that guess */
+ * fails there too tells the turn by that velocity */
 static dm_status solve_again(dm_lie *e, dm_stepper *s, dm_status status) {
     if (e->memory[0] > 0.0) {
         e->memory[0] = 0.0;
@@ -228,7 +228,10 @@ static dm_status solve_again(dm_lie *e, dm_stepper *s, dm_status status) {
         if (status == DM_OK) status = check_end(e);
     }
     if (status == DM_OK || e->turn > 0.0) return status;
-    if (guess_at_rest(e) == DM_OK) check_end(e);
+    if (status != DM_SINGULAR && guess_at_rest(e) == DM_OK) {
+        find_end(e);
+        e->turn = dm_lie_told_turn(sqrt(arc_of(e)), e->group->tau);
+    }
     return status;
 }
 

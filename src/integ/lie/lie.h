@@ -20,6 +20,12 @@ static inline double dm_lie_reach(dm_tau tau) {
     return tau == DM_TAU_CAYLEY ? 3.93 : 2.98;
 }
 
+/* The turn by the velocity of the start that a step which failed tells: one near to the end of the
+ * chart, where equations lose their root before a root is out of reach; else 0. */
+static inline double dm_lie_told_turn(double turn, dm_tau tau) {
+    return turn >= 0.75 * dm_lie_reach(tau) ? turn : 0.0;
+}
+
 /* Why a step failed, into text[size]: turn is its angle where that was too large, else 0; NULL is
  * the general advice. */
 const char *dm_lie_why(char *text, size_t size, double turn, dm_tau tau, dm_status status);

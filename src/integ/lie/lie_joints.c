@@ -192,6 +192,14 @@ static uint32_t dependent(dm_lie_joints *e, const double *q) {
                                     e->l ? e->rolling : NULL, e->work);
 }
 
+/* that by the velocity of the start */
+static void tell_turn(dm_lie_joints *e) {
+    if (find_velocity(e, e->v) != DM_OK) return;
+    for (uint32_t i = 0; i < e->d; i++) e->xi[i] = e->h * e->v[i];
+    dm_lie_joints_carry(e, e->end, e->xi, e->state + e->n, 1.0);
+    e->turn = dm_lie_told_turn(dm_lie_joints_arc(e), e->joints->tau);
+}
+
 /* a step that was guessed far away is tried once more from the velocity of the state; one that
  * fails there too tells the turn of that guess, or which constraint it lost */
 static dm_status solve_again(dm_lie_joints *e, const dm_stepper *s, dm_status status) {
@@ -206,6 +214,7 @@ static dm_status solve_again(dm_lie_joints *e, const dm_stepper *s, dm_status st
         e->lost = dependent(e, e->state);
         if (!e->lost) e->lost = dependent(e, e->end);
     }
+    if (!e->lost && status != DM_SINGULAR) tell_turn(e);
     return e->lost ? DM_SINGULAR : status;
 }
 

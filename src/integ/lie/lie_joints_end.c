@@ -28,11 +28,15 @@ static int is_finite(const double *x, uint32_t count) {
     return 1;
 }
 
-/* past half a turn the chart is not that of the step: log would not find xi again */
-static dm_status check_turn(dm_lie_joints *e) {
+double dm_lie_joints_arc(const dm_lie_joints *e) {
     double most = 0.0;
     for (uint32_t i = 0; i < e->joints->arcs; i++) most = fmax(most, e->end[e->n + e->d + i]);
-    e->turn = sqrt(most);
+    return sqrt(most);
+}
+
+/* past half a turn the chart is not that of the step: log would not find xi again */
+static dm_status check_turn(dm_lie_joints *e) {
+    e->turn = dm_lie_joints_arc(e);
     if (e->turn >= dm_lie_reach(e->joints->tau)) return DM_NO_CONVERGENCE;
     e->turn = 0.0;
     return is_finite(e->end, e->n + e->d) ? DM_OK : DM_NOT_FINITE;

@@ -103,6 +103,9 @@ dm_status dm_lie_joints_newton(dm_lie_joints *e, const dm_stepper *s, dm_newton_
 void dm_lie_joints_carry(dm_lie_joints *e, double *out, const double *xi, const double *mu,
                          double sign);
 
+/* The largest angle of what was carried to e->end. */
+double dm_lie_joints_arc(const dm_lie_joints *e);
+
 /* Element and momentum at the end into e->end, from z and w where they were last evaluated. */
 dm_status dm_lie_joints_finish(dm_lie_joints *e, const dm_stepper *s);
 
