@@ -22,6 +22,28 @@ local function slope_of_section(frame)
   return frame.slope
 end
 
+--- xi of the algebra from its entries along frame.basis
+function M.along_basis(frame, y)
+  if not frame.basis then return y end
+  local xi = core.zeros(#frame.basis[1])
+  for j = 1, frame.r do xi = xi + frame.basis[j] * y[j] end
+  return xi
+end
+
+--- (y, x) -> the points x, one vector, moved by y in the algebra, to first order
+function M.moved(frame)
+  local action, near = frame.action, require("dm.group").kit(frame.group).near
+  local image = require("dm.action.points").image
+  return core.trace(function(y, x)
+    local xi, list = M.along_basis(frame, y), points.split(x, frame.k, frame.m)
+    local g = not action.generator_by and near(xi)
+    for i, z in ipairs(list) do
+      list[i] = g and image(action, g, z) or z + action:generator(z) * xi
+    end
+    return points.flat(list)
+  end, frame.r, frame.k * frame.m)
+end
+
 --- dZ at the points of the frame, r x (k m)
 function M.section_slope(frame, list)
   return slope_of_section(frame)(require "dm.frame".flat { table.unpack(list, 1, frame.k) })

@@ -35,6 +35,7 @@ local VALID = 1e-9       -- how far an element may be from the group
 local NUDGE = 1e-7       -- of points, relative
 local ILL, WORST = 1e6, 1e9 -- conditions beyond which two frames, or one, tell nothing
 local SAME = 1e-7        -- relative distance of points that are one
+local ONE = 1e-9         -- of entries of elements that are one
 local MEASURED = 6       -- samples that tell the scale of Z,
 local ON = 1e-10         -- of which this much is surely on the section
 
@@ -52,17 +53,23 @@ local function sample(frame, seed)
   return list
 end
 
--- the list moved by g; nothing where it is not finite, far away or outside of the domain
-local function moved(frame, g, list)
+local function images(frame, g, list)
   local out = {}
   for i, z in ipairs(list) do
-    local fine, w = blame.try(places.image, frame.action, g, z)
-    if not fine or not (places.size(w) < FAR) or not places.is_inside(frame.action, w) then
-      return nil
-    end
+    local w = places.image(frame.action, g, z)
+    if not (places.size(w) < FAR) then return nil end
     out[i] = w
   end
   return out
+end
+
+-- the list moved by g; nothing where it is not finite, far away or outside of the domain
+local function moved(frame, g, list)
+  local fine, out = blame.try(images, frame, g, list)
+  for _, w in ipairs(fine and out or {}) do
+    if not places.is_inside(frame.action, w) then return nil end
+  end
+  return fine and out or nil
 end
 
 -- is the inverse of g what would bring the points to the section?
@@ -213,11 +220,25 @@ local function not_free(frame, list, h, distance)
     text.points(list), places.show(h), distance, frame.k + 1)
 end
 
+-- are rho(z) = a and rho(h z) h, b after h, one element, to rounding? Then they move points alike.
+local function are_one(frame, a, b, h)
+  local kit = groups.kit(frame.group)
+  local both = frame.action.side == "right" and kit.compose(h, b) or kit.compose(b, h)
+  local one, other, worst = kit.flat(a), kit.flat(both), 0
+  for i = 1, #one do
+    local d = one[i] - other[i]
+    d = kit.angles[i] and 2 * math.sin(d / 2) or d / (1 + math.abs(one[i]))
+    if not (math.abs(d) <= worst) then worst = math.abs(d) end
+  end
+  return worst <= ONE
+end
+
 -- is rho(h z) h what rho(z) is? list: z, pushed: h z; a and b: the frame at both
 local function check_equivariance(frame, h, list, pushed, a, b, seed)
-  local probe, refused = points.sample(frame, seed + 1000, 2), cut_twice
-  local distance = apart(frame, a.there, b.there)
-  if distance <= SAME and not frame.basis then
+  local distance, refused = apart(frame, a.there, b.there), cut_twice
+  if distance <= SAME and (frame.basis or are_one(frame, a.g, b.g, h)) then return end
+  if distance <= SAME then
+    local probe = points.sample(frame, seed + 1000, 2)
     local once, moved_probe = moved(frame, a.g, probe), moved(frame, h, probe)
     local twice = moved_probe and moved(frame, b.g, moved_probe)
     distance, refused = once and twice and apart(frame, once, twice) or 0, not_free
@@ -247,6 +268,7 @@ local function try(trial, seed)
   if not list then return nil, nil, true end
   local a, why = frame_of(trial, list)
   if not a then return nil, why end
+  trial.on[#trial.on + 1] = a.there
   for again = 1, not frame.solution and AGAIN[min(frame.r, #AGAIN)] or 1 do
     local h = large(frame.group, seed + again // 2, again % 2 == 0)
     local pushed = moved(frame, h, list)
@@ -256,12 +278,25 @@ local function try(trial, seed)
   return a
 end
 
+-- orbits beside folds of the section
+local function look_for_folds(trial)
+  local frame = trial.frame
+  require("dm.frame.folds").search(frame, trial.on, function(list, elements)
+    local a = frame_of(trial, list)
+    for _, h in ipairs(a and elements or {}) do
+      local pushed = moved(frame, h, list)
+      local b = pushed and frame_of(trial, pushed)
+      if b then check_equivariance(frame, h, list, pushed, a, b, 1) end
+    end
+  end)
+end
+
 -- was a root refused because the section is tangent to the orbit there?
 local function is_singular(why) return why and tostring(why):find("is singular", 1, true) ~= nil end
 
 --- Raises where the frame is none. section(frame, list): Z at the points, as a list.
 function M.check(frame, section)
-  local trial = { frame = frame, section = section, measured = 0, scale = huge }
+  local trial = { frame = frame, section = section, measured = 0, scale = huge, on = {} }
   local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
   local few, told, first, tangential, seed = left / 3, 0, nil, 0, 0
   local function is_rare() return not frame.solution and first and tangential < seed end
@@ -274,7 +309,7 @@ function M.check(frame, section)
     told, first = told + (a and 1 or 0), first or why
     tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
-  if told > 0 then return end
+  if told > 0 then return look_for_folds(trial) end
   if not first then
     refuse("no point tried was finite: %d samples of numbers up to 10 %s, and nothing is known of "
       .. "the frame. Take units and an origin in which such points are inside the domain of %s, or "
