@@ -1,6 +1,6 @@
 /* legendre.c - the Legendre transform p = dL/dv and its inverse. With a constant mass both are
  * products; else the inverse is Newton's method with L_vv, to round-off, from the guess that
- * the caller brings, and where that leads nowhere from multiples of p. */
+ * the caller brings, and where that leads nowhere from others (solve_along). */
 #include "linalg/solve/newton.h"
 #include "mech/model.h"
 #include "numbers/small_copy.h"
@@ -17,13 +17,13 @@ typedef struct {
     double size;
 } equation;
 
-/* x, L_v, L_vv, the root, and what Newton's method wants */
+/* x, L_v, L_vv, the root, the way to it, and what Newton's method wants */
 size_t dm_legendre_work(const dm_model *m) {
     const size_t n = m->n;
     if (m->structure & DM_HAMILTONIAN)
         return 2 * n + 1 + 2 * n + 4 * n * n + n + dm_newton_work(m->n);
     if (m->structure & DM_DIAGONAL_MASS) return 3 * n + 1;
-    return 2 * n + 1 + n + n * n + n + dm_newton_work(m->n);
+    return 2 * n + 1 + n + n * n + 2 * n + dm_newton_work(m->n);
 }
 
 /* L_v and L_vv at v */
@@ -163,34 +163,65 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
     return DM_OK;
 }
 
-/* is L_v(v) . p larger than |p|^2, or without a value? */
-static int is_beyond(equation *e, const double *v) {
+/* The way d = p - L_v(0), by which v goes from rest; p where L_v has no value there. */
+static void find_way(equation *e, double *d) {
     const uint32_t n = e->m->n;
-    double excess = 0.0, size = 0.0;
-    evaluate(e->m, e->x, e->out, v);
-    for (uint32_t i = 0; i < n; i++) size = fmax(size, fabs(e->p[i]));
-    for (uint32_t i = 0; i < n; i++) excess += (e->out[i] - e->p[i]) / size * (e->p[i] / size);
-    return !(excess <= 0.0);
+    memset(d, 0, n * sizeof *d);
+    evaluate(e->m, e->x, e->out, d);
+    for (uint32_t i = 0; i < n; i++) d[i] = e->p[i] - e->out[i];
+    if (!all_finite(d, n)) memcpy(d, e->p, n * sizeof *d);
 }
 
-/* The power of 2 by which p is a velocity of about this momentum, in whatever units: L_v . p grows
- * along p where L is convex. */
-static double velocity_along(equation *e, double *v) {
+/* (L_v(unit d) - L_v(0)) . d over |d|^2, by way of v[n] */
+static double growth(equation *e, const double *d, double unit, double *v) {
+    const uint32_t n = e->m->n;
+    double along = 0.0, squares = 0.0, size = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        v[i] = unit * d[i];
+        size = fmax(size, fabs(d[i]));
+    }
+    evaluate(e->m, e->x, e->out, v);
+    for (uint32_t i = 0; i < n; i++) {
+        const double part = d[i] / size;
+        along += (e->out[i] - e->p[i] + d[i]) / size * part;
+        squares += part * part;
+    }
+    return along / squares;
+}
+
+/* The power of 2 by which d is a velocity of about the momentum p, in whatever units: what it makes
+ * of the momentum grows along d where L is convex, and against d, where the power has a minus,
+ * where -L is. */
+static double velocity_along(equation *e, const double *d, double *v) {
     int low = -256, high = 256;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        for (uint32_t i = 0; i < e->m->n; i++) v[i] = ldexp(e->p[i], middle);
-        if (is_beyond(e, v))
-            high = middle;
-        else
+        if (fabs(growth(e, d, ldexp(1.0, middle), v)) <= 1.0)
             low = middle;
+        else
+            high = middle; /* also where there is no value */
     }
-    return ldexp(1.0, low);
+    const double unit = ldexp(1.0, low);
+    return copysign(unit, growth(e, d, unit, v));
 }
 
 /* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0, or it
- * leads nowhere: so far along p, in units of that. */
+ * leads nowhere: so far along d, in units of that. */
 static const double along[] = {1.0, 0.125, 8.0};
+
+/* from these, by way of d[n] */
+static dm_status solve_along(const dm_model *m, equation *e, double *root, double *d,
+                             double *work) {
+    dm_status status = DM_SINGULAR;
+    find_way(e, d);
+    const double unit = velocity_along(e, d, root);
+    for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < sizeof along / sizeof *along;
+         k++) {
+        for (uint32_t i = 0; i < m->n; i++) root[i] = along[k] * unit * d[i];
+        status = solve(m, e, root, work);
+    }
+    return status;
+}
 
 /* v stays as it is where there is no answer */
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p,
@@ -205,14 +236,9 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, con
     double *root = e.out + n + (size_t)n * n;
     e.p = p;
     memcpy(root, v, n * sizeof *v);
-    dm_status status = solve(m, &e, root, root + n);
-    const int again = status != DM_OK && status != DM_CALLBACK;
-    const double unit = again ? velocity_along(&e, root) : 0.0;
-    for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < sizeof along / sizeof *along;
-         k++) {
-        for (uint32_t i = 0; i < n; i++) root[i] = along[k] * unit * p[i];
-        status = solve(m, &e, root, root + n);
-    }
+    dm_status status = solve(m, &e, root, root + 2 * n);
+    if (status != DM_OK && status != DM_CALLBACK)
+        status = solve_along(m, &e, root, root + n, root + 2 * n);
     if (status == DM_OK) memcpy(v, root, n * sizeof *v);
     return status;
 }

@@ -18,24 +18,46 @@ local function watching(params, seen)
   end, __pairs = whole(pairs), __len = whole(function(t) return #t end) }
 end
 
--- does code of the function, or of one that it calls by an upvalue, have this text as a constant?
-local function mentions(f, text, looked)
+-- does code have this text as a constant? One of a length in several bytes may be there
+local function has_constant(code, text)
+  return #text > 100 or code:find(string.char(#text + 1 | 0x80) .. text, 1, true) ~= nil
+end
+
+local mentions
+
+-- does one of the functions that code may call from a table, by their names, or from one in it?
+local function is_behind(code, value, text, looked, depth)
+  if type(value) == "function" then return mentions(value, text, looked) end
+  if type(value) ~= "table" or depth == 0 then return false end
+  for key, inner in next, value do
+    if type(key) == "string" and has_constant(code, key)
+      and is_behind(code, inner, text, looked, depth - 1) then
+      return true
+    end
+  end
+  return false
+end
+
+local DEPTH = 4 -- of tables in tables: library.forces.spring is a global two deep
+
+-- does code of the function, or of one that it calls by an upvalue or a global, have this text as a
+-- constant?
+function mentions(f, text, looked)
   if looked[f] then return false end
   looked[f] = true
   local fine, code = blame.try(string.dump, f, true)
   if not fine then return false end -- it is in C
-  if code:find(string.char(#text + 1 | 0x80) .. text, 1, true) then return true end
+  if has_constant(code, text) then return true end
   for k = 1, 255 do
     local name, value = debug.getupvalue(f, k)
     if not name then return false end
-    if type(value) == "function" and mentions(value, text, looked) then return true end
+    if is_behind(code, value, text, looked, DEPTH) then return true end
   end
 end
 
 --- Can a function of the system read this parameter? It has the name in its code: a branch may be
 -- taken later.
 function M.may_read(system, name)
-  if #name > 100 then return true end -- of a length in several bytes
   local looked = {}
   for _, f in pairs(system.given) do
     if type(f) == "function" and mentions(f, name, looked) then return true end
@@ -76,11 +98,16 @@ end
 
 local shown = setmetatable({}, { __mode = "k" })
 
+-- do two stand for one table, as those of systems that share their params?
+local function stands_for_same(a, b)
+  return getmetatable(a).__index == getmetatable(b).__index
+end
+
 --- What `system.params` is: the table that the system was made with, but that a name which nothing
 -- reads is refused.
 function M.shown(system, params)
   if shown[system] then return shown[system] end
-  shown[system] = setmetatable({}, { __name = "dm.params", __index = params,
+  shown[system] = setmetatable({}, { __name = "dm.params", __index = params, __eq = stands_for_same,
     __pairs = function() return pairs(params) end, __len = function() return #params end,
     __newindex = function(_, key, value)
       if type(key) == "string" and value ~= nil and params[key] == nil then

@@ -89,10 +89,21 @@ static int missing_parameter(lua_State *L) {
     return 0;
 }
 
+void dml_copyparams(lua_State *L, int table) {
+    table = lua_absindex(L, table);
+    dml_pushcopy(L, table);
+    if (lua_getmetatable(L, table)) lua_setmetatable(L, -2);
+}
+
 void dml_pushparams(lua_State *L, int table) {
     table = lua_absindex(L, table);
     luaL_checkstack(L, 6, NULL);
-    if (!lua_istable(L, table) || lua_getmetatable(L, table)) return lua_pushvalue(L, table);
+    const int has_own = lua_getmetatable(L, table);
+    if (has_own) lua_pop(L, 1);
+    if (has_own || !lua_istable(L, table)) {
+        lua_pushvalue(L, table);
+        return;
+    }
     dml_pushcopy(L, table);
     lua_createtable(L, 0, 1);
     lua_pushvalue(L, table);

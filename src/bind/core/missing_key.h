@@ -25,6 +25,9 @@ int dml_typeerror(lua_State *L, int arg, const char *wanted);
  * anything else as it is. */
 void dml_pushparams(lua_State *L, int table);
 
+/* Push a copy of a table of params, with a metatable of theirs, to put other values in. */
+void dml_copyparams(lua_State *L, int table);
+
 /* core.miss(of, key [, names]), for classes written in Lua; core.nearest(word, names) -> name or
  * nil */
 int dml_core_miss(lua_State *L);

@@ -79,8 +79,9 @@ FILE *dml_openfile(lua_State *L, const char *name) {
     s->closef = NULL; /* closed, until it is open */
     luaL_setmetatable(L, LUA_FILEHANDLE);
     s->f = open_any(name, &opened, &why);
+    if (s->f) s->closef = close_file;
     dml_checkstop(L);
-    if (s->f) return s->closef = close_file, s->f;
+    if (s->f) return s->f;
     lua_pushfstring(L, "cannot %s %s: %s", opened ? "read" : "open", name, why);
     lua_remove(L, -2);
     return NULL;

@@ -1,5 +1,6 @@
 /* ensemble_vary.c - `vary = { name = ... }`: members of one ensemble with parameters of their
  * own. */
+#include "bind/core/missing_key.h"
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/bind_system.h"
 #include "bind/model/model_params.h"
@@ -63,7 +64,7 @@ static void push_params(lua_State *L, const double *values, int names, long i) {
     const lua_Integer count = luaL_len(L, names);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     dml_systemfield(L, -1, "params");
-    dml_pushcopy(L, -1);
+    dml_copyparams(L, -1);
     for (lua_Integer k = 1; k <= count; k++) {
         lua_rawgeti(L, names, k);
         lua_pushnumber(L, values[i * count + k - 1]);
@@ -151,7 +152,7 @@ static void push_fields(lua_State *L, int system, const double *values, int name
     lua_getiuservalue(L, system, 1);
     dml_pushcopy(L, -1);
     lua_getfield(L, -1, "params");
-    dml_pushcopy(L, -1);
+    dml_copyparams(L, -1);
     for (lua_Integer k = 1; k <= luaL_len(L, names); k++) {
         lua_rawgeti(L, names, k);
         lua_pushnumber(L, values[k - 1]);

@@ -2,6 +2,7 @@
  * for all their values. */
 #include "bind/model/model_params.h"
 
+#include "bind/core/missing_key.h"
 #include "bind/core/state.h"
 #include "graph/analyse.h"
 
@@ -13,7 +14,7 @@ static int call_with(lua_State *L) {
     lua_settop(L, 4);
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_insert(L, 1);
-    dml_pushcopy(L, lua_upvalueindex(2));
+    dml_copyparams(L, lua_upvalueindex(2));
     for (lua_Integer k = 1; k <= count; k++) {
         lua_rawgeti(L, lua_upvalueindex(3), k);
         lua_geti(L, 5, k);

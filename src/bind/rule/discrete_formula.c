@@ -19,7 +19,7 @@ static void push_node(lua_State *L, double c) {
     lua_pushvalue(L, 3);
     lua_arith(L, LUA_OPDIV);
     lua_pushnumber(L, 0.0);
-    lua_getfield(L, lua_upvalueindex(1), "params");
+    dml_systemfield(L, lua_upvalueindex(1), "params");
     dml_callone(L, 4, "L");
 }
 

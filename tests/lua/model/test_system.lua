@@ -136,5 +136,32 @@ do
   local numbers = dm.system { Q = dm.R(1), derivatives = "hyperdual", params = { c = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - p.c * q[1] end }
   numbers.params.any = 1
   ok(numbers.params.any == 1, "what is not traced may read anything")
+  local shared = { k = 1 }
+  local function of(t) return dm.system { Q = dm.R(1), params = t, L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] end } end
+  ok(of(shared).params == of(shared).params and of(shared).params ~= of({ k = 1 }).params, "params are those of another system where the table is")
+  library = { forces = { deep = function(q, p) return p.mode == 2 and p.deep * q[1] or q[1] end } }
+  local branches = dm.system { Q = dm.R(1), params = { mode = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - library.forces.deep(q, p) end }
+  branches.params.deep = 3
+  ok(branches.params.deep == 3, "what a branch of a function in a library may read later is taken")
+  raises("no function of this system reads it", function() branches.params.dip = 3 end)
+  library = nil
+  local usual = dm.system { Q = dm.R(1), params = setmetatable({ k = 2 }, { __index = { g = 3 } }), L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] ^ 2 - p.g end }
+  ok(usual:energy({ 2 }, { 0 }) == 11, "params with a metatable of their own, as defaults are")
+  local members = usual:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1 }, { 1 } }, v = { { 0 }, { 0 } }, steps = 1, vary = { k = { 2, 3 } } }
+  ok(members.q[1] == usual:solver({ rule = "verlet", h = 0.1 }):run({ q = { 1 }, v = { 0 }, steps = 1 }).q[2] and members.q[2] ~= members.q[1], "and members of them")
+end
+
+-- d2L/dv2 is singular at rest: v in closed form where L is not convex, and where it has a part linear in v
+for c in (function() local e = -300 return function() e = e + 150 return e <= 150 and 2.0 ^ e or nil end end)() do
+  for name, case in pairs { ["-v^4"] = { function(_, v) return -c * v[1] ^ 4 / 4 end, function(p) return -p end },
+    ["v^4 + 5 v"] = { function(q, v) return c * v[1] ^ 4 / 4 + 5 * c * q[1] * v[1] end, function(p) return p - 5 end },
+    ["v^4 - 5 v"] = { function(q, v) return c * v[1] ^ 4 / 4 - 5 * c * q[1] * v[1] end, function(p) return p + 5 end } } do
+    local quartic = dm.system { Q = dm.R(1), L = case[1] }
+    for _, x in ipairs { 1, 4, -4 } do
+      local cube = case[2](x)
+      local exact = math.abs(cube) ^ (1 / 3) * (cube < 0 and -1 or 1)
+      near(quartic:velocity({ 1 }, { c * x })[1], exact, 1e-14, ("%s, masses of %g: velocity of %g"):format(name, c, x))
+    end
+  end
 end
 tap.done()

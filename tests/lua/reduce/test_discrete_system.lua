@@ -121,4 +121,32 @@ end
 ok(bowl:routh(how):discrete(dm.discrete_lagrangian { Q = dm.R(3), h = 0.1, Ld = function(a, b, h)
   return trapezoid(flat.L)(a, b, h) + 0.3 * h * (a[3] - (a[1] ^ 2 + a[2] ^ 2) / 2)
 end }), "a multiple of the constraint makes no other system of it")
+
+-- an Ld of another system with the same L and the same params is one of this system, and all
+-- params are read where L goes through them by next: V = 5 (r - 1)^2/2 at r = 1.1 over h = 0.1
+do
+  local springs = { k = 2, l = 3 }
+  local function L(q, v, _, p)
+    local V = 0
+    for _, x in next, p do V = V + x end
+    return v:dot(v) / 2 - V * (q[1] - 1) ^ 2 / 2
+  end
+  local function new(f)
+    return dm.system { Q = dm.R(2), params = springs, L = f, coordinates = { "r", "th" } }
+  end
+  local one, twin = new(L), new(L)
+  local shape = one:routh { cyclic = "th", mu = 1 }
+  for _, system in ipairs { one, twin } do
+    for _, rule in ipairs { "midpoint", "gauss(2)" } do
+      local Ld = dm.discrete_lagrangian(system, { rule = rule, h = 0.1 })
+      ok(pcall(shape.discrete, shape, Ld), rule .. ": an Ld of a system of the same L and params")
+    end
+  end
+  local function value(f)
+    return new(f):routh({ cyclic = "th", mu = 1 }):discrete({ rule = "midpoint", h = 0.1 })
+      :value({ 1 }, { 1.2 })
+  end
+  local free = value(function(_, v) return v:dot(v) / 2 end)
+  tap.near(free - value(L), 0.1 * 5 * 0.1 ^ 2 / 2, 1e-15, "all params are in the reduced Ld")
+end
 tap.done()

@@ -30,4 +30,22 @@ local function start() return partial:solver({ rule = "verlet", h = 0.1 }):run {
 local passed, ended, why = pcall(core.within, 0, start)
 tap.ok(passed and ended == false and tostring(why):find "interrupted!", "a try that fails beside a stop is the stop", tostring(ended) .. tostring(why))
 tap.ok(#start() == 2, "and is tried again by the next call")
+
+-- what is read through a pipe when a stop comes is closed: nothing comes through this one
+local pipe = os.tmpname() .. ".pipe"
+os.execute("mkfifo " .. pipe)
+local stat = io.open "/proc/self/stat"
+local own = stat:read "n"
+stat:close()
+local function open_files()
+  collectgarbage()
+  local list = io.popen(("ls /proc/%d/fd | wc -l"):format(own))
+  local count = list:read "n"
+  list:close()
+  return count
+end
+local before = open_files()
+for _ = 1, 3 do core.within(0, dm.load, pipe) end
+tap.ok(open_files() == before, "a stop leaves no file open", open_files() - before)
+os.remove(pipe)
 tap.done()

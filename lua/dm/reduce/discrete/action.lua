@@ -43,7 +43,8 @@ end
 
 local function of_rule(Ld)
   local n, h, c = Ld.Q.dimension, Ld.h, Ld:coefficients()
-  local L, s, last = bound(Ld.system.L, Ld.system.params), #c.beta, largest(c.beta)
+  local given, s, last = Ld.system.given, #c.beta, largest(c.beta)
+  local L = bound(given.L, given.params)
   local function value(q0, q1, w)
     local V, sum = velocities(c.beta, last, q0, q1, w, h), 0
     for i = 1, #c.b do
