@@ -24,6 +24,10 @@
 typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;
 #undef DM_STATUS_ENUM
 
+#define DM_STATUS_ONE(name, code, text) +1
+enum { DM_STATUSES = DM_STATUS_LIST(DM_STATUS_ONE) };
+#undef DM_STATUS_ONE
+
 /* "no_convergence" style key, and the sentence a user reads. */
 const char *dm_status_code(dm_status status);
 const char *dm_status_text(dm_status status);

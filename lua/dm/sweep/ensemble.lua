@@ -104,7 +104,8 @@ local function head_of(solver, options)
   say("varied", #varied)
   say("every", number(options.every))
   say("rows", number(options.rows))
-  say("watch", options.watch and names_of(options.watch) or "-")
+  say("watch", (options.watch and names_of(options.watch) or "-")
+    .. (options.gaps and ", with gaps" or ""))
   say("project", tostring(options.project or false))
   return head
 end

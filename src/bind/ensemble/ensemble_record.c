@@ -146,7 +146,7 @@ static int take_member(lua_State *L, const record *r, long i, const char *from, 
     if (size < fixed_size(r)) return 0;
     take(&from, &h, sizeof h);
     const size_t rest = size - fixed_size(r), row = e->rows.width * sizeof(double);
-    if (h.status < DM_OK || h.status > DM_NO_START || h.steps < 0) return 0;
+    if (h.status < 0 || h.status >= DM_STATUSES || h.steps < 0) return 0;
     if (h.rows && (h.rows > (uint64_t)e->rows.room || h.rows > rest / row)) return 0;
     e->member[i] = (dm_member){.status = (dm_status)h.status, .steps = (long)h.steps};
     if (e->pace) take(&from, (dm_pace *)e->pace + i, sizeof *e->pace);

@@ -312,7 +312,7 @@ static dm_status status_of(lua_State *L) {
     dm_status status = DM_OK;
     if (lua_getfield(L, 1, "status") != LUA_TNIL) {
         const lua_Integer number = luaL_checkinteger(L, -1);
-        luaL_argcheck(L, number >= 0 && number <= DM_BLOW_UP, 1, "it has no such status");
+        luaL_argcheck(L, number >= 0 && number < DM_STATUSES, 1, "it has no such status");
         status = (dm_status)number;
     } else if (lua_getfield(L, 1, "code") != LUA_TSTRING ||
                !dm_status_find(&status, lua_tostring(L, -1))) {

@@ -71,6 +71,8 @@ local cases = {
   { "parts without a start", massive, "verlet", copy(base, { vary = { m = function(i) return i % 350 == 3 and 0 or 1 + i // 350 end } }) },
   { "failures", kepler, "verlet", { members = 600, q = function(i) return { i % 50 == 0 and 1e-200 or 1, 0 } end,
     v = function(i) return { 0, 1 + i / 1000 } end, steps = 30, every = 10 } },
+  { "columns that are NaN", pendulum, "verlet", copy(base, { watch = { ln = function(q) return math.log(q[1]) end }, rows = 5 }) },
+  { "gaps", pendulum, "verlet", copy(base, { watch = { ln = function(q) return math.log(q[1]) end }, rows = 5, gaps = true }) },
   { "momenta", pendulum, "midpoint", { members = 300, q = q1, p = still, t = 2, t0 = 1 } },
 }
 for _, case in ipairs(cases) do
@@ -91,6 +93,14 @@ for _, case in ipairs(cases) do
   os.remove(file)
 end
 ok(pendulum:solver { rule = "verlet", h = 0.1 }:ensemble(base).journal == nil, "without a journal there is none")
+
+-- members that failed by a NaN are none of an ensemble with gaps
+do
+  local solver, logarithm = pendulum:solver { rule = "verlet", h = 0.1 }, function(q) return math.log(q[1]) end
+  local options = { members = 3, q = function() return { 1 } end, v = still, steps = 40, rows = 5, watch = { ln = logarithm }, journal = name "gaps.journal" }
+  ok(solver:ensemble(options).status[1] == "no_value", "a member whose column is NaN")
+  raises("watch was ln and is ln, with gaps", solver.ensemble, solver, copy(options, { gaps = true }))
+end
 
 -- no function of a start is called for members that are there, but for one that is checked
 local calls = 0
