@@ -100,14 +100,15 @@ local shown = setmetatable({}, { __mode = "k" })
 
 -- do two stand for one table, as those of systems that share their params?
 local function stands_for_same(a, b)
-  return getmetatable(a).__index == getmetatable(b).__index
+  return debug.getmetatable(a).__index == debug.getmetatable(b).__index
 end
 
 --- What `system.params` is: the table that the system was made with, but that a name which nothing
--- reads is refused.
+-- reads is refused. A metatable put there would hide the params.
 function M.shown(system, params)
   if shown[system] then return shown[system] end
-  shown[system] = setmetatable({}, { __name = "dm.params", __index = params, __eq = stands_for_same,
+  shown[system] = setmetatable({}, { __name = "dm.params", __metatable = "dm.params",
+    __index = params, __eq = stands_for_same,
     __pairs = function() return pairs(params) end, __len = function() return #params end,
     __newindex = function(_, key, value)
       if type(key) == "string" and value ~= nil and params[key] == nil then

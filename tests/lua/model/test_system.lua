@@ -139,6 +139,7 @@ do
   local shared = { k = 1 }
   local function of(t) return dm.system { Q = dm.R(1), params = t, L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] end } end
   ok(of(shared).params == of(shared).params and of(shared).params ~= of({ k = 1 }).params, "params are those of another system where the table is")
+  raises("cannot change a protected metatable", setmetatable, of(shared).params, { __index = { g = 1 } })
   library = { forces = { deep = function(q, p) return p.mode == 2 and p.deep * q[1] or q[1] end } }
   local branches = dm.system { Q = dm.R(1), params = { mode = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - library.forces.deep(q, p) end }
   branches.params.deep = 3
