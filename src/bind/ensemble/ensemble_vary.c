@@ -15,8 +15,8 @@ static void check_parameter(lua_State *L, const char *name) {
     if (dml_systemfield(L, lua_gettop(L), "params") != LUA_TTABLE)
         luaL_error(L, "field 'vary': the system has no parameters; give them as dm.system{params = "
                       "{...}} and take them as the fourth argument of L");
-    if (lua_getfield(L, -1, name) == LUA_TNIL) {
-        lua_getfield(L, LUA_REGISTRYINDEX, "dm_param_names");
+    if (lua_getfield(L, -1, name) == LUA_TNIL &&
+        lua_getfield(L, LUA_REGISTRYINDEX, "dm_param_names") == LUA_TFUNCTION) {
         lua_pushvalue(L, -3);
         lua_call(L, 1, 1);
         luaL_error(L,
@@ -102,6 +102,9 @@ static int may_be_read(lua_State *L) {
  * may decide what is read, so several members are looked at. */
 static void check_read(lua_State *L, const double *values, int names, long members) {
     enum { LOOKS = 8 };
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_unread") != LUA_TFUNCTION) /* the core alone */
+        return lua_pop(L, 1);
+    lua_pop(L, 1);
     lua_pushvalue(L, names);
     for (long k = 0; k < LOOKS && k < members && luaL_len(L, -1); k++)
         keep_unread(L, values, names, members <= LOOKS ? k : k * (members - 1) / (LOOKS - 1));

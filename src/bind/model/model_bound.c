@@ -45,7 +45,9 @@ int dml_shownparams(lua_State *L) {
         lua_settop(L, 3);
         return 1;
     }
-    lua_getfield(L, LUA_REGISTRYINDEX, "dm_params");
+    /* the core alone knows of none */
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_params") != LUA_TFUNCTION)
+        return lua_pop(L, 1), 1;
     lua_pushvalue(L, 1);
     lua_pushvalue(L, -3);
     lua_call(L, 2, 1);

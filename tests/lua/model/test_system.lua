@@ -152,6 +152,19 @@ do
   ok(members.q[1] == usual:solver({ rule = "verlet", h = 0.1 }):run({ q = { 1 }, v = { 0 }, steps = 1 }).q[2] and members.q[2] ~= members.q[1], "and members of them")
 end
 
+-- the core alone, without dm, checks no names of params
+do
+  local registry, kept = debug.getregistry(), {}
+  for _, name in ipairs { "dm_params", "dm_unread", "dm_may_read", "dm_param_names" } do
+    kept[name], registry[name] = registry[name], nil
+  end
+  local solver = dm.system { Q = dm.R(1), params = { k = 3 }, L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] end }:solver { rule = "verlet", h = 0.1 }
+  local function members(vary) return solver:ensemble { members = 2, q = { { 1 }, { 1 } }, v = { { 0 }, { 0 } }, steps = 1, vary = vary } end
+  ok(solver.system.params.k == 3 and members({ k = { 1, 2 } }).status[2] == "ok", "the core alone has params")
+  raises("'kk' is not a number among the params of the system", members, { kk = { 1, 2 } })
+  for name, f in pairs(kept) do registry[name] = f end
+end
+
 -- d2L/dv2 is singular at rest: v in closed form where L is not convex, and where it has a part linear in v
 for c in (function() local e = -300 return function() e = e + 150 return e <= 150 and 2.0 ^ e or nil end end)() do
   for name, case in pairs { ["-v^4"] = { function(_, v) return -c * v[1] ^ 4 / 4 end, function(p) return -p end },
