@@ -46,8 +46,7 @@ int dml_shownparams(lua_State *L) {
         return 1;
     }
     /* the core alone knows of none */
-    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_params") != LUA_TFUNCTION)
-        return lua_pop(L, 1), 1;
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_params") != LUA_TFUNCTION) return lua_pop(L, 1), 1;
     lua_pushvalue(L, 1);
     lua_pushvalue(L, -3);
     lua_call(L, 2, 1);
