@@ -109,7 +109,8 @@ static void check_rank(lua_State *L, const dm_constraints *t, const dm_constrain
     if (!d->on)
         luaL_error(L,
                    "%sno start: the gradient of %s is zero at this q, so it holds nothing there "
-                   "(is it the square of a constraint, or 1 - the cosine of an angle that is zero?)",
+                   "(is it the square of a constraint, or 1 - the cosine of an angle that is "
+                   "zero?)",
                    who, name);
     luaL_error(L,
                "%sno start: the constraints are redundant at this q: %s depends on those before "
