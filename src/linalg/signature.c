@@ -53,15 +53,21 @@ static void find_beside(const rest *r, uint32_t *row, uint32_t *column) {
             if (fabs(*at(r, i, j)) > beside) beside = fabs(*at(r, i, j)), *row = i, *column = j;
 }
 
-/* A -= a a^T / pivot behind the first row */
-static void eliminate_one(const rest *r) {
-    const uint32_t k = r->first;
-    const double pivot = *at(r, k, k), *from = at(r, k, 0);
-    for (uint32_t i = k + 1; i < r->n; i++) {
-        double *row = at(r, i, 0);
-        const double factor = row[k] / pivot;
-        for (uint32_t j = k + 1; j < r->n; j++) row[j] -= factor * from[j];
+/* A -= a a^T / pivot behind column k, in the lower triangle of A[n*n] */
+static void eliminate_below(double *A, size_t n, size_t k) {
+    const double inverse = 1.0 / A[k * n + k];
+    for (size_t i = k + 1; i < n; i++) {
+        double *row = A + i * n;
+        const double factor = row[k] * inverse;
+        for (size_t j = k + 1; j <= i; j++) row[j] -= factor * A[j * n + k];
     }
+}
+
+/* the same behind the first row of what is left, in both */
+static void eliminate_one(const rest *r) {
+    eliminate_below(r->A, r->n, r->first);
+    for (uint32_t i = r->first + 1; i < r->n; i++)
+        for (uint32_t j = r->first + 1; j < i; j++) *at(r, j, i) = *at(r, i, j);
 }
 
 /* the same with the first two rows, whose block [a, b; b, c] has a negative determinant */
@@ -116,16 +122,6 @@ static void exchange_below(double *A, size_t n, size_t a, size_t b) {
         const double x = *one;
         if (i == b) continue;
         *one = *other, *other = x;
-    }
-}
-
-/* A -= a a^T / pivot behind column k, in the lower triangle */
-static void eliminate_below(double *A, size_t n, size_t k) {
-    const double inverse = 1.0 / A[k * n + k];
-    for (size_t i = k + 1; i < n; i++) {
-        double *row = A + i * n;
-        const double factor = row[k] * inverse;
-        for (size_t j = k + 1; j <= i; j++) row[j] -= factor * A[j * n + k];
     }
 }
 

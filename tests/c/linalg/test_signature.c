@@ -19,10 +19,10 @@ static double random_number(void) {
 /* A = S D S^T has the signs of D (Sylvester). */
 static void congruent(double *A, const double *S, const double *D, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) {
+        for (uint32_t j = 0; j <= i; j++) {
             double sum = 0.0;
             for (uint32_t k = 0; k < n; k++) sum += S[i * n + k] * D[k] * S[j * n + k];
-            A[i * n + j] = sum;
+            A[i * n + j] = A[j * n + i] = sum;
         }
 }
 

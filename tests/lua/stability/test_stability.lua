@@ -36,7 +36,7 @@ local field = charged:stability { rules = { "symplectic-euler", "rk4", "yoshida(
   h = { 0.5, 3, 12, "log" }, steps = 300 }
 near(field:theory { rule = "symplectic-euler", B = 0 }, 2, 1e-5, "without a field the theory of symplectic Euler")
 local none, coupled = field:theory { rule = "symplectic-euler", B = 2 }
-ok(none == nil and coupled:find "couple the oscillations", "with a field none", coupled)
+ok(none == nil and coupled:find "couples the oscillations", "with a field none", coupled)
 near(field:limit { rule = "rk4", B = 2 }, field:theory { rule = "rk4", B = 2 }, 0.004, "but that of RK4 holds")
 ok(field:theory { rule = "yoshida(4, midpoint)", B = 2 } ~= nil, "and of a composition of midpoint steps")
 local panels, print_ = {}, print
