@@ -43,23 +43,32 @@ static void push_path(lua_State *L) {
     lua_pushnil(L);
 }
 
+/* chunk, name, file -> the module, which is among those that are loaded now */
+static int read_module(lua_State *L) {
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);
+    lua_insert(L, 1);
+    lua_pushvalue(L, 3);
+    lua_insert(L, 2);
+    lua_call(L, 2, 1); /* loaded, name, module */
+    if (lua_isnil(L, 3)) return 1;
+    lua_pushvalue(L, 3);
+    lua_insert(L, 1);
+    lua_settable(L, 2);
+    lua_settop(L, 1);
+    return 1;
+}
+
 /* The module of a name and a file, its chunk upvalue 1. No stop comes before it is whole and among
  * those that are loaded: it would be read again, and wrap what it has wrapped. */
 static int load(lua_State *L) {
     lua_settop(L, 2);
-    lua_pushvalue(L, 1);
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_insert(L, 1);
+    lua_pushcfunction(L, read_module);
     lua_insert(L, 1);
     dml_hold_stops();
-    const int status = lua_pcall(L, 2, 1, 0);
-    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);
-    if (status == LUA_OK && !lua_isnil(L, 2)) {
-        lua_pushvalue(L, 2);
-        lua_setfield(L, -2, lua_tostring(L, 1));
-    }
+    const int status = lua_pcall(L, 3, 1, 0);
     dml_release_stops();
-    lua_settop(L, 2);
     return status == LUA_OK ? 1 : lua_error(L);
 }
 

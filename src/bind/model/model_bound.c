@@ -70,6 +70,9 @@ int dml_core_trace_with(lua_State *L) {
     dml_checksystem(L, 1);
     luaL_checktype(L, 2, LUA_TTABLE);
     lua_settop(L, 2);
+    if (lua_getfield(L, 2, "__index") != LUA_TFUNCTION)
+        luaL_error(L, "the metatable needs a function __index");
+    lua_settop(L, 2);
     const size_t size = lua_rawlen(L, 1);
     void *twin = lua_newuserdatauv(L, size, 1);
     memcpy(twin, lua_touserdata(L, 1), size);

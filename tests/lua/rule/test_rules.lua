@@ -62,7 +62,7 @@ end
 -- from order 7 on the circle q = (cos t, sin t) of Kepler's problem, exactly: error constants are reached at large steps. A
 -- rule of odd order and its adjoint differ by twice their odd error, in which the next order does not mix. Errors of starts all
 -- around, and of circles of other radii, are the same but for rotation and scale: their mean has less round-off.
-local STARTS = 96
+local STARTS = 192
 local function turned(d, a) return { cos(a) * d[1] + sin(a) * d[2], cos(a) * d[2] - sin(a) * d[1] } end
 local function mean_error(rule, adjoint, T, N)
   local sum = { 0, 0, 0, 0 }
