@@ -3,7 +3,7 @@
 -- d(X - w Z) there does not depend on time, where dX does.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
-local left = require "dm.measure.left"
+local left = require "dm.group.trivialization.left"
 local lists = require "dm.base.lists"
 local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"

@@ -192,7 +192,7 @@ rule,h,class,steps,error,slope,slope_error,growth,exponent,megno,off,range,hidde
 
 M["stability_map.limit"] = [=[
 > s = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
-> map = s:stability { rule = "verlet", q = {0.01}, v = {0}, steps = 500, h = {0.5, 1.5, 2.5} }
+> map = s:stability { rule = "verlet", q = {0.001}, v = {0}, steps = 500, h = {0.5, 1.5, 2.5} }
 > limit, why = map:limit(1)
 > math.abs(limit - 2) < 2e-3
 true

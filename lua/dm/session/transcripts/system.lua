@@ -146,7 +146,7 @@ gauss(2)	4	0.1
 
 M["system.stability"] = [=[
 > s = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 + math.cos(q[1]) end }
-> map = s:stability { rule = "verlet", q = { 0.01 }, v = { 0 }, steps = 1000,
+> map = s:stability { rule = "verlet", q = { 0.001 }, v = { 0 }, steps = 1000,
 >>   h = { 0.5, 1, 1.5, 2.5 } }
 > (map:limit(1))
 2.0]=]
