@@ -27,8 +27,10 @@ static const char in_math[] =
     " double_t float_t fpclassify iscanonical iseqsig isfinite isgreater isgreaterequal isless "
     "islessequal islessgreater isnormal issignaling issubnormal isunordered iszero lgamma_r "
     "lgammaf_r lgammal_r math_errhandling signbit signgam ffma fadd fsub fmul fdiv fsqrt HUGE_VAL "
-    "HUGE_VALF HUGE_VALL INFINITY NAN ";
-static const char of_math[] = " FP_ M_ MATH_ SNAN ";
+    "HUGE_VALF HUGE_VALL INFINITY NAN SNAN SNANF SNANL M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI "
+    "M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI M_SQRT2 M_SQRT1_2 M_El M_LOG2El M_LOG10El M_LN2l "
+    "M_LN10l M_PIl M_PI_2l M_PI_4l M_1_PIl M_2_PIl M_2_SQRTPIl M_SQRT2l M_SQRT1_2l ";
+static const char of_math[] = " FP_ MATH_ "; /* the standard keeps these beginnings */
 
 /* which a program is linked with, whatever it includes; compilers know their types */
 static const char library[] =
