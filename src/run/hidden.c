@@ -237,8 +237,7 @@ static double round_off(const dm_hidden *x, const dm_swept *step, dm_node n) {
     const dm_expr *e = dm_graph_at(x->graph, n);
     const dm_interval y = x->value[n];
     const double off = ROUND_OFF * fmax(fabs(y.lo), fabs(y.hi));
-    if (x->in_phase_space || e->op != DM_OP_INPUT || e->as.input < x->n ||
-        e->as.input >= 2 * x->n)
+    if (x->in_phase_space || e->op != DM_OP_INPUT || e->as.input < x->n || e->as.input >= 2 * x->n)
         return off;
     const dm_interval q = x->in[e->as.input - x->n];
     return off + DIFFERENCE * fmax(fabs(q.lo), fabs(q.hi)) / fabs(step->h);

@@ -140,12 +140,12 @@ do
   local function of(t) return dm.system { Q = dm.R(1), params = t, L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] end } end
   ok(of(shared).params == of(shared).params and of(shared).params ~= of({ k = 1 }).params, "params are those of another system where the table is")
   raises("cannot change a protected metatable", setmetatable, of(shared).params, { __index = { g = 1 } })
-  library = { forces = { deep = function(q, p) return p.mode == 2 and p.deep * q[1] or q[1] end } }
-  local branches = dm.system { Q = dm.R(1), params = { mode = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - library.forces.deep(q, p) end }
+  library = { forces = { deep = function(q, p) return p.mode == 2 and p.deep * q[1] or q[1] end } } -- luacheck: ignore
+  local branches = dm.system { Q = dm.R(1), params = { mode = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - library.forces.deep(q, p) end } -- luacheck: ignore
   branches.params.deep = 3
   ok(branches.params.deep == 3, "what a branch of a function in a library may read later is taken")
   raises("no function of this system reads it", function() branches.params.dip = 3 end)
-  library = nil
+  library = nil -- luacheck: ignore
   local usual = dm.system { Q = dm.R(1), params = setmetatable({ k = 2 }, { __index = { g = 3 } }), L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] ^ 2 - p.g end }
   ok(usual:energy({ 2 }, { 0 }) == 11, "params with a metatable of their own, as defaults are")
   local members = usual:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1 }, { 1 } }, v = { { 0 }, { 0 } }, steps = 1, vary = { k = { 2, 3 } } }

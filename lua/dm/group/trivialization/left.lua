@@ -6,8 +6,6 @@ local lists = require "dm.base.lists"
 
 local M = {}
 
-local part = lists.part
-
 local function body(kit, g, f) return kit.coAd(kit.inverse(g), core.vector(f)) end
 
 --- That system.
