@@ -74,7 +74,7 @@ local function along(map, cell, system, omega, T)
   return omega, #path > 0 and path.t[#path] - path.t[1] or 0
 end
 
---- { fastest, matrices = {}, modes = { fastest }, constant, T = the time that was looked at, where
+--- { fastest, matrices = {}, modes = { fastest }, means, constant, T = the time that was looked at, where
 -- it is less than all }; nil and why.
 function M.along_orbit(map, cell, system)
   if system.field.sphere then
@@ -90,7 +90,7 @@ function M.along_orbit(map, cell, system)
     out.fastest, done = along(map, cell, system, omega, T)
     out.T = done < (1 - NEAR) * T and done or nil
   end
-  out.modes = { out.fastest }
+  out.modes, out.means = { out.fastest }, { [out.fastest] = not out.constant or nil }
   if not (out.fastest > 0) then return nil, "nothing oscillates along the orbit" end
   return out
 end
