@@ -74,8 +74,8 @@ local function along(map, cell, system, omega, T)
   return omega, #path > 0 and path.t[#path] - path.t[1] or 0
 end
 
---- { fastest, matrices = {}, modes = { fastest }, means, constant, T = the time that was looked at, where
--- it is less than all }; nil and why.
+--- { fastest, matrices = {}, modes = { fastest }, means, constant, T = the time that was looked at,
+-- where it is less than all }; nil and why.
 function M.along_orbit(map, cell, system)
   if system.field.sphere then
     return nil, "no linear theory of fields with values on a sphere is there"
