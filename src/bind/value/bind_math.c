@@ -87,7 +87,7 @@ static int read_two(lua_State *L, lua_CFunction enter, double x[2], int *results
 /* Of two arguments too, as Lua's. */
 static int math_atan(lua_State *L) {
     double x[2];
-    int results;
+    int results = 0;
     const int n = read_two(L, math_atan, x, &results);
     if (!n) return results;
     lua_pushnumber(L, atan2(x[0], n > 1 ? x[1] : 1.0));
@@ -97,7 +97,7 @@ static int math_atan(lua_State *L) {
 /* Any base; 2 and 10 have functions of their own in C, and keep them. */
 static int math_log(lua_State *L) {
     double x[2];
-    int results;
+    int results = 0;
     const int n = read_two(L, math_log, x, &results);
     if (!n) return results;
     const double y = n == 1         ? log(x[0])
@@ -110,7 +110,7 @@ static int math_log(lua_State *L) {
 
 static int math_pow(lua_State *L) {
     double x[2];
-    int results;
+    int results = 0;
     const int n = read_two(L, math_pow, x, &results);
     if (!n) return results;
     if (n < 2) number_at(L, 2);
@@ -120,7 +120,7 @@ static int math_pow(lua_State *L) {
 
 /* Integers stay integers, and the least one is its own modulus, as in Lua. */
 static int math_abs(lua_State *L) {
-    int results;
+    int results = 0;
     if (lua_isinteger(L, 1)) {
         const lua_Integer n = lua_tointeger(L, 1);
         lua_pushinteger(L, n < 0 ? (lua_Integer)(0u - (lua_Unsigned)n) : n);
@@ -199,7 +199,7 @@ static int math_min(lua_State *L) {
 
 /* Lua's own function of that name, which is kept in the registry: those that few loops call */
 static int call_own(lua_State *L, lua_CFunction enter) {
-    int results;
+    int results = 0;
     if (is_done(L, enter, &results)) return results;
     const int top = lua_gettop(L);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_math");
