@@ -118,8 +118,8 @@ static const dml_row of_systems[] =
       "C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 output), slope "
       "(dL/dq, dL/dv: 2 dim Q) and energy, and constraint, rolling, reaction, force where there "
       "are such, each void f(const double *in, double *out) with in = q, v, t; of a discrete "
-      "Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off for the same "
-      "bits."},
+      "Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off and, for gcc "
+      "with -mfma, -fno-tree-slp-vectorize: then nothing is fused that the text does not fuse."},
      {NULL, NULL, NULL}};
 static const dml_row of_functions[] =
     {{"emit_c", function_emit,

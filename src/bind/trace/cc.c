@@ -74,13 +74,16 @@ static int write_source(const workshop *w, dm_graph *g, const dm_node *roots, ui
     return fclose(f) == 0 && whole;
 }
 
-/* The compiler of CC, with the flags that give the bits of the tape; 0: it failed. */
+/* The compiler of CC, with the flags that give the bits of the tape; 0: it failed. gcc 12 makes
+ * alternating sums of products into vfmaddsub in spite of -ffp-contract=off, so it shall not
+ * look for them. */
 static int run_compiler(workshop *w) {
     char *cc = getenv("CC");
     char *argv[] = {cc && *cc ? cc : "cc",
                     "-std=c17",
                     "-O2",
                     "-ffp-contract=off",
+                    "-fno-tree-slp-vectorize",
                     "-fno-math-errno",
                     dm_fma_is_fused() ? FUSED : "-w",
                     "-w",

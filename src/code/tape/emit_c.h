@@ -8,8 +8,8 @@
 /* Write `void name(const double *in, double *out)` for the roots, compacted: one constant a
  * line, inputs under their names (NULL: x1, x2, ...), out[m]. It calls the C library's functions
  * and, for x^(-1/2), x^(-3/2), reciprocal_root, reciprocal_root3; with those of functions.h
- * instead, and -ffp-contract=off, it has the bits of the tape. 0 where an operation has no C
- * text; nothing is complete then. */
+ * instead, -ffp-contract=off and -fno-tree-slp-vectorize it has the bits of the tape. 0 where an
+ * operation has no C text; nothing is complete then. */
 int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
               const char *const *names, dm_put *put, void *ud);
 
