@@ -1,7 +1,8 @@
 /* interrupt [ROUNDS] - sends SIGINT at random moments to a dmlua that runs a busy script. It must
- * end by itself with exit code 0, or with 1 or 130 and a message, also when the signal comes twice
- * at once; or by that very signal when it came before the handler stood; never by another signal,
- * and never hang. */
+ * end by itself with exit code 0, or with 1 or 130 and a message, or by that very signal when it
+ * came before the handler stood; never by another signal, and never hang. Two signals at once are
+ * one: but where the machine lets the child wait between them it cannot know that, so most of
+ * these rounds must end by themselves, not all. */
 #define _DEFAULT_SOURCE
 #include "bind/core/bind.h"
 #include "check.h"
@@ -14,7 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static int rounds = 60, by_itself, by_signal;
+static int rounds = 60, by_itself, by_signal, doubles, doubles_killed;
 static unsigned seed = 12345;
 
 static unsigned below(unsigned n) {
@@ -85,7 +86,10 @@ static int interrupt(int early, unsigned signals, unsigned moment) {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     const int ended = code == 0 || ((code == 1 || code == 128 + SIGINT) && !silent);
     const int killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGINT;
-    const int fine = ended || (killed && (early || !at_once));
+    const int is_double = signals == 2 && at_once && !early;
+    const int fine = ended || (killed && (early || signals == 2));
+    doubles += is_double;
+    doubles_killed += is_double && killed;
     by_itself += ended;
     by_signal += killed;
     if (!fine)
@@ -100,6 +104,7 @@ static void random_moments(void) {
         CHECK(interrupt(i % 4 == 0, signals, moment));
     }
     printf("# %d rounds: %d ended by themselves, %d by the signal\n", rounds, by_itself, by_signal);
+    CHECK(2 * doubles_killed <= doubles);
 }
 
 /* loops that look at the flag themselves: no hook stands in this state */

@@ -1,8 +1,8 @@
 /* pty PROGRAM ARGUMENT ... - runs a program on a terminal of 80 x 24 and plays the lines of stdin:
  *   send TEXT    type it; \r \t \e \\ and \ooo are escapes
- *   wait TEXT    until the output since the last match has it; after 40 s: exit code 3
+ *   wait TEXT    until the output since the last match has it; after two minutes: exit code 3
  *   pause MS
- * At the end the terminal is read until the program has ended (40 s at most); then the whole output
+ * At the end the terminal is read until the program has ended (two minutes at most); then the whole output
  * is printed, and a line "exit N" or "signal N". */
 #define _DEFAULT_SOURCE
 #define _XOPEN_SOURCE 700
@@ -18,7 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PATIENCE = 40000, ROOM = 1 << 20 };
+enum { PATIENCE = 120000, ROOM = 1 << 20 };
 
 static int terminal;
 static pid_t child;

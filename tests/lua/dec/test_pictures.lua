@@ -120,7 +120,7 @@ local browser = which:read "l"
 which:close()
 if browser then
   ball:animate(name, { forms = { height = height } })
-  local run = io.popen(("timeout 60 %s --headless --no-sandbox --disable-gpu --dump-dom 'file://%s#form=2' 2>/dev/null"):format(browser, name))
+  local run = io.popen(("timeout 300 %s --headless --no-sandbox --disable-gpu --dump-dom 'file://%s#form=2' 2>/dev/null"):format(browser, name))
   local dom = run:read "a"
   run:close()
   os.remove(name)

@@ -206,13 +206,13 @@ end
 local browser = has "chromium" and "chromium --headless --no-sandbox --disable-gpu" or nil
 if browser and (os.getenv "UNDER" or "") == "" then
   swing:animate(html)
-  local pipe = io.popen(("timeout 60 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
+  local pipe = io.popen(("timeout 300 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
   local dom = pipe:read "a"
   pipe:close()
   ok(dom:find 'data%-frame="200"', "chromium: the script ran and stands at the row that the address asks for", dom:match "<body[^>]*>")
   ok(dom:find "<canvas" and dom:find "t = 2%.0000", "with canvases, and the time in words")
   thrown:animate(html)
-  pipe = io.popen(("timeout 60 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
+  pipe = io.popen(("timeout 300 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
   dom = pipe:read "a"
   pipe:close()
   ok(dom:find 'data%-frame="20"', "chromium: bodies are drawn, too", dom:match "<body[^>]*>")

@@ -107,7 +107,7 @@ input.value = 2; input.dispatchEvent(new Event("input"));
 document.title = "moved " + document.body.getAttribute("data-position") + " " + (scene !== from) + " " + scene.paths[0].t.length + " "
   + document.querySelectorAll("canvas").length;</script>]]
   f:close()
-  local pipe = io.popen(("timeout 60 chromium --headless --no-sandbox --disable-gpu --virtual-time-budget=2000 --dump-dom 'file://%s' 2>/dev/null"):format(file))
+  local pipe = io.popen(("timeout 300 chromium --headless --no-sandbox --disable-gpu --virtual-time-budget=2000 --dump-dom 'file://%s' 2>/dev/null"):format(file))
   local dom = pipe:read "a"
   pipe:close()
   local title = dom:match "<title>(.-)</title>"

@@ -149,7 +149,7 @@ ok(out:find "chart\t5\t0\t2", "and the call without --part", out)
 
 ---- ranks ----
 
-local MPI = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 100 mpirun -n 3 --oversubscribe"
+local MPI = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 300 mpirun -n 3 --oversubscribe"
 local there = os.execute("command -v mpirun >/dev/null 2>&1 && " .. MPI .. " true >/dev/null 2>&1")
 if there and io.open((dmlua:gsub("[^/]*$", "dm/mpi.so"))) then
   text(name "ranks.lua", ([[

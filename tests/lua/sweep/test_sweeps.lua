@@ -180,7 +180,7 @@ end
 ok(cut == 0 and added > 0 and added < 60, "a stop between two instructions: whole records or none", cut .. " " .. added)
 
 -- ranks
-local MPI = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun -n 3 --oversubscribe"
+local MPI = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 300 mpirun -n 3 --oversubscribe"
 local there = os.execute("command -v mpirun >/dev/null 2>&1 && " .. MPI .. " true >/dev/null 2>&1")
 local module = io.open((dmlua:gsub("[^/]*$", "dm/mpi.so")))
 if there and module then -- not opened here: a process of MPI cannot start mpirun

@@ -13,7 +13,7 @@ local here = output "pwd":match "[^\n]+"
 local function absolute(file) return file:sub(1, 1) == "/" and file or here .. "/" .. file end
 local folder, count = output "mktemp -d":match "[^\n]+", 0
 local function try(what, script, arguments)
-  local text, fine = output(("cd '%s' && timeout 120 '%s' '%s/tests/fuzz/%s' %s </dev/null")
+  local text, fine = output(("cd '%s' && timeout 600 '%s' '%s/tests/fuzz/%s' %s </dev/null")
     :format(folder, absolute(dmlua), here, script, arguments))
   count = count + 1
   print(("%s %d - %s"):format(fine and "ok" or "not ok", count, what))
