@@ -20,14 +20,15 @@ double dm_metric_area(const dm_metric *metric, const dm_complex *K, uint32_t cel
     return det > DM_FLAT * (longest * longest) ? sqrt(det) / 2 : 0.0;
 }
 
-/* edges lambda_i 2 A / |e_i|; from an edge to each of its ends |e| |*e| / 4 */
+/* edges lambda_i 2 A / |e_i|; from an edge to each of its ends |e| |*e| / 4. Products of no more
+ * than three lengths or so, here and below: powers of lengths leave the range of numbers first. */
 static inline void share_triangle(double *edge, double *vertex, const double *l,
                                   const double *length, double area, dm_centres centres) {
     const double scale = centres == DM_BARYCENTRES ? 0.0 : 0.125 / area;
     const double third = centres == DM_BARYCENTRES ? 2.0 * area / 3.0 : 0.0;
     double piece[3];
     for (uint32_t i = 0; i < 3; i++) { /* |e| |*e| */
-        piece[i] = third + l[i] * (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]) * scale;
+        piece[i] = third + l[i] * scale * (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]);
         edge[i] = piece[i] / length[i];
     }
     for (uint32_t i = 0; i < 3; i++) vertex[i] = (piece[(i + 1) % 3] + piece[(i + 2) % 3]) / 4.0;
@@ -95,7 +96,7 @@ double dm_metric_solid(const dm_metric *metric, const dm_complex *K, uint32_t ce
 static inline void to_edge(dm_tetrahedron_shares *out, const dm_squares *l, double factor,
                            const int circum, const uint32_t w, const uint32_t a, const uint32_t b) {
     const double ab = l[a][b];
-    out->edge[a][b] += factor * (circum ? ab * (l[w][a] + l[w][b] - ab) : 1.0);
+    out->edge[a][b] += circum ? factor * ab * (l[w][a] + l[w][b] - ab) : factor;
 }
 
 static inline void from_face(dm_tetrahedron_shares *out, const dm_squares *l, double factor,

@@ -34,8 +34,9 @@ static void centre_of(double *lambda, const dm_cell_metric *c, const uint32_t *v
     if (centres == DM_BARYCENTRES || k == 1) {
         for (uint32_t i = 0; i <= k; i++) lambda[i] = 1.0 / (k + 1);
     } else if (k == 2) {
-        const double l[3] = {c->length2[v[1]][v[2]], c->length2[v[0]][v[2]],
-                             c->length2[v[0]][v[1]]};
+        double l[3] = {c->length2[v[1]][v[2]], c->length2[v[0]][v[2]], c->length2[v[0]][v[1]]};
+        const double longest = fmax(fmax(l[0], l[1]), l[2]);
+        for (uint32_t i = 0; i < 3; i++) l[i] /= longest;
         const double scale = 1.0 / dm_area4_squared(l[0], l[1], l[2]);
         for (uint32_t i = 0; i < 3; i++)
             lambda[i] = l[i] * (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]) * scale;

@@ -103,9 +103,9 @@ static void read_simplices(lua_State *L, dm_arena *arena, dm_simplices *out) {
     /* no memory by a number that is only claimed: ids that nobody uses are asked for by name */
     if (most / SPARE > out->start[out->simplices] + SPARE && !dml_field(L, OPTIONS, "vertices"))
         luaL_error(L,
-                   "dm.mesh: vertex %d is far above the %d vertices that are named; vertices = %d "
+                   "dm.mesh: vertex %I is far above the %d vertices that are named; vertices = %I "
                    "says that there are so many",
-                   (int)most, (int)out->start[out->simplices], (int)most);
+                   (lua_Integer)most, (int)out->start[out->simplices], (lua_Integer)most);
     const long vertices = dml_count(L, OPTIONS, "vertices", 0, most);
     if (vertices == 0) luaL_error(L, "dm.mesh: there are no vertices");
     if (vertices / MOST_SPARE > (long)out->start[out->simplices] + MOST_SPARE)

@@ -85,6 +85,8 @@ raises("cannot open", function() square:save(base .. "/no/such.off") end)
 
 ---- what is refused, with its line ----
 
+local square_2 = texts[".msh"]
+
 for _, row in ipairs { { ".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "line 6: a vertex must be a whole number from 0 to 2" },
   { ".off", "OFF\n2000000000 9 0\n", "line 3: the file ends, 0 of 2000000000 vertices are there" },
   { ".off", "OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", "line 4: a coordinate must be a finite number" },
@@ -108,10 +110,22 @@ for _, row in ipairs { { ".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "
   { ".obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 2\n", "line 4: a vertex is repeated in simplex 1" },
   { ".mesh", "MeshVersionFormatted 1\nDimension 2\nVertices 4\n9 9 0\n0 0 0\n1e200 0 0\n"
     .. "0 1 0\nEdges 1 1 2 0\nTriangles 1\n2 3 4 0\n", "line 10: edge {1, 2} is too long" },
+  { ".off", "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n",
+    "line 8: more faces stand here than the 1 that are counted" },
+  { ".msh", square_2:gsub("Elements\n4", "Elements\n3"), "more elements stand here than the 3" },
+  { ".msh", square_2:gsub("Nodes\n5", "Nodes\n4"), "more nodes stand here than the 4" },
+  { ".msh", square_2:gsub("%$EndElements\n", ""), "the file ends where $EndElements should stand" },
+  { ".msh", four:gsub("Elements\n2", "Elements\n1"), "more blocks of elements stand here than the 1" },
+  { ".msh", four:gsub("Nodes\n2", "Nodes\n1"), "more blocks of nodes stand here than the 1" },
   { ".stl", "solid\n", "a mesh file ends in" } } do
   raises(row[3], function() dm.mesh(file(row[1], row[2])) end)
 end
 raises("cannot open", function() dm.mesh "no/such/file.off" end)
+file(".node", "3 2 0 0\n0 0 0\n1 1 0\n2 1 1\n3 0 1\n")
+local two = file(".ele", "1 3 0\n0 0 1 2\n1 0 2 3\n")
+raises(".node, line 5: more nodes stand here than the 3", dm.mesh, two)
+file(".node", "4 2 0 0\n0 0 0\n1 1 0\n2 1 1\n3 0 1\n")
+raises(".ele, line 3: more elements stand here than the 1", dm.mesh, two)
 
 -- a byte of every format changed, cut or doubled at random: a mesh or an error, nothing else
 local random, draws = dm.random(11), 0

@@ -20,10 +20,44 @@ for _, case in ipairs { { 8, 1e30 }, { 8, 1e-30 }, { 3, 1e90 }, { 2, 1e-140 }, {
   for i = 1, n do expected = expected * a / i end
   near(simplex(n, a):volume(n)[1] / expected, 1, 1e-13, ("a simplex of degree %d and side %g"):format(n, a))
 end
+
+-- stars of edges of a triangle, and of a tetrahedron over the unit: no size changes them (by hand: half the cotangent
+-- of the opposite angle; the other two by an edge of length 1)
+local function small(size, points, simplices)
+  local P = {}
+  for i, p in ipairs(points) do
+    P[i] = {}
+    for j, x in ipairs(p) do P[i][j] = size * x end
+  end
+  return dm.mesh { points = P, simplices = simplices }
+end
+local corner = { { 0, 0 }, { 1, 0 }, { 0.3, 1 } }
+local solid = { { 0, 0, 0 }, { 1, 0, 0 }, { 0.3, 1, 0 }, { 0.2, 0.4, 1 } }
+local pent = { { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0.3, 1, 0, 0 }, { 0.2, 0.4, 1, 0 }, { 0.3, 0.2, 0.3, 1 } }
+local of_solid, of_pent = small(1, solid, { { 1, 2, 3, 4 } }), small(1, pent, { { 1, 2, 3, 4, 5 } })
+for _, size in ipairs { 1e-120, 1e-90, 1e-80, 1, 1e80, 1e100 } do
+  local star = small(size, corner, { { 1, 2, 3 } }):star_weights(1)
+  near((star - dm.vector { 0.395, 0.35, 0.15 }):norm(), 0, 1e-15, ("a triangle's stars at size %g"):format(size))
+end
+for _, size in ipairs { 1e-90, 1e-80, 1e80, 1e90 } do
+  local K = small(size, solid, { { 1, 2, 3, 4 } })
+  for k = 0, 3 do
+    local off = (K:dual_volume(k) / size ^ (3 - k) - of_solid:dual_volume(k)):norm()
+    near(off, 0, 1e-14, ("a tetrahedron's duals of degree %d at size %g"):format(3 - k, size))
+  end
+end
+for _, size in ipairs { 1e-60, 1e60 } do
+  local K = small(size, pent, { { 1, 2, 3, 4, 5 } })
+  for k = 0, 4 do
+    local off = (K:dual_volume(k) / size ^ (4 - k) - of_pent:dual_volume(k)):norm()
+    near(off, 0, 1e-14, ("a 4-simplex's duals of degree %d at size %g"):format(4 - k, size))
+  end
+end
 raises("too short for volumes of degree 2", simplex, 1, 1e-170)
 raises("too long for volumes of degree 8", simplex, 8, 1e100)
 raises("too short for volumes of degree 8", simplex, 8, 1e-100)
 raises("Cayley-Menger", edge, { 1, 1, 3 })
+raises("vertex 2147483648 is far above the 3 vertices", dm.mesh, { simplices = { { 1, 2, 2 ^ 31 } } })
 
 -- options that belong to another kind of mesh
 raises("'ratio' goes with 'annulus', not with 'grid'", dm.mesh, { grid = 2, ratio = 3 })

@@ -37,6 +37,7 @@ local function nodes_2(m)
     local words = r:need("nodes", i, count)
     note_point(m, r:whole(words[1], "the number of a node", 0), r:point(2, 4, "a coordinate"))
   end
+  r:ends("nodes", count, "$EndNodes")
 end
 
 local function elements_2(m)
@@ -47,22 +48,24 @@ local function elements_2(m)
     local tags = r:whole(words[3], "the count of tags", 0, #words)
     note_element(m, r:whole(words[2], "the type of an element", 0), words, 4 + tags)
   end
+  r:ends("elements", count, "$EndElements")
 end
 
 ---- version 4.1: blocks ----
 
-local function blocks(m, what, read)
+local function blocks(m, what, closing, read)
   local r = m.reader
   local count = r:whole(r:need("the count of blocks of " .. what)[1], "the count of blocks", 0)
   for i = 1, count do
     local words = r:need("blocks of " .. what, i, count)
     read(words[3], r:whole(words[4], "the count of " .. what, 0))
   end
+  r:ends("blocks of " .. what, count, closing)
 end
 
 local function nodes_4(m)
   local r = m.reader
-  blocks(m, "nodes", function(_, n)
+  blocks(m, "nodes", "$EndNodes", function(_, n)
     local tags = {}
     for i = 1, n do
       tags[i] = r:whole(r:need("numbers of nodes", i, n)[1], "the number of a node", 0)
@@ -76,7 +79,7 @@ end
 
 local function elements_4(m)
   local r = m.reader
-  blocks(m, "elements", function(kind, n)
+  blocks(m, "elements", "$EndElements", function(kind, n)
     kind = r:whole(kind, "the type of elements", 0)
     for i = 1, n do note_element(m, kind, r:need("elements", i, n), 2) end
   end)
@@ -105,8 +108,8 @@ function M.read(file)
     if not name then r:fail("a section, $Name, should stand here (got %s)", words[1]:sub(1, 40)) end
     if name == "MeshFormat" then sections = format_of(m)
     elseif not sections then r:fail("$MeshFormat must come first")
-    elseif sections[name] then sections[name](m) end
-    skip_to(r, name)
+    elseif sections[name] then sections[name](m) end -- to the end of the section
+    if not sections[name] then skip_to(r, name) end
   end
   if not sections then r:fail("the file is empty") end
   r:close()

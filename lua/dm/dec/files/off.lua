@@ -33,6 +33,7 @@ function M.read(file)
     points[i] = r:point(1, 3, "a coordinate")
   end
   for i = 1, faces do r:add(simplices, face(r, r:need("faces", i, faces), vertices)) end
+  r:ends("faces", faces)
   r:close()
   return reader.given(points, simplices)
 end

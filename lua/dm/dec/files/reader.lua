@@ -63,6 +63,14 @@ function Reader:need(what, i, n)
   return self:fail("the file ends where %s should stand", what)
 end
 
+--- The list of `what` ends here: with more than the n that the header counts one of the two is wrong.
+function Reader:ends(what, n, closing)
+  local words = self:next()
+  if words and words[1] == closing or not words and not closing then return end
+  if not words then self:need(closing) end
+  return self:fail("more %s stand here than the %.0f that are counted", what, n)
+end
+
 --- The next word, over the ends of lines, for files that are streams of words.
 function Reader:word(what)
   self.at = (self.at or 0) + 1

@@ -16,6 +16,7 @@ local function nodes(file)
     r:whole(words[1], "the number of this node", first + i - 1, first + i - 1)
     points[i] = r:point(2, dimension + 1, "a coordinate")
   end
+  r:ends("nodes", count)
   r:close()
   return points, first or 1
 end
@@ -37,6 +38,7 @@ local function elements(file, points, first)
     end
     r:add(simplices, out)
   end
+  r:ends("elements", count)
   r:close()
   return simplices
 end
