@@ -1319,7 +1319,8 @@ function dm_ensemble_class:stride(i, names, share) end
 function dm_ensemble_class:summary(name) end
 
 ---dm.euler: flow on a surface by its vorticity, made by K:euler
----fields: mesh, vorticity (a 0-form, at the start), report (of the solver of the stream function)
+---fields: mesh, vorticity (a 0-form, at the start), circulations (round the holes, a dm.vector),
+---report (of the solver of the stream function; note: what is left out)
 ---@class dm.euler
 local dm_euler_class = {}
 
@@ -1390,9 +1391,10 @@ function dm_euler_engine_class:vorticity() end
 ---@class dm.euler_solver
 local dm_euler_solver_class = {}
 
----solver:run{t= | steps=, every=, t0=, vorticity=, file=, checkpoint=} -> dm.flow
+---solver:run{t= | steps=, every=, t0=, vorticity=, circulations=, file=, checkpoint=} -> dm.flow
 ---
 ---From the vorticity of the flow, or another one at time t0 (0), for the duration t or so many steps.
+---circulations: round the holes, with a vorticity of its own, as in K:euler.
 ---every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
 ---with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
 ---the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises
@@ -1459,7 +1461,8 @@ function dm_field_chart_class:table() end
 
 ---dm.flow: what a run of K:euler recorded
 ---fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
----rule, euler, solver, sweeps (rates that a step needed, in the mean), file; #run rows
+---rule, euler, solver, circulations (round the holes), sweeps (rates that a step needed, in the mean),
+---file; #run rows
 ---@class dm.flow
 local dm_flow_class = {}
 
@@ -1521,8 +1524,8 @@ function dm_flow_class:plot(w, options) end
 
 ---run:stream(i) -> dm.form
 ---
----The stream function of row i, div grad psi = w: 0 on boundaries, or at one vertex. d psi turned by
----90 degrees is the velocity.
+---The stream function of row i, div grad psi = w: 0 on the longest loop of the boundary, a constant on
+---the others, or 0 at one vertex. d psi turned by 90 degrees is the velocity.
 ---@param i? any
 ---@return dm.form
 function dm_flow_class:stream(i) end
@@ -2717,16 +2720,19 @@ function dm_mesh_class:dual_volume(k) end
 ---@return dm.vector
 function dm_mesh_class:dual_wedge_values(k, a, l, b, rule) end
 
----K:euler{vorticity=} -> dm.euler
+---K:euler{vorticity=, circulations=} -> dm.euler
 ---
 ---The flow of an ideal fluid on a surface: w' = -*(d psi ^ d w), div grad psi = w (as in
 ---K:laplace_beltrami()), with the product of each triangle in thirds to its corners. vorticity: a
 ---0-form, a function of the point, a list or a number. Closed surfaces face outwards; others as
----K:orientation() says, and psi = 0 on boundaries, so that no fluid crosses them. On a closed
----component the mean of w has no psi and stays where it is. Raises where the mesh is not orientable,
----and where a vertex has no positive dual area. euler:solver{h=}:run{t=} goes on; the energy |d
----psi|^2/2, the enstrophy |w|^2/2 and the circulation, the sum of *v w, are kept to round-off
----(Arakawa 1966).
+---K:orientation() says. psi is a constant on every loop of the boundary, so that no fluid crosses it:
+---0 on the longest of each component, on the others, the holes, what keeps the circulation round them
+---(Kelvin). circulations: a number for every hole, in the order of their first vertices, the integral
+---of the velocity along it with the fluid on the left; left out, psi is 0 on all loops at the start.
+---On a closed component the mean of w has no psi and stays where it is. Flows round the handles of a
+---surface are left out, and the report's note says so. Raises where the mesh is not orientable, and
+---where a vertex has no positive dual area. euler:solver{h=}:run{t=} goes on; the energy |d psi|^2/2,
+---the enstrophy |w|^2/2 and the circulation, the sum of *v w, are kept to round-off (Arakawa 1966).
 ---@param options? table
 ---@return dm.euler
 function dm_mesh_class:euler(options) end

@@ -32,7 +32,7 @@ static void *take(lua_State *L, dm_arena *arena, size_t count, size_t size) {
 }
 
 /* arguments of core.euler by their places */
-enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY, LOW };
+enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY, LOW, HOLES, INVERSE, ROUND };
 
 /* Signs as small integers; corners are read where the mesh has them. */
 static void read_triangles(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
@@ -63,12 +63,32 @@ static void read_vertices(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena
     e->mass = m->metric.dual[0];
 }
 
-/* core.euler(mesh, factor, solved, component, sign, w, low) */
+/* a copy of the numbers of the vector at idx */
+static const double *copied(lua_State *L, dm_arena *arena, int idx, const char *what, size_t n) {
+    const double *from = dml_numbersat(L, idx, what, (int32_t)n);
+    double *to = take(L, arena, n, sizeof *to);
+    memcpy(to, from, n * sizeof *to);
+    return to;
+}
+
+/* as many as there are circulations round them */
+static void read_holes(lua_State *L, dm_euler *e, dm_arena *arena) {
+    const dml_array *round = dml_toarray(L, ROUND, 1);
+    if (!round) luaL_argerror(L, ROUND, "a vector is needed");
+    const size_t count = (size_t)round->rows;
+    luaL_argcheck(L, count * (e->vertices + 1u) <= INT32_MAX, ROUND, "too many holes");
+    e->holes.count = (uint32_t)count;
+    e->holes.g = copied(L, arena, HOLES, "the functions of the holes", count * e->vertices);
+    e->holes.inverse = copied(L, arena, INVERSE, "the matrix of the holes", count * count);
+    e->holes.circulation = copied(L, arena, ROUND, "the circulations", count);
+}
+
+/* core.euler(mesh, factor, solved, component, sign, w, low, holes, inverse, circulations) */
 static int core_euler(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, MESH);
     luaL_argcheck(L, m->K.n == 2, MESH, "a surface is needed");
     dml_needmetric(L, m);
-    lua_settop(L, LOW);
+    lua_settop(L, ROUND);
     void *factor = lua_isnil(L, FACTOR) ? NULL : luaL_checkudata(L, FACTOR, DML_FACTOR);
     engine *own = lua_newuserdatauv(L, sizeof *own, KEPT);
     *own = (engine){.flow.poisson = {dml_factorsolve, factor}};
@@ -82,6 +102,7 @@ static int core_euler(lua_State *L) {
     lua_setiuservalue(L, at, KEPT_FACTOR);
     read_triangles(L, e, m, arena);
     read_vertices(L, e, m, arena);
+    if (!lua_isnil(L, ROUND)) read_holes(L, e, arena);
     luaL_argcheck(L, factor ? dml_factorunknowns(factor) == e->unknowns : !e->unknowns, FACTOR,
                   "as many unknowns as marks are needed");
     if (dm_euler_open(e, arena) != DM_OK) luaL_error(L, "a flow: not enough memory");
@@ -171,10 +192,12 @@ static const dml_row methods[] = {
 
 static const dml_row functions[] = {
     {"euler", core_euler,
-     "core.euler(mesh, factor, solved, component, sign, w [, low]) -> dm.euler_engine\n"
+     "core.euler(mesh, factor, solved, component, sign, w [, low, holes, inverse, round])\n"
+     "-> dm.euler_engine\n"
      "Flow by its vorticity w, with its low-order parts; factor: of -div grad on the vertices that "
      "are marked as solved (nil where there are none); component: of vertices whose component "
-     "holds none, from 1, else 0; sign of every triangle. See mesh:euler."},
+     "holds none, from 1, else 0; sign of every triangle; holes: harmonic functions, one after "
+     "the other, the inverse of their products, round: the circulations. See mesh:euler."},
     {NULL, NULL, NULL}};
 
 const dml_class dml_class_euler = {

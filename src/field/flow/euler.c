@@ -14,12 +14,14 @@ enum { ARRAYS = 3 };
 /* One block for what lasts, one for work; area[0] is of vertices whose means nobody asks for. */
 dm_status dm_euler_open(dm_euler *e, dm_arena *arena) {
     const size_t n = (size_t)e->vertices + 1, k = (size_t)e->components + 1;
-    double *block = dm_arena_take(arena, (4 * n + 2 * k) * sizeof *block);
+    const size_t all = 4 * n + 2 * k + 2 * (size_t)e->holes.count;
+    double *block = dm_arena_take(arena, all * sizeof *block);
     e->work = dm_arena_take(arena, (ARRAYS * n + dm_anderson_work(e->vertices)) * sizeof *block);
     if (!block || !e->work) return DM_NO_MEMORY;
-    memset(block, 0, (4 * n + 2 * k) * sizeof *block);
+    memset(block, 0, all * sizeof *block);
     e->w = block, e->low = block + n, e->psi = block + 2 * n, e->rate = block + 3 * n;
     e->mean = block + 4 * n, e->area = e->mean + k;
+    e->holes.c = e->area + k, e->holes.gap = e->holes.c + e->holes.count;
     for (uint32_t i = 0; i < e->vertices; i++) e->area[e->component[i]] += e->mass[i];
     return DM_OK;
 }
@@ -30,6 +32,22 @@ static void find_means(dm_euler *e, const double *x) {
     for (uint32_t i = 0; i < e->vertices; i++)
         if (e->component[i]) e->mean[e->component[i]] += e->mass[i] * x[i];
     for (uint32_t c = 1; c <= e->components; c++) e->mean[c] /= e->area[c];
+}
+
+/* psi, 0 on all loops so far, gets what the holes add to it */
+static void add_holes(dm_euler *e, const double *x) {
+    const dm_euler_holes *at = &e->holes;
+    const size_t n = e->vertices;
+    for (uint32_t i = 0; i < at->count; i++) {
+        at->gap[i] = at->circulation[i];
+        for (size_t v = 0; v < n; v++) at->gap[i] -= at->g[i * n + v] * e->mass[v] * x[v];
+    }
+    for (uint32_t i = 0; i < at->count; i++) {
+        at->c[i] = 0.0;
+        for (uint32_t j = 0; j < at->count; j++)
+            at->c[i] += at->inverse[(size_t)i * at->count + j] * at->gap[j];
+        for (size_t v = 0; v < n; v++) e->psi[v] += at->c[i] * at->g[i * n + v];
+    }
 }
 
 /* div grad psi = x without its means */
@@ -44,6 +62,7 @@ static dm_status find_stream(dm_euler *e, const double *x) {
     if (status != DM_OK) return status;
     memset(e->psi, 0, e->vertices * sizeof *e->psi);
     for (uint32_t k = 0; k < e->unknowns; k++) e->psi[e->free[k]] = solution[k];
+    add_holes(e, x);
     return DM_OK;
 }
 
@@ -104,7 +123,7 @@ dm_status dm_euler_step(dm_euler *e, double h, uint32_t *sweeps) {
     return DM_OK;
 }
 
-/* |d psi|^2 = -psi . div grad psi */
+/* |d psi|^2 = -psi . div grad psi + the sum of c_i circulation_i, by Green's formula */
 dm_status dm_euler_integrals(dm_euler *e, double out[3]) {
     double sum[3] = {0.0}, low[3] = {0.0};
     const dm_status status = find_stream(e, e->w);
@@ -115,6 +134,8 @@ dm_status dm_euler_integrals(dm_euler *e, double out[3]) {
         dm_sum_add(sum + 1, low + 1, 0.5 * mass * w * w);
         dm_sum_add(sum + 2, low + 2, mass * w);
     }
+    for (uint32_t i = 0; i < e->holes.count; i++)
+        dm_sum_add(sum, low, 0.5 * e->holes.c[i] * e->holes.circulation[i]);
     for (int k = 0; k < 3; k++) out[k] = sum[k] + low[k];
     return DM_OK;
 }

@@ -1,10 +1,10 @@
 /* euler.h - flow of an ideal fluid on a surface by its vorticity, a number w at every vertex:
  *   w' = -*(d psi ^ d w),   div grad psi = w.
  * The product of every triangle, the area form of the natural wedge, goes to its corners in
- * thirds, and *v weighs the vertices. On a closed surface, and where psi = 0 on the boundary,
- * energy |d psi|^2 / 2, enstrophy |w|^2 / 2 and circulation, the sum of *v w, have zero rates; all
- * three are quadratic at most, so the implicit midpoint rule keeps them to round-off (Arakawa 1966;
- * Hairer, Lubich, Wanner IV.2).
+ * thirds, and *v weighs the vertices. psi is a constant on every loop of the boundary: 0, and on
+ * holes what keeps the circulation round them. So energy |d psi|^2 / 2, enstrophy |w|^2 / 2 and
+ * circulation, the sum of *v w, have zero rates; all three are quadratic at most, so the implicit
+ * midpoint rule keeps them to round-off (Arakawa 1966; Hairer, Lubich, Wanner IV.2).
  *
  * Between calls w + low is the vorticity; psi, rate and the rest are work. */
 #ifndef DM_EULER_H
@@ -21,6 +21,16 @@ typedef struct {
     void *of;
 } dm_linear_solve;
 
+/* Holes: psi = (0 on all loops) + sum c_i g_i, g_i harmonic, 1 on hole i and 0 on other loops, with
+ * circulation_i = sum_j (g_i . S g_j) c_j + sum over vertices of g_i *v w, S = -div grad. */
+typedef struct {
+    uint32_t count;
+    const double *g;           /* [count][vertices] */
+    const double *inverse;     /* [count][count] of g_i . S g_j */
+    const double *circulation; /* [count] */
+    double *c, *gap;           /* [count] of the last psi; circulation without that of w */
+} dm_euler_holes;
+
 enum { DM_EULER_SWEEPS = 500 };
 
 typedef struct {
@@ -33,6 +43,7 @@ typedef struct {
     uint32_t components;
     const uint32_t *free; /* [unknowns]: vertices whose psi is solved for; 0 at the others */
     uint32_t unknowns;
+    dm_euler_holes holes;
     dm_linear_solve poisson; /* of -div grad with the free vertices alone, n = unknowns */
     double *w, *low;         /* [vertices] */
     double *psi, *rate;      /* [vertices] of the last dm_euler_rate */
@@ -41,7 +52,7 @@ typedef struct {
     double *work;
 } dm_euler;
 
-/* Arrays for w and work; what stands above w is set. DM_NO_MEMORY. */
+/* Arrays for w, c and work; what stands above w is set. DM_NO_MEMORY. */
 dm_status dm_euler_open(dm_euler *e, dm_arena *arena);
 
 /* psi and rate at x[vertices]. */

@@ -63,7 +63,7 @@ function Reader:need(what, i, n)
   return self:fail("the file ends where %s should stand", what)
 end
 
---- The list of `what` ends here: with more than the n that the header counts one of the two is wrong.
+--- The list of `what` ends here: where more than the n stand that the header counts, one is wrong.
 function Reader:ends(what, n, closing)
   local words = self:next()
   if words and words[1] == closing or not words and not closing then return end

@@ -24,17 +24,18 @@ return {
   ending = function(run)
     local e = run.ending
     return { { "rule", run.rule }, { "h", run.h }, { "t0", e.t0 * 1.0 }, { "step", e.step } },
-      { e.w, e.low }
+      #e.circulations > 0 and { e.w, e.low, e.circulations } or { e.w, e.low }
   end,
 
   sizes = function(euler)
-    local n = euler.mesh:count(0)
-    return { n, n }
+    local n, holes = euler.mesh:count(0), euler.system.holes.count
+    return holes > 0 and { n, n, holes } or { n, n }
   end,
 
   solver = function(euler, read, vectors)
     local solver = euler:solver { rule = read:text "rule", h = read:positive "h" }
-    solver.ending = { w = vectors[1], low = vectors[2], t0 = read:number "t0",
+    solver.ending = { w = vectors[1], low = vectors[2],
+      circulations = vectors[3] or euler.circulations, t0 = read:number "t0",
       step = read:count "step" }
     return solver
   end,

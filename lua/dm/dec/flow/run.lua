@@ -4,6 +4,7 @@ local class = require "dm.base.class"
 local columns = require "dm.data.columns"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local holes = require "dm.dec.flow.holes"
 local lacking = require "dm.base.lacking"
 local npy = require "dm.data.npy"
 local operator = require "dm.dec.equations.operator"
@@ -18,7 +19,8 @@ local fail = option.failing(WHERE)
 local Flow = core.class({ __name = "dm.flow" }, [[
 dm.flow: what a run of K:euler recorded
 fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
-rule, euler, solver, sweeps (rates that a step needed, in the mean), file; #run rows]])
+rule, euler, solver, circulations (round the holes), sweeps (rates that a step needed, in the mean),
+file; #run rows]])
 
 lacking.refuse(Flow, { fellow = "dm.path", what = "flow", reasons = {
   csv = "run:npy(file) writes rows and columns, run:column(name) has single ones",
@@ -86,13 +88,18 @@ local function begin(s, options)
   return run
 end
 
--- the vorticity at the start, and its low parts where the run goes on
+-- at the start: the vorticity, its low parts where the run goes on, circulations round the holes
 local function start_of(s, options)
-  if s.ending then return s.ending.w, s.ending.low end
-  if options.vorticity == nil then return s.euler.vorticity.values end
-  local K = s.euler.mesh
-  return sample.values(options.vorticity, K, operator.primal(0), K:count(0),
-    function() return K:points() end, WHERE, "vorticity")
+  if s.ending then return s.ending.w, s.ending.low, s.ending.circulations end
+  local K, w = s.euler.mesh, s.euler.vorticity.values
+  if options.vorticity == nil and options.circulations == nil then
+    return w, nil, s.euler.circulations
+  end
+  if options.vorticity ~= nil then
+    w = sample.values(options.vorticity, K, operator.primal(0), K:count(0),
+      function() return K:points() end, WHERE, "vorticity")
+  end
+  return w, nil, holes.circulations(options, K, s.euler.system.holes, w, WHERE)
 end
 
 -- the time of the run's last step
@@ -132,18 +139,22 @@ local function record(run, engine, steps, every)
 end
 
 function M.run(s, options)
-  option.check(options, { "t", "steps", "every", "t0", "vorticity", "file", "checkpoint" }, WHERE)
-  if s.ending then checkpoint.check_options(options, { "t0", "vorticity" }) end
+  option.check(options, { "t", "steps", "every", "t0", "vorticity", "circulations", "file",
+    "checkpoint" }, WHERE)
+  if s.ending then checkpoint.check_options(options, { "t0", "vorticity", "circulations" }) end
   local run, system = begin(s, options), s.euler.system
   local steps = steps_of(options, s.h)
   local every = option.whole(options, "every", WHERE, 1, nil, 1)
   local saved_in = option.text(options, "checkpoint", WHERE)
+  local w, low, circulations = start_of(s, options)
   local engine = core.euler(run.mesh, system.solver and system.solver.factor, system.solved,
-    system.component, system.sign, start_of(s, options))
+    system.component, system.sign, w, low, system.holes.functions, system.holes.inverse,
+    circulations)
+  run.circulations = circulations
   local whole = record(run, engine, steps, every)
   finish(run)
-  run.ending = { w = engine:vorticity(), low = engine:low(), t0 = run.t0,
-    step = run.first + run.steps }
+  run.ending = { w = engine:vorticity(), low = engine:low(), circulations = circulations,
+    t0 = run.t0, step = run.first + run.steps }
   if saved_in then run:checkpoint(saved_in) end
   if not whole then engine:fail(run.steps, now(run), run.h, run.rule, run) end
   return run
@@ -166,8 +177,8 @@ class.method("dm.flow", "stream", function(run, i)
   return form.new(run.mesh, 0, "primal", run.psi[row_number(run, i, "flow:stream")])
 end, [[
 run:stream(i) -> dm.form
-The stream function of row i, div grad psi = w: 0 on boundaries, or at one vertex. d psi turned by
-90 degrees is the velocity.]])
+The stream function of row i, div grad psi = w: 0 on the longest loop of the boundary, a constant on
+the others, or 0 at one vertex. d psi turned by 90 degrees is the velocity.]])
 
 columns.give("dm.flow", "run", function(run, name)
   return run.values[name], table.concat(run.columns, ", ")
