@@ -97,6 +97,7 @@ dm_status dm_band_factor(double *A, uint32_t *pivot, const dm_band *b) {
     uint32_t reach = 0; /* last column that the rows so far have entries in */
     for (uint32_t k = 0; k < n; k++) {
         double *column = entry(A, b, k, k);
+        if (b->stop && *b->stop) return DM_STOPPED;
         const uint32_t below = smaller(w, n - 1 - k), p = largest(column, below + 1);
         const double x = column[p], inverse = 1.0 / x;
         if (x == 0.0) return DM_SINGULAR;

@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 
+#include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -13,6 +14,7 @@
 typedef struct {
     uint32_t n, width;
     const uint32_t *order; /* [n] a permutation */
+    const volatile sig_atomic_t *stop; /* ends dm_band_factor with DM_STOPPED; may be NULL */
 } dm_band;
 
 /* Doubles of the band: by columns, with room for what pivoting fills in. */

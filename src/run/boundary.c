@@ -32,7 +32,7 @@ size_t dm_boundary_work(const dm_boundary *p) {
 /* Unknowns keep their own order: windows make the band narrow already. */
 static solver lay_out(const dm_boundary *p, double *work) {
     const uint32_t n = unknowns(p), w = inputs(p);
-    solver s = {.p = p, .band = {.n = n, .width = w - 1}};
+    solver s = {.p = p, .band = {.n = n, .width = w - 1, .stop = p->stop}};
     s.A = work;
     s.r = s.A + dm_band_size(&s.band);
     s.dx = s.r + n;
@@ -64,13 +64,14 @@ static double residual(solver *s, const double *x) {
 }
 
 /* the second derivatives of the sum; rows and columns of what is given are those of 1 */
-static void assemble(solver *s, const double *x) {
+static dm_status assemble(solver *s, const double *x) {
     const dm_boundary *p = s->p;
     const uint32_t w = inputs(p);
     memset(s->A, 0, dm_band_size(&s->band) * sizeof *s->A);
     dm_kernel_prepare(&p->hessian, s->out);
     for (uint32_t k = 0; k + p->window <= p->sites; k++) {
         const uint32_t at = k * p->block;
+        if (p->stop && *p->stop) return DM_STOPPED;
         dm_kernel_eval(&p->hessian, x + at, s->out);
         for (uint32_t i = 0; i < w; i++)
             for (uint32_t j = 0; j < w; j++)
@@ -80,6 +81,7 @@ static void assemble(solver *s, const double *x) {
     }
     for (uint32_t i = 0; i < unknowns(p); i++)
         if (p->given[i]) s->A[dm_band_row(&s->band, i) + dm_band_column(&s->band, i)] = 1.0;
+    return DM_OK;
 }
 
 /* NaN where there is one. */
@@ -117,9 +119,8 @@ dm_status dm_boundary_solve(double *x, const dm_boundary *p, double *work,
     *report = (dm_boundary_report){.residual = residual(&s, x)};
     if (!isfinite(report->residual)) return DM_NOT_FINITE;
     while (report->iterations < p->max_iterations) {
-        if (p->stop && *p->stop) return DM_STOPPED;
-        assemble(&s, x);
-        const dm_status status = dm_band_factor(s.A, s.pivot, &s.band);
+        dm_status status = assemble(&s, x);
+        if (status == DM_OK) status = dm_band_factor(s.A, s.pivot, &s.band);
         if (status != DM_OK) return status;
         for (uint32_t i = 0; i < n; i++) s.dx[i] = -s.r[i];
         dm_band_solve(s.dx, s.A, s.pivot, &s.band, s.scratch);

@@ -25,37 +25,38 @@ end
 -- functions that caller made
 local wrapped = setmetatable({}, { __mode = "k" })
 
--- class and name of a method
-local function find_method(f)
-  if not f then return end
+-- { [class] = name } of the classes that have the method f; nil: it is none
+local function owners(f)
+  local out
   for class, meta in pairs(debug.getregistry()) do
     local methods = type(class) == "string" and type(meta) == "table" and rawget(meta, "methods")
     for name, method in pairs(type(methods) == "table" and methods or {}) do
-      if method == f then return class, name end
+      if method == f then
+        out = out or {}
+        out[class] = name
+      end
     end
   end
+  return out
 end
 
--- what to say of a method that was called with something else in the place of its object, or
--- nothing
-local function misused(f, object)
-  local class, name = find_method(f)
+-- raises where something else is in the place of a method's object: the method would read it, and
+-- write into it
+local function check_object(classes, object)
   local meta = debug.getmetatable(object)
-  if not class or type(meta) == "table" and meta.__name == class then return end
   local got = type(meta) == "table" and type(meta.__name) == "string" and meta.__name
-  return ("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, "
-    .. "x:%s(...)"):format(name, class, got or type(object), name)
+  if classes[got] then return end
+  local class, name = next(classes)
+  error(("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, "
+    .. "x:%s(...)"):format(name, class, got or type(object), name), 4)
 end
 
 --- A message without a position in here, for another one that quotes it.
 function M.bare(message) return (tostring(message):gsub(INSIDE, "")) end
 
-local function finish(f, object, fine, ...)
+local function finish(fine, ...)
   if fine then return ... end
   local message = ...
-  if type(message) == "string" and not M.is_stop(message) then
-    message = misused(f, object) or message
-  end
   if type(message) == "string" then message = M.bare(message) end
   local _, here = pcall(error, "", 3) -- of the caller: finish took its place by a tail call
   if is_misplaced(message) then message.message = here .. message.message:gsub(INSIDE, "") end
@@ -99,14 +100,17 @@ local function signature(doc)
 end
 
 -- A check of how many arguments `call` is given: as many as its doc allows, or that of the method
--- that stands for it; nil behind them is no argument. The doc is there when it is first called.
-local function counter(doc_of)
-  local most, doc
+-- that stands for it; nil behind them is no argument. A method's first one is of its class, unless
+-- `call` is nil: what stands behind it checks that. The doc is there when it is first called.
+local function counter(doc_of, call)
+  local most, doc, classes
   return function(...)
     if not most then
       doc = doc_of()
       most = doc and core.arity(doc) or math.huge
+      classes = call and doc and doc:find "^[%w_]+:" and owners(call)
     end
+    if classes then check_object(classes, (...)) end
     local n = select("#", ...)
     while n > most and (select(n, ...)) == nil do n = n - 1 end
     if n <= most then return end
@@ -120,12 +124,12 @@ end
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error
 -- values pass as they are.
 function M.caller(f)
-  local call
-  local check = counter(function() return core.docs[call] or core.docs[f] end)
-  function call(...)
+  local check
+  local function call(...)
     check(...)
-    return finish(call, (...), xpcall(f, explain, ...))
+    return finish(xpcall(f, explain, ...))
   end
+  check = counter(function() return core.docs[call] or core.docs[f] end, call)
   wrapped[call] = true
   return call
 end
@@ -137,9 +141,9 @@ function M.is_caller(f) return wrapped[f] == true end
 -- of the user stays alone
 local function relay(fine, ...)
   local what = ...
-  if fine or type(what) ~= "string" then return finish(nil, nil, fine, ...) end
+  if fine or type(what) ~= "string" then return finish(fine, ...) end
   if what:find(PLACE) and not what:find(INSIDE) then error(what, 0) end
-  return finish(nil, nil, fine, what)
+  return finish(fine, what)
 end
 
 -- was the method `call` called with a colon? A tail call, as that of a session, hides it: a colon

@@ -290,12 +290,16 @@ method("solve", function(p, o)
     options.fail("problem:solve", "n = %d is less than the %d points given", o.n,
       #before + p.window)
   end
-  local rows, report = core.sequence { equation = form.equation, next = form.next,
+  local function curve_of(rows)
+    local curve = curves.of(p, form, rows, before)
+    curve.form, curve.first_site = name, #before + p.window - p.N + 2
+    return curve
+  end
+  local rows, report = curves.run(core.sequence, { equation = form.equation, next = form.next,
     start = form.start, inside = form.inside, scale = form.scale,
     y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps,
-    every = o.every or 1, check = false }
-  local curve = curves.of(p, form, rows, before)
-  curve.form, curve.first_site = name, #before + p.window - p.N + 2
+    every = o.every or 1, check = false }, curve_of)
+  local curve = curve_of(rows)
   if report.code ~= "ok" then
     curves.stopped(p, report, curve, #before + p.window + report.done + 1)
   end

@@ -90,6 +90,18 @@ local function sites(p, o, points)
   return x, given
 end
 
+-- y: blocks of b numbers, a point and the multipliers there
+local function curve_of(p, y, b)
+  local rows, mu = {}, {}
+  for i = 1, #y // b do
+    rows[i], mu[i] = {}, {}
+    for a = 1, p.d do rows[i][a] = y[(i - 1) * b + a] end
+    for c = 1, p.constraints do mu[i][c] = y[(i - 1) * b + p.d + c] end
+  end
+  return setmetatable({ points = core.matrix(rows),
+    multiplier = p.constraints > 0 and core.matrix(mu) or nil }, curves.Curve)
+end
+
 M.doc = [[
 problem:boundary{first=, last=, n=, guess=} -> curve
 The sequence of n points with the given first and last ones (lists of points: N - 1 at an end fix
@@ -104,17 +116,10 @@ function M.solve(p, options)
   if o.n < p.N then error(("problem:boundary: n must be at least %d"):format(p.N), 0) end
   local x, given = sites(p, o, points)
   local b = p.d + p.constraints
-  local y, report = core.stationary {
-    term = term(p), sites = o.n, block = b, window = p.N, x = x, given = given }
-  local rows, mu = {}, {}
-  for i = 1, o.n do
-    rows[i], mu[i] = {}, {}
-    for a = 1, p.d do rows[i][a] = y[(i - 1) * b + a] end
-    for c = 1, p.constraints do mu[i][c] = y[(i - 1) * b + p.d + c] end
-  end
-  local curve = setmetatable({ points = core.matrix(rows),
-    multiplier = p.constraints > 0 and core.matrix(mu) or nil,
-    iterations = report.iterations, residual = report.residual }, curves.Curve)
+  local y, report = curves.run(core.stationary, { term = term(p), sites = o.n, block = b,
+    window = p.N, x = x, given = given }, function(y) return curve_of(p, y, b) end)
+  local curve = curve_of(p, y, b)
+  curve.iterations, curve.residual = report.iterations, report.residual
   if report.code ~= "ok" then
     error(setmetatable({ code = report.code, step = 0, residual = report.residual,
       iterations = report.iterations, path = curve,

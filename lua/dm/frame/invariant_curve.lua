@@ -47,6 +47,18 @@ local Failure = { __name = "dm.failure", __tostring = function(f) return f.messa
 
 M.Failure = Failure
 
+--- loop(options), a loop of the core: where a stop ends it, its path becomes the curve that
+-- curve_of(path) gives.
+function M.run(loop, options, curve_of)
+  local fine, out, report = core.until_stop(loop, options)
+  if fine then return out, report end
+  if type(out) == "table" then
+    out.path = curve_of(out.path)
+    out.points = out.path.points
+  end
+  error(out, 0)
+end
+
 --- Raises for a step that has no root, with the curve so far.
 function M.stopped(p, report, curve, at)
   local why = report.text

@@ -105,7 +105,6 @@ local function length_of(model, rule, finish)
       h = h * max(1, steps) / PROBES[2]
     else
       failed, h = why, h * SHORTER
-      if type(why) == "table" and why.code == "stopped" then break end
     end
   end
   error(failed, 0)
@@ -135,7 +134,6 @@ local function scale_of(model, rule)
   local known = model.scales[rule]
   if not known then
     local fine, out = blame.try(measured_scale, model, rule)
-    if not fine and type(out) == "table" and out.code == "stopped" then error(out, 0) end
     known = fine and out
       or { why = "cannot step this system: " .. M.first_line(out):gsub("^[^:]*: ", "") }
     model.scales[rule] = known

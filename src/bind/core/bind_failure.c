@@ -1,6 +1,7 @@
 /* bind_failure.c - `dm.failure`: what a solver raises, with the path computed so far. */
 #include "bind/core/bind_failure.h"
 
+#include <math.h>
 #include <string.h>
 
 #define TNAME "dm.failure"
@@ -89,6 +90,16 @@ void dml_failure_reason(lua_State *L, const dml_failure *f) {
         push_advice(L, f);
 }
 
+static void push_time(lua_State *L, const dml_failure *f) {
+    if (isnan(f->time))
+        lua_pushstring(L, "; ");
+    else if (f->status == DM_NO_CONVERGENCE)
+        lua_pushfstring(L, " (t = %f, residual %f after %d iterations); ", f->time, f->residual,
+                        f->iterations);
+    else
+        lua_pushfstring(L, " (t = %f); ", f->time);
+}
+
 /* rule, what happened, when, and why or what to try */
 static void push_message(lua_State *L, const dml_failure *f) {
     const LUAI_UACINT step = (LUAI_UACINT)f->step;
@@ -98,12 +109,8 @@ static void push_message(lua_State *L, const dml_failure *f) {
         lua_concat(L, 2);
         return;
     }
-    lua_pushfstring(L, "%s: %s at step %I (t = %f", f->rule, dm_status_text(f->status), step,
-                    f->time);
-    if (f->status == DM_NO_CONVERGENCE)
-        lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual, f->iterations);
-    else
-        lua_pushstring(L, "); ");
+    lua_pushfstring(L, "%s: %s at step %I", f->rule, dm_status_text(f->status), step);
+    push_time(L, f);
     dml_failure_reason(L, f);
     lua_concat(L, 4);
 }
@@ -119,7 +126,7 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     lua_setfield(L, -2, "iterations");
     lua_pushstring(L, f->rule);
     lua_setfield(L, -2, "rule");
-    set_number(L, "time", f->time);
+    if (!isnan(f->time)) set_number(L, "time", f->time);
     set_number(L, "residual", f->residual);
     if (f->fading) lua_pushboolean(L, 1), lua_setfield(L, -2, "fading");
     if (f->constraint) set_number(L, "constraint", f->constraint);
@@ -129,6 +136,12 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     lua_setfield(L, -2, "message");
     luaL_setmetatable(L, TNAME);
     lua_error(L);
+}
+
+void dml_stopped(lua_State *L, const char *what, long step) {
+    const dml_failure f = {.status = DM_STOPPED, .step = step, .time = NAN, .rule = what};
+    dml_stop = 0;
+    dml_fail(L, &f, -1);
 }
 
 static const dml_row meta[] = {{"__tostring", failure_tostring, NULL}, {NULL, NULL, NULL}};

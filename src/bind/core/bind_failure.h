@@ -7,7 +7,7 @@
 typedef struct {
     dm_status status;
     long step;   /* the step that failed, from 1 */
-    double time; /* its start */
+    double time; /* its start; NaN: steps have no time */
     double h;
     double residual; /* of its step equation */
     int iterations;
@@ -30,5 +30,8 @@ void dml_failure_reason(lua_State *L, const dml_failure *f);
 /* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the path so far
  * is the value at stack index `path` (0: none). */
 void dml_fail(lua_State *L, const dml_failure *f, int path);
+
+/* The same of a stop, which it answers, of `what` at a step; the path so far is on top. */
+void dml_stopped(lua_State *L, const char *what, long step);
 
 #endif

@@ -1,5 +1,6 @@
 /* bind_boundary.c - `dm.stationary`: a sequence that makes a sum over its windows stationary. */
 #include "algebra/derive.h"
+#include "bind/core/bind_failure.h"
 #include "bind/trace/backend.h"
 #include "bind/trace/trace.h"
 #include "bind/value/array.h"
@@ -88,7 +89,7 @@ static int stationary(lua_State *L) {
     dml_numbers(L, OPTIONS, "x", x, n);
     dm_boundary_report report;
     const dm_status status = dm_boundary_solve(x, &p, work, &report);
-    if (status == DM_STOPPED) dml_stop = 0;
+    if (status == DM_STOPPED) dml_stopped(L, "dm.stationary", report.iterations);
     push_report(L, &report, status);
     return 2;
 }
@@ -99,9 +100,9 @@ static const dml_row functions[] =
       "The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) over all "
       "windows w of `window` neighbouring blocks (a vector) is stationary, from the guess x by "
       "Newton's method on the whole (a band). given: a list of booleans, true for the numbers that "
-      "stay. report: code (\"ok\", \"no_convergence\", \"singular\", \"not_finite\", \"stopped\"), "
-      "text, iterations, residual (the largest derivative left). Look at report.code: x is no "
-      "solution when it is not \"ok\"."},
+      "stay. report: code (\"ok\", \"no_convergence\", \"singular\", \"not_finite\"), text, "
+      "iterations, residual (the largest derivative left). Look at report.code: x is no solution "
+      "when it is not \"ok\". Ctrl-C raises a dm.failure, whose path is x so far."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_boundary = {

@@ -1,5 +1,6 @@
 /* bind_sequence.c - `dm.sequence`: a sequence known by an equation, run in C. */
 #include "algebra/derive.h"
+#include "bind/core/bind_failure.h"
 #include "bind/trace/backend.h"
 #include "bind/trace/trace.h"
 #include "bind/value/array.h"
@@ -124,8 +125,8 @@ static int sequence(lua_State *L) {
     dml_numbers(L, OPTIONS, "y", rows, k.r.n);
     dm_sequence_report report;
     const dm_status status = dm_sequence_run(rows, &k.r, &plan, work, &report);
-    if (status == DM_STOPPED) dml_stop = 0;
     push_rows(L, rows, (uint32_t)report.rows, k.r.n);
+    if (status == DM_STOPPED) dml_stopped(L, "dm.sequence", report.done);
     push_report(L, &report, status);
     return 2;
 }
@@ -140,9 +141,10 @@ static const dml_row functions[] =
       "0 at the root. scale(y) gives the sizes of what the unknowns are added to, where x is a "
       "small difference. check = false trusts the traces without comparing them with plain calls. "
       "Rows: y at the start, every `every` steps, and at the end. report: code (\"ok\", "
-      "\"no_convergence\", \"singular\", \"not_finite\", \"stopped\"), text, done (steps), outside "
-      "(which condition the root broke, from 1), iterations, residual. A step that fails ends the "
-      "sequence without an error: look at report.code."},
+      "\"no_convergence\", \"singular\", \"not_finite\"), text, done (steps), outside (which "
+      "condition the root broke, from 1), iterations, residual. A step that fails ends the "
+      "sequence without an error: look at report.code. Ctrl-C raises a dm.failure, whose path has "
+      "the rows so far."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_sequence = {

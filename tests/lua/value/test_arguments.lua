@@ -265,6 +265,20 @@ for class, methods in pairs(reference.classes()) do
     end
   end
 end
+---- a table of options in the place of the object, as solver.run { ... } gives it, is refused and left as it was ----
+
+local taken = {}
+for class, methods in pairs(reference.classes()) do
+  for name in pairs(methods) do
+    local written
+    local options = setmetatable({}, { __newindex = function(_, key) written = key end })
+    local fine, why = pcall(debug.getregistry()[class].methods[name], options)
+    local says = not fine and tostring(why):find "bad argument #1 to" and tostring(why):find(class .. " expected", 1, true)
+    if written or not says then taken[#taken + 1] = class .. ":" .. name .. ": " .. tostring(written or why) end
+  end
+end
+ok(#taken == 0, "methods refuse a table of options in the place of their object", table.concat(taken, "\n# "))
+
 ok(#missing == 0, "every class with such methods is tried", table.concat(missing, ", "))
 ok(#told == 0 and counted > 100, ("messages of methods count as one types (%d numbers told)"):format(counted), table.concat(told, "\n# "))
 tap.done()
