@@ -43,8 +43,13 @@ static int is_done(lua_State *L, lua_CFunction enter, int *results) {
 
 /* ---- numbers, as in Lua's lmathlib.c ---- */
 
-static double number_at(lua_State *L, int arg) {
+/* with the name of what is nil */
+static inline void refuse_nil(lua_State *L, int arg) {
     if (lua_isnil(L, arg)) dml_typeerror(L, arg, "number");
+}
+
+static double number_at(lua_State *L, int arg) {
+    refuse_nil(L, arg);
     return luaL_checknumber(L, arg);
 }
 
@@ -179,6 +184,7 @@ static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
     const int n = lua_gettop(L);
     int best = 1, results;
     luaL_argcheck(L, n >= 1, 1, "value expected");
+    for (int k = 1; k <= n && n > 1; k++) refuse_nil(L, k); /* Lua raises too, without a name */
     for (int k = 2; k <= n; k++)
         if (lua_compare(L, largest ? best : k, largest ? k : best, LUA_OPLT)) best = k;
     if (compared) {
@@ -220,10 +226,12 @@ static int math_tointeger(lua_State *L) {
 }
 
 static int math_fmod(lua_State *L) {
+    refuse_nil(L, 1), refuse_nil(L, 2);
     return call_own(L, math_fmod);
 }
 
 static int math_modf(lua_State *L) {
+    refuse_nil(L, 1);
     return call_own(L, math_modf);
 }
 

@@ -94,6 +94,7 @@ do
   -- and where it is an argument of a function
   for _, f in ipairs { function(q) return dm.max(q[1], stiffness) end, function(q) return math.min(stiffness, q[1]) end, function(q) return math.sin(stiffness) + q[1] end,
     function(q) return dm.where(q[1], stiffness, 1) end, function(q) return q:dot(stiffness) end, function(q) return dm.max(q[1], 2) + dm.max(q[1], stiffness) end,
+    function(q) return q[1] + math.max(1, stiffness) end, function(q) return q[1] + dm.min(stiffness, 1) end, function(q) return q[1] + math.fmod(1, stiffness) end,
     function(q)
       local x = math.atan(stiffness, q[1])
       return x
