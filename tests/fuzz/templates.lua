@@ -101,7 +101,7 @@ local systems = {
 }
 
 local measures = {
-  { "run", function(o) return verlet:run(o) end, with(at, { every = 2, record = "q",
+  { "run", function(o) return verlet:run(o) end, with(at, { every = 2,
     events = { apsis = function(q, v) return q:dot(v) end },
     watch = { r = function(q) return q:norm() end } }) },
   { "run to given times", function(o) return verlet:run(o) end,
@@ -274,7 +274,7 @@ local waves = {
     solver = { rule = "two-step", h = 0.01, norm = true, unstable = false }, run = start } },
   { "a slab", waved, { wave = { x = { -4, 4, 16 } }, solver = { rule = "slab", h = 0.1 },
     run = start } },
-  { "spectrum", function(o) return dm.schroedinger(o[1]):eigen(o[2]) end, { ring, 3 } },
+  { "spectrum", function(o) return dm.schroedinger(o[1]):eigen(o[2]) end, { with(ring, { g = 0 }), 3 } },
   { "space and time", function(o)
     return dm.schroedinger(ring):solver({ rule = "strang", h = 0.1 }):run(start):spacetime(o)
   end, { of = "phase", width = 20, height = 5, title = "x" } },

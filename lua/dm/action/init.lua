@@ -41,6 +41,7 @@ local function check_options(given)
     options.demand(kits.class_of(given[key]) == "dm.space", given, key, "dm.action",
       "a space, for instance " .. such)
   end
+  options.text(given, "name", "dm.action")
   options.one_of(given, "side", "dm.action", { "left", "right" })
   options.callable(given, "domain", "dm.action", "z that is > 0 where the action is defined")
 end

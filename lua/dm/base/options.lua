@@ -63,6 +63,9 @@ function M.check(t, known, where, takes)
   for key in next, t do
     if not is_among(key, known) then unknown(key, known, where) end
   end
+  if t[1] ~= nil and t.system ~= nil then
+    M.fail(where, "the system is given twice, first and as option 'system'")
+  end
   return t
 end
 
@@ -162,6 +165,18 @@ function M.numeric(f, what)
     local why = value == nil and ": " .. (registry.dm_noted() or "is a return missing?") or ""
     error(("%s must return a number, got %s%s"):format(what, got, why), 0)
   end
+end
+
+local function is_flag(x) return type(x) == "boolean" end
+
+--- True or false.
+function M.flag(t, key, where, default)
+  return M.passing(t, key, where, is_flag, "true or false", default)
+end
+
+--- Raises that option `key`, where it is given, has no meaning, and why.
+function M.meaningless(t, key, where, why)
+  if t[key] ~= nil then M.fail(where, "option '%s' has no meaning here: %s", key, why) end
 end
 
 --- A text.

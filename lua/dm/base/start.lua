@@ -37,6 +37,14 @@ local function unnamed(x, system, key)
   return out
 end
 
+--- Raises where a start has both v and p, of which one would not be looked at; `where` begins the
+-- message, or nothing does.
+function M.check_one(options, where)
+  if options.v ~= nil and options.p ~= nil then
+    error((where and where .. ": " or "") .. "give the start as q and v or as q and p, not both", 0)
+  end
+end
+
 --- One position, velocity or momentum, called `key` in messages.
 function M.list(x, system, key)
   local field = system and system.field
@@ -61,7 +69,13 @@ end
 -- the start of a reduced system, in `out`, and what has its quantity
 local function reduced(out, of, system)
   local place = system and system.place
-  if not (place and place.reduced) then return out, of end
+  if not (place and place.reduced) then
+    if system and out.a ~= nil then
+      option.fail("field 'a'", "this system carries no quantity along (dm.euler_poincare, "
+        .. "advected =)")
+    end
+    return out, of
+  end
   if out.a ~= nil then of, out.a = with_quantity(of, out.a), nil end
   local own = (of.system or of).place
   own.reduced.start(out, out)

@@ -69,6 +69,10 @@ local function check_options(options)
     fail("option 'against' must be \"reference\", which is what errors are measured against (got "
       .. "%s); chart:plot{against =} chooses the axis", option.got(options.against))
   end
+  option.flag(options, "rivals", WHERE)
+  if options.h ~= nil then
+    option.meaningless(options, "steps", WHERE, "'h' has the sizes of steps")
+  end
   if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
   local rules = given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")
   for _, rule in ipairs(rules) do

@@ -23,7 +23,8 @@ local function given_run(chart, given)
   local parts = chart.dense and #chart.times or #chart.times - 1 -- the first is the start
   local steps = max(parts, math.ceil(o.t / given.h / parts) * parts)
   local options = start_of(o)
-  options.t0, options.at, options.watch, options.gaps = o.t0, chart.times, chart.watch, true
+  options.t0, options.at, options.watch = o.t0, chart.times, chart.watch
+  options.gaps = chart.watch and true
   return chart.system:solver({ rule = given.rule, h = o.t / steps }):run(options)
 end
 

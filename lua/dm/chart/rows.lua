@@ -26,8 +26,9 @@ end
 function M.of(chart, own, steps)
   local every = chart.dense and max(1, steps // DENSE)
     or chart.by_steps and ceil(steps * (2 * chart.system.Q.dimension + 2) / MOST)
-  if own or not every then return { at = chart.times, watch = chart.watch, gaps = true } end
-  return { steps = steps, every = every, watch = chart.watch, gaps = true }
+  local gaps = chart.watch and true
+  if own or not every then return { at = chart.times, watch = chart.watch, gaps = gaps } end
+  return { steps = steps, every = every, watch = chart.watch, gaps = gaps }
 end
 
 return M

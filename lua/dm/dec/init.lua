@@ -77,6 +77,9 @@ M.mesh = blame.caller(function(options)
   if options.map then
     given.points = moved(given.points and core.matrix(given.points), options.map)
   end
+  if not (given.points or given.lengths) then
+    option.meaningless(options, "dual", "dm.mesh", "a mesh without points or lengths has no duals")
+  end
   given.dual = options.dual
   return core.complex(given)
 end)

@@ -78,6 +78,10 @@ local function check_options(o)
   for _, key in ipairs { "cross_section", "branch", "solution" } do
     options.callable(o, key, NAME, "the points")
   end
+  options.text(o, "name", NAME)
+  if o.solution then
+    options.meaningless(o, "start", NAME, "nothing is solved for beside a solution")
+  end
 end
 
 -- the action on one point and the number of points: on_pairs() and on_points(k) are joint actions

@@ -113,6 +113,7 @@ local function check_start(solver, options, what, rule)
     if options.p then return end
     error(what .. ": a discrete Lagrangian knows no velocity: give the momentum p", 0)
   end
+  starts.check_one(options, what)
   if not options.v and not options.p then
     error(what .. ": give the start as q and v or as q and p", 0)
   end

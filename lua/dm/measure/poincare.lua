@@ -107,6 +107,7 @@ local function check(o)
   option.check(o, KNOWN, WHERE, "{ g =, q =, v =, t = }")
   option.one_of(o, "direction", WHERE, { "up", "down", "both" })
   option.positive(o, "period", WHERE, "a duration")
+  for _, key in ipairs { "xlabel", "ylabel" } do option.text(o, key, WHERE) end
   if o.period and (o.g ~= nil or o.direction ~= nil) then
     fail "'period' stands in place of 'g' and 'direction'"
   end

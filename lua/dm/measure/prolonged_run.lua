@@ -1,6 +1,7 @@
 --- What runs of a prolonged system have in common: its solver, what cannot be prolonged, options.
 local core = require "dm.core"
 local option = require "dm.base.options"
+local starts = require "dm.base.start"
 local prolong = require "dm.measure.prolong"
 
 local M = {}
@@ -47,6 +48,7 @@ end
 
 --- Raises where a start is not whole.
 function M.check_start(options)
+  starts.check_one(options)
   if options.q == nil or options.v == nil and options.p == nil then
     error("give the start as q and v, or as q and p", 0)
   end
@@ -66,6 +68,7 @@ local MOST = 2 ^ 53  -- steps: more could not be counted in numbers of Lua that 
 --- How many steps are asked for, by steps or t.
 function M.steps_of(solver, options)
   local steps = options.steps
+  if steps and options.t then error("give one of 'steps' and 't' (a duration), not both", 0) end
   if not steps then
     if type(options.t) ~= "number" or not (options.t > 0) then
       error("give 'steps' or 't' (a duration > 0)", 0)

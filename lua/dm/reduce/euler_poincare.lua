@@ -104,7 +104,9 @@ end
 -- how g moves a quantity, a dm.action or a function of (g, a); and a quantity of its dimension
 local function carrier(options)
   local advected, a = options.advected, options.a and lists.vector(options.a, "option 'a'")
-  if advected == nil then return end
+  if advected == nil then
+    return option.meaningless(options, "a", WHERE, "nothing is carried along without 'advected'")
+  end
   local meta = type(advected) == "table" and getmetatable(advected)
   if meta and meta.__name == "dm.action" then
     return function(g, x) return advected(g, x) end, a or core.zeros(advected.dimension)

@@ -66,7 +66,8 @@ local function left(self) return self.deadline - core.cpu() end
 
 -- which: { at = } or { t = }, seconds =; raises what the run raises
 local function run(self, place, rule, tolerance, which)
-  local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch, gaps = true,
+  local options = { t0 = self.t0, at = which.at, t = which.t, watch = self.watch,
+    gaps = self.watch and true,
     seconds = which.seconds or max(0.01, left(self)),
     control = { tolerance = tolerance, hidden = self.hidden,
       watched = self.hidden and self.watched or nil, largest = self.T * LARGEST[place],

@@ -62,6 +62,7 @@ local function check_options(options)
   if options.q == nil or (options.v == nil and options.p == nil) then
     fail("the start is missing: give q and v, or q and p")
   end
+  starts.check_one(options, WHERE)
   if options.watch == nil then
     fail("nothing is watched: say in option 'watch' what is looked at")
   end

@@ -74,13 +74,14 @@ local function check_options(options)
   option.whole(options, "steps", WHERE, 1, 2 ^ 53)
   option.positive(options, "t", WHERE, "a duration")
   if not (options.v or options.p) and not options.q then fail(given_.NO_START) end
-  if options.v and options.p then fail("give the start as q and v or as q and p, not both") end
+  starts.check_one(options, WHERE)
   if options.h == nil then
     fail("the axis of steps is missing: h = {least, largest, count, \"log\"}, a list or a number")
   end
   for _, key in ipairs { "watch", "inside" } do
     option.callable(options, key, WHERE, "(q, v, t, p)")
   end
+  for _, key in ipairs { "chaos", "refine", "project" } do option.flag(options, key, WHERE) end
   for _, key in ipairs { "drift", "resolution" } do option.fraction(options, key, WHERE) end
   option.positive(options, "seconds", WHERE, "seconds of CPU time")
   if option.text(options, "journal", WHERE) and options.seconds then

@@ -345,6 +345,19 @@ long dml_count(lua_State *L, int arg, const char *key, long least, long fallback
     return n;
 }
 
+int dml_flag(lua_State *L, int arg, const char *key, int fallback) {
+    const int given = dml_field(L, arg, key), on = given ? lua_toboolean(L, -1) : fallback;
+    if (given && !lua_isboolean(L, -1)) dml_wrongfield(L, key, "true or false");
+    lua_pop(L, 1);
+    return on;
+}
+
+void dml_text(lua_State *L, int arg, const char *key) {
+    if (dml_field(L, arg, key) && lua_type(L, -1) != LUA_TSTRING)
+        dml_wrongfield(L, key, "a string");
+    lua_pop(L, 1);
+}
+
 /* what a session shows of it */
 static int result_tostring(lua_State *L) {
     lua_settop(L, 1);

@@ -69,11 +69,13 @@ dm_arena *dml_pusharena(lua_State *L);
  * options: the keys that may occur, NULL at the end; another one: "did you mean".
  * number: finite, required when fallback is NaN. positive: > 0 and finite, required when
  * fallback is 0. count: whole and >= least, required when fallback < least.
- * numbers: a table or vector of n finite numbers. */
+ * numbers: a table or vector of n finite numbers. flag: true or false. text: a string or nothing. */
 void dml_options(lua_State *L, int arg, const char *const *known);
 double dml_number(lua_State *L, int arg, const char *key, double fallback);
 double dml_positive(lua_State *L, int arg, const char *key, double fallback);
 long dml_count(lua_State *L, int arg, const char *key, long least, long fallback);
+int dml_flag(lua_State *L, int arg, const char *key, int fallback);
+void dml_text(lua_State *L, int arg, const char *key);
 /* What they are made of. field: push table[key], true when it is not nil. wrongfield: raise
  * "field 'key' must be `expected` (got ...)", the value being on top. */
 int dml_field(lua_State *L, int arg, const char *key);

@@ -260,7 +260,7 @@ static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
     if (has(L, "every") || has(L, "watch"))
         rows.room = dm_run_rows(&(dm_run_plan){.steps = steps, .every = rows.every});
     if (has(L, "rows")) rows.room = dml_count(L, 2, "rows", 1, 1) + 2;
-    if (!has(L, "watch")) return rows;
+    if (!has(L, "watch")) return dml_refuse_gaps(L), rows;
     o = lua_newuserdatauv(L, sizeof *o, 0);
     dml_stepping_prepare(L, &r, t0);
     const int names = lua_gettop(L) + 1;
@@ -288,6 +288,7 @@ int dml_solver_ensemble(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
     dml_step_order(L, solver->method, 1);
+    dml_flag(L, 2, "project", 0);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     dml_carried(L, 3);
     dml_place_options(L, 3, 2, "starts");

@@ -109,14 +109,6 @@ static void push_outcome(lua_State *L, const dml_strip *d, const dm_strip_record
     push_ending(L, d, &o->ending), lua_setfield(L, -2, "ending");
 }
 
-/* Is an option of the table at 2 true? */
-static int is_on(lua_State *L, const char *key) {
-    lua_getfield(L, 2, key);
-    const int on = lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    return on;
-}
-
 /* Rows in memory of the collector: nothing is left to free where a step fails. */
 static int strip_run(lua_State *L) {
     static const char *const known[] = {"u",     "p",     "guess", "t0",   "h",
@@ -129,7 +121,7 @@ static int strip_run(lua_State *L) {
                           .h = dml_positive(L, 2, "h", 0.0),
                           .steps = dml_count(L, 2, "steps", 0, -1),
                           .every = dml_count(L, 2, "every", 1, 1),
-                          .is_free = is_on(L, "free"),
+                          .is_free = dml_flag(L, 2, "free", 0),
                           .stop = &dml_stop};
     plan.guess = level_of(L, d, "guess");
     dm_strip_ending from = {0};

@@ -123,14 +123,6 @@ static uint32_t count_of(lua_State *L, const char *key, long least, long most) {
     return (uint32_t)n;
 }
 
-/* Is an option of the table at 2 true? */
-static int flag_of(lua_State *L, const char *key) {
-    lua_getfield(L, 2, key);
-    const int on = lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    return on;
-}
-
 /* option `key`, a vector of count numbers, in the arena */
 static double *numbers_of(lua_State *L, dml_strip *d, const char *key, uint32_t count) {
     double *x = take(L, d->arena, (count + 1) * sizeof *x);
@@ -145,8 +137,8 @@ static double *numbers_of(lua_State *L, dml_strip *d, const char *key, uint32_t 
 static void read_shape(lua_State *L, dml_strip *d) {
     dm_strip *s = &d->strip;
     s->cells = count_of(L, "cells", 1, MOST_CELLS);
-    s->nodes = s->cells + !flag_of(L, "ring");
-    s->boxes = flag_of(L, "boxes");
+    s->nodes = s->cells + !dml_flag(L, 2, "ring", 0);
+    s->boxes = dml_flag(L, 2, "boxes", 0);
     s->layout = (dm_cell_layout){.values = count_of(L, "values", 1, MOST_VALUES),
                                  .columns = 1,
                                  .scalars = DM_STRIP_SCALARS,

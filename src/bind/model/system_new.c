@@ -175,6 +175,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
+    dml_text(L, 1, "name");
     dml_plainparams(L);
     dml_unfold_spheres(L);
     if (pair)

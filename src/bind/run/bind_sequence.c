@@ -111,9 +111,7 @@ static int sequence(lua_State *L) {
     maker k = {.compile = dml_findbackend(L, NULL)->compile,
                .r = {.n = (uint32_t)n, .m = count_of(L, "unknowns")}};
     const dm_sequence_plan plan = read_plan(L);
-    lua_getfield(L, OPTIONS, "check");
-    k.check = lua_isnil(L, -1) || lua_toboolean(L, -1);
-    lua_pop(L, 1);
+    k.check = dml_flag(L, OPTIONS, "check", 1);
     k.arena = dml_pusharena(L);
     read_functions(L, &k);
     const long most = dm_sequence_rows(&plan);

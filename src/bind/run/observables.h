@@ -46,8 +46,11 @@ void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r);
  * the text stays on the stack. */
 void dml_watch_missed(lua_State *L, const dml_observables *o, int at, dml_stepping *r);
 
+/* Raise that gaps are given where nothing is watched or recorded that could have them. */
+void dml_refuse_gaps(lua_State *L);
+
 /* Does a run have columns beside q and p, by field 'record' of the options at 2 or as parts of its
- * steps? */
+ * steps? Without, gaps are refused. */
 int dml_records(lua_State *L, const dml_stepping *r);
 
 /* The same for parts and for field 'record': names of columns beside t, q and p, to be appended to

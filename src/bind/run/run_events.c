@@ -38,9 +38,7 @@ static dm_event read_event(lua_State *L, const char *what) {
                    what, luaL_typename(L, -1));
     dml_options(L, lua_gettop(L), known);
     event.direction = read_direction(L, what);
-    lua_getfield(L, -1, "stop");
-    event.stop = lua_toboolean(L, -1);
-    lua_pop(L, 1);
+    event.stop = dml_flag(L, lua_gettop(L), "stop", 0);
     lua_getfield(L, -1, "g");
     lua_remove(L, -2);
     return event;

@@ -93,12 +93,7 @@ static const char *push_name(lua_State *L, const dm_constraints *t, uint32_t i) 
 
 /* project = true among the options at 2. */
 static int wants_projection(lua_State *L) {
-    const int type = lua_getfield(L, 2, "project");
-    const int yes = lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
-        luaL_error(L, "field 'project' must be true or false");
-    return yes;
+    return dml_flag(L, 2, "project", 0);
 }
 
 /* Constraints that depend on each other at the start hold nothing there. */

@@ -264,9 +264,13 @@ void dml_watch_missed(lua_State *L, const dml_observables *o, int at, dml_steppi
 
 /* gaps = true */
 static void read_gaps(lua_State *L, dml_observables *o) {
-    if (lua_getfield(L, 2, "gaps") != LUA_TNIL && !lua_isboolean(L, -1))
-        luaL_error(L, "field 'gaps' must be true or false (got %s)", luaL_typename(L, -1));
-    o->observer.gaps = lua_toboolean(L, -1);
+    o->observer.gaps = dml_flag(L, 2, "gaps", 0);
+}
+
+void dml_refuse_gaps(lua_State *L) {
+    if (dml_field(L, 2, "gaps"))
+        luaL_error(L, "field 'gaps' is about NaN in columns of 'watch' or 'record', and none is "
+                      "given: NaN in q and p ends every run");
     lua_pop(L, 1);
 }
 
@@ -300,6 +304,7 @@ int dml_records(lua_State *L, const dml_stepping *r) {
     lua_pop(L, 1);
     const int parts = !asked && push_parts(L, r);
     if (parts) lua_pop(L, 1);
+    if (!asked && !parts) dml_refuse_gaps(L);
     return asked || parts;
 }
 

@@ -206,14 +206,6 @@ static void check_type(lua_State *L, const char *key, int needed) {
     lua_pop(L, 1);
 }
 
-/* A string or nil. */
-static void check_text(lua_State *L, const char *key) {
-    const int type = lua_getfield(L, 1, key);
-    if (type != LUA_TSTRING && type != LUA_TNIL)
-        luaL_error(L, "field '%s' must be a string (got %s)", key, luaL_typename(L, -1));
-    lua_pop(L, 1);
-}
-
 /* A list of strings or nil. */
 static void check_list(lua_State *L, const char *key) {
     const int type = lua_getfield(L, 1, key);
@@ -236,8 +228,8 @@ static void check_options(lua_State *L) {
     check_type(L, "equations", !stationary);
     check_type(L, "stationary", stationary);
     check_type(L, "branch", 0);
-    check_text(L, "name");
-    check_text(L, "failure");
+    dml_text(L, 1, "name");
+    dml_text(L, 1, "failure");
     check_list(L, "angles");
     const int start = lua_getfield(L, 1, "start");
     dml_count(L, 1, "unknowns", 1, 1);

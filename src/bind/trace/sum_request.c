@@ -25,16 +25,6 @@ static void find_function(lua_State *L, dml_sum_request *r) {
     lua_settop(L, r->fn + 1);
 }
 
-/* A boolean of the table at `options`; 0: there is no table. */
-static int flag(lua_State *L, int options, const char *key) {
-    const int type = lua_getfield(L, options, key);
-    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
-        luaL_error(L, "field '%s' must be true or false (got %s)", key, luaL_typename(L, -1));
-    const int on = lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    return on;
-}
-
 /* a side of the box: infinite is none; 2 (within + margin) itself is large enough, as rounded as a
  * script may have it */
 static void read_side(lua_State *L, dml_sum_request *r, uint32_t axis) {
@@ -93,9 +83,9 @@ static void read_near(lua_State *L, dml_sum_request *r, int options, int pairs) 
 
 /* shift, periodic, pairs, once the number of bodies is known */
 static void read_pattern(lua_State *L, dml_sum_request *r, int options) {
-    const int pairs = flag(L, options, "pairs");
+    const int pairs = dml_flag(L, options, "pairs", 0);
     const long shift = dml_count(L, options, "shift", 0, 0);
-    r->periodic = flag(L, options, "periodic");
+    r->periodic = dml_flag(L, options, "periodic", 0);
     if (pairs && (shift || r->periodic))
         luaL_error(L, "'pairs' stands alone: all pairs of bodies have no 'shift' and no 'periodic' "
                       "end");

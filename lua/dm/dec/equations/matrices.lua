@@ -39,6 +39,9 @@ transpose of d of (n - k - 1)-forms.]])
 class.method("dm.mesh", "star", function(K, k, options)
   local n = K.dimension
   options = option.check(options or {}, { "dual", "pinv" }, "mesh:star")
+  if not options.dual then
+    option.meaningless(options, "pinv", "mesh:star", "only dual = true divides by volumes")
+  end
   degree_of(K, k, n, "mesh:star")
   local cells = options.dual and n - k or k
   local function make()
