@@ -1,6 +1,7 @@
 -- pictures of meshes: what is drawn by files, terminals and pages; looked at by eye when they change
 local tap = require "tap"
 local dm = require "dm"
+local browser = require "browser"
 local ok, raises = tap.ok, tap.raises
 
 local function read(name)
@@ -115,14 +116,9 @@ raises("of this mesh", function() ball:animate(name, { forms = { x = swirl } }) 
 
 ---- chromium, where it is: the page runs and draws ----
 
-local which = io.popen "command -v chromium chromium-browser 2>/dev/null"
-local browser = which:read "l"
-which:close()
-if browser then
+if browser.there() then
   ball:animate(name, { forms = { height = height } })
-  local run = io.popen(("timeout 300 %s --headless --no-sandbox --disable-gpu --dump-dom 'file://%s#form=2' 2>/dev/null"):format(browser, name))
-  local dom = run:read "a"
-  run:close()
+  local dom = browser.dom(name .. "#form=2")
   os.remove(name)
   ok(dom:find 'data%-form="height"' and count(dom, "<option") == 2, "a browser draws it")
 else

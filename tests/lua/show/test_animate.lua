@@ -2,6 +2,7 @@
 -- numbers of the path; what is chosen without being told; misuse
 local tap = require "tap"
 local dm = require "dm"
+local browser = require "browser"
 local ok, near, raises = tap.ok, tap.near, tap.raises
 local abs, max, sin, cos = math.abs, math.max, math.sin, math.cos
 
@@ -203,18 +204,13 @@ end
 
 ---- in a browser ----
 
-local browser = has "chromium" and "chromium --headless --no-sandbox --disable-gpu" or nil
-if browser and (os.getenv "UNDER" or "") == "" then
+if browser.there() and (os.getenv "UNDER" or "") == "" then
   swing:animate(html)
-  local pipe = io.popen(("timeout 300 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
-  local dom = pipe:read "a"
-  pipe:close()
+  local dom = browser.dom(html .. "#t=2")
   ok(dom:find 'data%-frame="200"', "chromium: the script ran and stands at the row that the address asks for", dom:match "<body[^>]*>")
   ok(dom:find "<canvas" and dom:find "t = 2%.0000", "with canvases, and the time in words")
   thrown:animate(html)
-  pipe = io.popen(("timeout 300 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
-  dom = pipe:read "a"
-  pipe:close()
+  dom = browser.dom(html .. "#t=2")
   ok(dom:find 'data%-frame="20"', "chromium: bodies are drawn, too", dom:match "<body[^>]*>")
 else
   print "# no chromium here: the page was not opened in a browser"

@@ -1,6 +1,7 @@
 -- dm.lab: every position of the sliders is a run of its own; what fails says so; a browser moves them
 local tap = require "tap"
 local dm = require "dm"
+local browser = require "browser"
 local json = require "dm.base.json"
 local ok, raises = tap.ok, tap.raises
 
@@ -98,7 +99,7 @@ ok(text_of(file) == before, "a lab that cannot be made leaves the file as it was
 
 ---- in a browser ----
 
-if os.execute "command -v chromium >/dev/null 2>&1" and os.getenv "UNDER" == "" then
+if browser.there() and os.getenv "UNDER" == "" then
   dm.lab(given)
   local f <close> = assert(io.open(file, "a"))
   f:write [[<script>window.onerror = e => { document.title = "error " + e; };
@@ -107,9 +108,7 @@ input.value = 2; input.dispatchEvent(new Event("input"));
 document.title = "moved " + document.body.getAttribute("data-position") + " " + (scene !== from) + " " + scene.paths[0].t.length + " "
   + document.querySelectorAll("canvas").length;</script>]]
   f:close()
-  local pipe = io.popen(("timeout 300 chromium --headless --no-sandbox --disable-gpu --virtual-time-budget=2000 --dump-dom 'file://%s' 2>/dev/null"):format(file))
-  local dom = pipe:read "a"
-  pipe:close()
+  local dom = browser.dom(file, "--virtual-time-budget=2000")
   local title = dom:match "<title>(.-)</title>"
   ok(title == "moved 8 true 21 3", "a slider moves the picture", title)
 else

@@ -1,6 +1,7 @@
 -- pictures and files of runs on meshes: pages in motion, VTK series, NumPy records, plots
 local tap = require "tap"
 local dm = require "dm"
+local browser = require "browser"
 local ok, raises = tap.ok, tap.raises
 local base = os.tmpname()
 local function text(name)
@@ -23,15 +24,12 @@ local loop = ring:field { L = function(u, v) return v:dot(v) / 2 - u:d():dot(u:d
   :solver { rule = "verlet", h = 0.1 }:run { q = { 1, 0, 0 }, v = { 0, 0, 0 }, steps = 3 }
 
 -- pages need nothing from elsewhere; chromium, where it is, runs them and shows a form
-local browser = io.popen "command -v chromium 2>/dev/null":read "l"
 for name, run in pairs { flow = flow, light = light, body = body, loop = loop } do
   local file = run:animate(base .. name .. ".html", { title = "a page of " .. name })
   local s = text(file)
   ok(s:find "<html" and s:find("a page of " .. name, 1, true) and not s:find 'src=' and not s:find "https?://", name .. ": a page without a network")
-  if browser then
-    local pipe = io.popen(("%s --headless --no-sandbox --disable-gpu --dump-dom 'file://%s#row=3' 2>/dev/null"):format(browser, file))
-    local dom = pipe:read "a"
-    pipe:close()
+  if browser.there() then
+    local dom = browser.dom(file .. "#row=3")
     ok(dom:find 'data%-form="[wq]1?"' and dom:find "t = 0%.", name .. ": the page runs", dom:match "<body[^>]*>")
   end
   os.remove(file)
