@@ -1,5 +1,7 @@
 -- dmlua docs/site/check.lua OUT - after `make site`: no link is broken, no page asks the network, and
 -- in a browser (chromium, where there is one) pages open without an error and every formula has a size
+package.path = "tests/lua/?.lua;" .. package.path
+local browser = require "browser"
 local out = arg[1] or "build/site"
 
 local function lines_of(command)
@@ -51,8 +53,7 @@ local function opened(name)
   local file <close> = assert(io.open(copy, "wb"))
   file:write(read(name), PROBE)
   file:close()
-  local dom = table.concat(lines_of(("timeout 60 chromium --headless --no-sandbox --disable-gpu --virtual-time-budget=3000 --dump-dom 'file://%s' 2>/dev/null")
-    :format(copy:find "^/" and copy or os.getenv "PWD" .. "/" .. copy)), "\n")
+  local dom = browser.dom(copy:find "^/" and copy or os.getenv "PWD" .. "/" .. copy, "--virtual-time-budget=3000")
   os.remove(copy)
   return dom:match "<title>(.-)</title>" or "nothing"
 end
@@ -65,7 +66,7 @@ for _, name in ipairs(pages) do
 end
 if #pages < 20 then complain("%d pages", #pages) end
 if #formulas < 3 then complain("%d pages with formulas", #formulas) end
-if os.execute "command -v chromium >/dev/null 2>&1" then
+if browser.there() then
   for _, name in ipairs(formulas) do
     local title = opened(name)
     if title ~= "flat 0" then complain("%s: %s", name, title) end
