@@ -5,6 +5,8 @@
 #include "algebra/derive_inside.h"
 #include "graph/nodes.h"
 
+#include <math.h>
+
 /* small pieces of the rules below */
 static dm_node one(dm_graph *g) {
     return dm_constant(g, 1.0);
@@ -79,6 +81,13 @@ static dm_node power_slope(dm_graph *g, dm_node n, int k) {
     return dm_mul(g, n, dm_apply(g, DM_OP_LOG, safe, 0, 0));
 }
 
+/* d log(a) = da / a where a is in the domain; outside it stays without a value, or Newton's
+ * method would find roots there, and explicit steps go on behind the wall of log(a) */
+static dm_node log_slope(dm_graph *g, dm_node a) {
+    const dm_node w = inverse(g, a);
+    return g->nonnegative[a] ? w : dm_apply(g, DM_OP_WHERE, a, w, dm_constant(g, NAN));
+}
+
 /* d atan2(y, x) = (x dy - y dx) / (x^2 + y^2) */
 static dm_node angle_slope(dm_graph *g, dm_node y, dm_node x, int k) {
     const dm_node x2 = square(g, x), y2 = square(g, y);
@@ -111,7 +120,7 @@ static dm_node slope1(dm_graph *g, dm_node n) {
     case DM_OP_EXP:
         return n;
     case DM_OP_LOG:
-        return inverse(g, a);
+        return log_slope(g, a);
     case DM_OP_SIN:
         return dm_apply(g, DM_OP_COS, a, 0, 0);
     case DM_OP_COS:
@@ -188,6 +197,12 @@ static int is_sum(dm_op op) {
     return op == DM_OP_ADD || op == DM_OP_SUB;
 }
 
+/* what a branch adds to the derivative of the other one: nothing, but no value where it is none */
+static dm_node rest(dm_graph *g, dm_node n, int k) {
+    const dm_expr *other = dm_at(g, dm_at(g, n)->as.arg[k]);
+    return other->op == DM_OP_CONSTANT && isnan(other->as.value) ? dm_constant(g, NAN) : 0;
+}
+
 /* what operand k gets of, or gives to, a derivative `factor` at n */
 dm_node dm_derive_share(dm_graph *g, dm_node n, int k, dm_node factor) {
     choice c;
@@ -196,8 +211,8 @@ dm_node dm_derive_share(dm_graph *g, dm_node n, int k, dm_node factor) {
     if (is_sum(op) && !vanishes(g, factor, DEEPEST_BRANCH))
         return op == DM_OP_SUB && k == 1 ? dm_neg(g, factor) : factor;
     if (!is_choice(g, n, &c)) return dm_derive_times(g, factor, slope(g, n, k));
-    if (k == c.yes) return dm_apply(g, DM_OP_WHERE, c.condition, factor, 0);
-    return k == c.no ? dm_apply(g, DM_OP_WHERE, c.condition, 0, factor) : 0;
+    if (k == c.yes) return dm_apply(g, DM_OP_WHERE, c.condition, factor, rest(g, n, c.no));
+    return k == c.no ? dm_apply(g, DM_OP_WHERE, c.condition, rest(g, n, c.yes), factor) : 0;
 }
 
 /* what is taken away need not be negated first, nor a square looked at twice: all squares of a

@@ -84,7 +84,7 @@ static jet1 jet_of_one(dm_op op, double x) {
     case DM_OP_EXP:
         return (jet1){g, g, g};
     case DM_OP_LOG:
-        return (jet1){g, 1 / x, -1 / (x * x)};
+        return x < 0 ? (jet1){NAN, NAN, NAN} : (jet1){g, 1 / x, -1 / (x * x)};
     case DM_OP_SIN:
         return (jet1){g, cos(x), -g};
     case DM_OP_COS:

@@ -113,6 +113,41 @@ for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)" } do
 end
 raises("domain", fast.velocity, dm.system { Q = dm.R(1), L = function(_, v) return (v[1] - 3) ^ 0.5 * v[1] end }, { 0 }, { -5 })
 
+-- L = -log(1 - v^2)/2 - 3 q^2: 1/(1 - v^2) is a number beyond v = 1 too, where L is none. Midpoint has one root inside, by bisection in its
+-- momentum; verlet is explicit, v = 2 p / (1 + sqrt(1 + 4 p^2)). By traces and by hyper-dual numbers
+local function bent(_, v) return -dm.log(1 - v[1] ^ 2) / 2 end
+local function velocity(p) return 2 * p / (1 + sqrt(1 + 4 * p * p)) end
+for _, derivatives in ipairs { "exact", "hyperdual" } do
+  local slow = dm.system { Q = dm.R(1), derivatives = derivatives, L = function(q, v) return bent(q, v) - 3 * q[1] ^ 2 end }
+  local h, worst = 0.3, { midpoint = 0, verlet = 0 }
+  local solvers = { midpoint = slow:solver { rule = "midpoint", h = h }, verlet = slow:solver { rule = "verlet", h = h } }
+  for _ = 1, 60 do
+    local q, p = 4 * random() - 2, 8 * random() - 4
+    local low, high = -20, 20
+    for _ = 1, 70 do
+      local m = (low + high) / 2
+      if m - p + 3 * h * (q + h / 2 * velocity(m)) > 0 then high = m else low = m end
+    end
+    local half = p - 3 * h * q
+    local ends = { midpoint = q + h * velocity(low), verlet = q + h * velocity(half) }
+    for rule, solver in pairs(solvers) do
+      worst[rule] = max(worst[rule], abs(solver:run({ q = { q }, p = { p }, steps = 1 }).q[2][1] - ends[rule]))
+    end
+  end
+  ok(worst.midpoint < 1e-13 and worst.verlet < 1e-13, "speeds stay where log(1 - v^2) is a number, " .. derivatives, worst.midpoint)
+end
+-- behind the wall of -log(q) the force 1/q has numbers too: no step goes on there
+local barrier = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + dm.log(q[1]) - q[1] end }
+for _, rule in ipairs { "verlet", "midpoint", "gauss(2)", "lobatto(3)", "trapezoidal", "yoshida(4)", "symplectic-euler", "rk4", "curve(rk4)" } do
+  raises("domain", function() barrier:solver({ rule = rule, h = 0.3 }):run { q = { 0.117 }, p = { -4.35 }, steps = 20 } end)
+  local path = barrier:solver({ rule = rule, h = 0.02 }):run { q = { 0.5 }, p = { -1 }, steps = 500 }
+  ok(path:drift "energy".largest < 0.03, rule .. " turns before the wall of -log(q)", path:drift "energy".largest)
+end
+-- a log of what is never negative is as it was, and one in a branch that is not taken does no harm
+near(dm.derivative(function(x) return dm.log(dm.abs(x[1])) end, 1)({ -2 })[1], -0.5, 0, "log |x| at -2")
+near(dm.derivative(function(x) return dm.where(x[1], dm.log(x[1]), x[1] ^ 2) end, 1)({ -2 })[1], -4, 0, "a branch beside log")
+raises("domain", dm.derivative(function(x) return dm.log(x[1]) end, 1), { -2 })
+
 -- V = -sqrt(q) from q = 0, v = 1: the force is infinite at the start, where Gauss rules have no stage, though lanes may stand idle
 -- there. With u = v = sqrt(1 + 2 sqrt(q)) the time is u^3 / 3 - u + 2 / 3
 local root = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + dm.sqrt(q[1]) end }
