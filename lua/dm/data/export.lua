@@ -62,7 +62,7 @@ path:csv(file) -> file name   or   path:csv() -> string
 The rows as comma-separated values under a line of column names, 17 significant digits: reading them
 back gives the same bits. Raises when the file cannot be written.]]
 
-M.csv = blame.caller(function(path, file)
+function M.csv(path, file)
   local columns, names = columns_of(path)
   local pieces = chunks(columns, csv_header(names), csv_row(#names))
   if file == nil then
@@ -72,7 +72,7 @@ M.csv = blame.caller(function(path, file)
   end
   write_all(open(file, "w", "path:csv"), file, pieces)
   return file
-end)
+end
 
 ---- npy: records of little-endian doubles with named fields ----
 
@@ -92,14 +92,14 @@ path:npy(file) -> file name
 The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of
 the numbers are kept. Raises when the file cannot be written.]]
 
-M.npy = blame.caller(function(path, file)
+function M.npy(path, file)
   local columns, names = columns_of(path)
   local pieces = chunks(columns, npy_header(names, #path), npy_row(#names))
   write_all(open(file, "wb", "path:npy"), file, pieces)
   return file
-end)
+end
 
-core.method("dm.path", "csv", M.csv, doc_csv)
-core.method("dm.path", "npy", M.npy, doc_npy)
+core.method("dm.path", "csv", blame.caller(M.csv), doc_csv)
+core.method("dm.path", "npy", blame.caller(M.npy), doc_npy)
 
 return M

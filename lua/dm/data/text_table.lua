@@ -64,6 +64,26 @@ local function number_of(field, comma)
   return x and x + 0.0
 end
 
+-- UTF-8 of what looks like a blank or a minus, and is none to a program; a lone byte of Latin-1
+local ALIKE = { { "\194[\133\160]", " " }, { "\226\128[\128-\139\168\169\175]", " " },
+  { "\226\129\159", " " }, { "\227\128\128", " " }, { "\226\136\146", "-" },
+  { "\226\128[\144-\147]", "-" }, { "\160", " " } }
+
+-- what a message says of a field that would be numbers if these were blanks and minus; else nothing
+local function looks_like_numbers(field)
+  local seen = field
+  for _, row in ipairs(ALIKE) do seen = seen:gsub(row[1], row[2]) end
+  if seen == field then return end
+  for word in seen:gmatch "%S+" do
+    if not number_of(word, true) then return end
+  end
+  return (" (a sign in it looks like a blank or a minus and is another one: write it as %q)")
+    :format(seen)
+end
+
+-- a field in a message
+local function shown(field) return #field > 60 and field:sub(1, 60) .. "..." or field end
+
 -- numbers, some of which may be missing: no names of columns
 local function are_numbers(fields, comma)
   local count = 0
@@ -78,13 +98,14 @@ end
 local function check_first(fields, line, comma, at, fail)
   local word, number
   for _, field in ipairs(fields) do
-    local bare = not line:find('"' .. field .. '"', 1, true)
+    local bare, odd = not line:find('"' .. field .. '"', 1, true), looks_like_numbers(field)
+    if odd and bare then fail("line %d: not a number: %q%s", at, shown(field), odd) end
     if not number_of(field, comma) then word = word or field
     elseif bare then number = number or field end
   end
   if word and number then
     fail("line %d: %q is no number, and %s no name: mend the row, or, where the line holds names, "
-      .. "put them in quotes or leave it out by skip = %d, names = { ... }", at, word, number, at)
+      .. "put them in quotes or leave it out by skip = %d, names = { ... }", at, shown(word), shown(number), at)
   end
 end
 
@@ -94,6 +115,15 @@ end
 local function uncommented(line)
   if not line:find "^%s*[-+]?%.?%d[%w.+-]*[%s,;]" then return line end
   return (line:gsub("[%s,;]#.*$", ""))
+end
+
+-- Raises at a carriage return inside of a line, and its kin: they are no blanks between fields.
+local function check_control(line, number, fail)
+  local at = line:find "[\1-\8\11-\31\127]"
+  if not at or not line:find("%S", at) then return end
+  local sign = line:byte(at)
+  fail("line %d: %s inside of it: lines end in a newline, and blanks or tabs stand between fields",
+    number, sign == 13 and "a carriage return" or "control character " .. sign)
 end
 
 -- a function that gives number and text of the next line that says something, the first `skip`
@@ -110,6 +140,7 @@ local function lines_of(handle, skip, fail)
       if line:find "\0" then
         fail("line %d: zeros between the letters: save it as UTF-8", number)
       end
+      check_control(line, number, fail)
       local comment = line:match "^%s*#(.*)$"
       if not comment and line:find "%S" then
         seen.first = true
@@ -242,7 +273,8 @@ function M.read(handle, where, given)
     rows = rows + 1
     for c, field in ipairs(fields) do
       local x = number_of(field, r.comma)
-        or fail("line %d, column %s: not a number: %q", at, names[c], field)
+        or fail("line %d, column %s: not a number: %q%s", at, shown(names[c]), shown(field),
+          looks_like_numbers(field) or "")
       if (x == huge or x == -huge) and not field:lower():find("inf", 1, true) then
         fail("line %d, column %s: %s is beyond the largest number, 1.8e308 (infinity is written "
           .. "inf)", at, names[c], field)

@@ -137,6 +137,18 @@ do -- a pipe is read from its first byte to its end
 end
 raises("file name", dm.load, 7)
 raises("is empty", dm.load, spit(csv, ""))
+-- what looks like numbers and would be a name without rows; lines that end in no newline
+for _, text in ipairs { "1\u{a0}2\n", "1\u{a0}2\n3\u{a0}4\n", "1\xa02\n", "\u{2212}2\n", "1\u{2009}2,5\n", "1,\u{2212}2\n3,4\n" } do
+  raises("line 1: not a number: ", dm.load, spit(csv, text))
+end
+raises('line 2, column a: not a number: "3\u{a0}4" (a sign in it', dm.load, spit(csv, "a\n3\u{a0}4\n"))
+raises('write it as "-2"', dm.load, spit(csv, "1,\u{2212}2\n"))
+ok(dm.load(spit(csv, "T\u{a0}in\u{a0}K,p\n1,2\n"))["T\u{a0}in\u{a0}K"][1] == 1, "names may hold any blank")
+raises("line 1: a carriage return inside of it", dm.load, spit(csv, "1,2\r3,4\r"))
+raises("line 1: a carriage return inside of it", dm.load, spit(csv, "a,b\r1,2\r3,4\r"))
+raises("line 2: control character 12 inside of it", dm.load, spit(csv, "1 2\n3\f4\n"))
+ok(#dm.load(spit(csv, "a,b\r\r\n1,2\r\r\n")).a == 1, "at the end of a line they are none of it")
+raises('xxx..."', dm.load, spit(csv, "a\n" .. ("x"):rep(1e6)))
 raises("line 3, column x: not a number", dm.load, spit(csv, "t,x\n1,2\n3,oops\n"))
 raises("line 2, column 3: one too many: the line has 3 fields", dm.load, spit(csv, "t,x\n1,2,3\n"))
 local said = dm.load(spit(csv, "1 2 # the first\n3 4\t# and more\n"))
