@@ -132,4 +132,8 @@ void dml_pushcopy(lua_State *L, int table);
 /* Make the table on top a result: tostring shows its entries. */
 void dml_setresult(lua_State *L);
 
+/* Put in the place of the list on top one that reads as it does and raises that `what`, "the
+ * columns of a path", cannot be set. */
+void dml_lock(lua_State *L, const char *what);
+
 #endif

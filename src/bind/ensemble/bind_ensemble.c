@@ -101,6 +101,7 @@ static int push_status(lua_State *L, const ensemble *e) {
         lua_pushstring(L, dm_status_code(e->member[i].status));
         lua_rawseti(L, -2, i + 1);
     }
+    dml_lock(L, "the status of the members");
     return 1;
 }
 
@@ -110,6 +111,7 @@ static int push_steps(lua_State *L, const ensemble *e) {
         lua_pushinteger(L, e->member[i].steps);
         lua_rawseti(L, -2, i + 1);
     }
+    dml_lock(L, "the steps of the members");
     return 1;
 }
 

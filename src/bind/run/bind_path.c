@@ -307,7 +307,8 @@ static int path_field(lua_State *L) {
         return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->momenta);
     if (p->placed && strcmp(key, "mu") == 0)
         return dml_path_states(L, "path.mu"), dml_path_columns(L, "mu", 1 + p->n, p->momenta);
-    if (strcmp(key, "columns") == 0) return dml_path_names(L);
+    if (strcmp(key, "columns") == 0)
+        return dml_path_names(L), dml_lock(L, "the list of the columns of a path"), 1;
     if (strcmp(key, "steps") == 0)
         lua_pushinteger(L, p->steps);
     else if (strcmp(key, "h") == 0)

@@ -18,12 +18,12 @@ static int close_stream(lua_State *L) {
 /* how many names from number i on are q1, q2, ..., of one letter; 0: they are something else */
 static lua_Integer count_numbered(lua_State *L, int names, lua_Integer i, lua_Integer count) {
     char wanted[32];
-    lua_rawgeti(L, names, i);
+    lua_geti(L, names, i);
     const char letter = *lua_tostring(L, -1);
     lua_Integer k = 0;
     for (; i + k <= count; k++) {
         snprintf(wanted, sizeof wanted, "%c%lld", letter, (long long)k + 1);
-        lua_rawgeti(L, names, i + k);
+        lua_geti(L, names, i + k);
         const int same = strcmp(lua_tostring(L, -1), wanted) == 0;
         lua_pop(L, 1);
         if (!same) break;
@@ -34,10 +34,10 @@ static lua_Integer count_numbered(lua_State *L, int names, lua_Integer i, lua_In
 
 /* ('q1', '<f8'), ...; with `arrays` ('q', '<f8', (2,)) in the place of q1, q2 */
 static void add_fields(lua_State *L, luaL_Buffer *b, int names, int arrays) {
-    const lua_Integer count = (lua_Integer)lua_rawlen(L, names);
+    const lua_Integer count = luaL_len(L, names);
     for (lua_Integer i = 1; i <= count; i++) {
         const lua_Integer many = arrays ? count_numbered(L, names, i, count) : 0;
-        lua_rawgeti(L, names, i);
+        lua_geti(L, names, i);
         if (many > 0) {
             const char letter[2] = {*lua_tostring(L, -1), '\0'};
             lua_pop(L, 1);
@@ -196,7 +196,7 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
         luaL_error(L, "rows are written to a file on little-endian machines only");
     f->name = lua_tostring(L, -1);
     f->names = names;
-    f->width = (size_t)lua_rawlen(L, names);
+    f->width = (size_t)luaL_len(L, names);
     f->rows = f->before = f->last = 0;
     f->why = 0;
     f->outlet = (dm_outlet){.room = DML_ROWS_IN_MEMORY, .flush = flush, .ud = f};

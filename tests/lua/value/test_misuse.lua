@@ -136,6 +136,21 @@ tap.raises("dm.pretty: takes a table of options", dm.pretty, 1, 2)
 tap.raises("dm.discrete_lagrangian expected", dm.discrete_lagrangian(orbit, { rule = "midpoint", h = 0.1 }).order, { q = { 1 }, v = { 0 } })
 
 -- what is set, or not there
+-- lists of what an object holds read as tables do, and cannot be set: a column without a name once ended the program
+do
+  local made = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2, record = { "energy" } }
+  local members = solver:ensemble { members = 2, q = { { 1, 0 }, { 1, 0 } }, v = { { 0, 1 }, { 0, 1 } }, steps = 2 }
+  for _, row in ipairs { { made, "columns" }, { members, "status" }, { members, "steps" } } do
+    local list = row[1][row[2]]
+    for _, change in ipairs { function() list[1] = nil end, function() list[1] = "x" end, function() list[#list + 1] = "x" end, function() list.x = 1 end } do
+      raises("cannot be set: change a list of your own", change)
+    end
+    local same = #list == #table.move(list, 1, #list, 1, {})
+    for i, value in pairs(list) do same = same and list[i] == value end
+    ok(same and tostring(list):find "^{ " and rawequal(row[1][row[2]][1], list[1]), row[2] .. " is read as a table is", tostring(list))
+  end
+  ok(table.concat(made.columns, " ") == "t q1 q2 p1 p2 energy" and #made:column "q1" == 3, "and nothing has changed")
+end
 raises("the field 'h' of a dm.solver cannot be set: make another dm.solver", function() solver.h = 0.1 end)
 raises("a run takes a table of options: solver:run { q =, v =, t = } (got nil)", function() solver:run() end)
 local explain = require "dm.session.missing".explain

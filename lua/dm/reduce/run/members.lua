@@ -130,7 +130,7 @@ function M.ensemble(plain, run, solver, options)
     if known and why then
       found[e] = found[e] or {}
       found[e][i] = why
-      e.status[i] = why.code
+      debug.getmetatable(e.status).__index[i] = why.code -- the list itself, which users cannot set
     end
   end
   return e
