@@ -184,6 +184,21 @@ static void place_border(double *A, size_t N, const double *M, const double *G, 
         for (size_t i = 0; i < n; i++) A[c * N + i] = A[i * N + c] = G[(c - n) * n + i];
 }
 
+dm_inertia_form dm_inertia_place(const dm_inertia *x) {
+    const dm_model *m = x->model;
+    const size_t n = m->n;
+    double *at = x->room, *out = at + 2 * n + 1;
+    dm_inertia_form f = {.A = out + outputs(m), .n = dm_momenta(m)};
+    f.rows = (uint32_t)(order(m) - n);
+    f.copy = f.A + n * n, f.G = f.copy + n * n, f.border = f.G + (f.rows + 1) * n;
+    place_mass(x, f.A, out + n);
+    if (f.rows) place_constraints(x, f.G, at, out); /* where the mass was */
+    narrow(f.A, f.n, m->n, f.n);
+    narrow(f.G, f.rows, m->n, f.n);
+    f.n = dm_inertia_halve(f.A, f.G, &f.rows, f.n, f.border);
+    return f;
+}
+
 /* How many are negative of the mass that was found, and the size of the value next to zero. With
  * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
  * that on the velocities they allow; the number is that of the bordered matrix, which has as many
@@ -191,30 +206,21 @@ static void place_border(double *A, size_t N, const double *M, const double *G, 
  * did not tell. */
 static uint32_t count(const dm_inertia *x, double *least, double *all) {
     static const double FAR = 1e-3;
-    const dm_model *m = x->model;
-    uint32_t n = m->n, rows = (uint32_t)order(m) - n, negative = 0;
-    double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(m), *kept = out + n;
-    double *copy = A + (size_t)n * n, *G = copy + (size_t)n * n,
-           *border = G + (size_t)(rows + 1) * n;
-    place_mass(x, A, kept);
-    if (rows) place_constraints(x, G, at, out); /* where the mass was */
-    narrow(A, dm_momenta(m), n, dm_momenta(m));
-    narrow(G, rows, n, dm_momenta(m));
-    n = dm_inertia_halve(A, G, &rows, dm_momenta(m), border);
-    uint32_t N = n;
-    if (rows) {
+    const dm_inertia_form f = dm_inertia_place(x);
+    uint32_t N = f.n, negative = 0;
+    if (f.rows) {
         double unused;
-        place_border(border, (size_t)n + rows, A, G, n);
-        negative = dm_negative_values(border, n + rows, &unused);
-        N = dm_restrict(A, n, G, rows, border);
+        place_border(f.border, (size_t)f.n + f.rows, f.A, f.G, f.n);
+        negative = dm_negative_values(f.border, f.n + f.rows, &unused);
+        N = dm_restrict(f.A, f.n, f.G, f.rows, f.border);
     }
-    memcpy(copy, A, (size_t)N * N * sizeof *A);
-    const int told = dm_all_positive(A, N, FAR, least);
+    memcpy(f.copy, f.A, (size_t)N * N * sizeof *f.A);
+    const int told = dm_all_positive(f.A, N, FAR, least);
     *all = told ? 1.0 : 0.0;
-    for (size_t i = 0; i < N && told; i++) *all *= A[i * N + i];
+    for (size_t i = 0; i < N && told; i++) *all *= f.A[i * N + i];
     if (told) return negative;
-    const uint32_t own = dm_negative_values(copy, N, least);
-    return rows ? negative : own;
+    const uint32_t own = dm_negative_values(f.copy, N, least);
+    return f.rows ? negative : own;
 }
 
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
@@ -225,13 +231,18 @@ int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *
     return 1;
 }
 
+void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, double t) {
+    const size_t n = x->model->n;
+    memcpy(x->room, q, n * sizeof *q);
+    memcpy(x->room + n, v, n * sizeof *v);
+    x->room[2 * n] = t;
+    evaluate(x);
+}
+
 double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t) {
     const size_t n = x->model->n;
-    double *at = x->room, *out = at + 2 * n + 1, *A = out + outputs(x->model);
-    memcpy(at, q, n * sizeof *at);
-    memcpy(at + n, v, n * sizeof *at);
-    at[2 * n] = t;
-    evaluate(x);
+    double *out = x->room + 2 * n + 1, *A = out + outputs(x->model);
+    dm_inertia_find(x, q, v, t);
     place_mass(x, A, out + n);
     return A;
 }
@@ -248,17 +259,6 @@ const double *dm_inertia_velocity(const dm_inertia *x, const double *state, doub
     double *v = x->room + 2 * n + 1 + outputs(m), *work = v + matrices(m);
     memset(v, 0, n * sizeof *v);
     return dm_legendre_inverse(m, v, state, state + n, t, work) == DM_OK ? v : NULL;
-}
-
-double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int surely) {
-    const uint32_t n = x->model->n;
-    const double *p = state + n, *v = surely ? dm_inertia_velocity(x, state, t) : p;
-    double out = 0.0, squares = 0.0;
-    for (uint32_t i = 0; i < n && v; i++) {
-        out = fmax(out, fabs(v[i]) / x->scale[i]);
-        squares += p[i] * x->scale[i] * (p[i] * x->scale[i]);
-    }
-    return !v ? INFINITY : surely ? out : sqrt(squares) / x->seen.least;
 }
 
 /* The size of the value next to zero one step on, if no force acted; *changed: and beyond zero.

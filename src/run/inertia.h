@@ -116,8 +116,17 @@ int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, 
 double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t);
 uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t);
 
-/* How fast values move there, in units of the scales; `surely`: by the velocity itself. */
-double dm_inertia_speed(const dm_inertia *x, const double *state, double t, int surely);
+/* d2L/dv2 at a velocity is found. */
+void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, double t);
+
+/* The mass that was found last, scaled, and the rows of the constraints there: A[n*n], G[rows*n],
+ * of a prolonged L those of L; room for another A, and for work. */
+typedef struct {
+    double *A, *copy, *G, *border;
+    uint32_t n, rows;
+} dm_inertia_form;
+
+dm_inertia_form dm_inertia_place(const dm_inertia *x);
 
 /* ---- starts that are degenerate (inertia_start.c) ---- */
 
@@ -168,10 +177,12 @@ typedef struct {
 } dm_chord;
 
 /* Does a value vanish on the chord c, a small part of `way` or of a curve beside it, without a
- * change of sign, so that the motion ends there (inertia_touch.c)? room[3n]. */
-int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, double *room);
+ * change of sign, so that the motion ends there (inertia_touch.c)? v[n]: a velocity there, NULL
+ * where M does not depend on it. room[5n]. */
+int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, const double *v,
+                       double *room);
 
-/* Does one on a line between two states? */
+/* Does one on a line between two places, the second one that of a state? */
 int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way);
 
 /* How values moved in `since` steps: the product of all (`whole`), where bounds do not tell how

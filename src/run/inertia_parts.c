@@ -92,19 +92,27 @@ static double motion(const double *p, const double *v, size_t n) {
     return out;
 }
 
-/* How much faster the velocity that grew most is than before the step, of those that move something
- * now and moved something then. */
+/* Size of velocity i since the step began: there, or on the way where it is known, since one that
+ * passes zero there grows by any factor. */
+static double since_start(const parts *w, uint32_t i) {
+    const double gone = w->state[i] - w->x->state[i], took = time_of(w) - w->t;
+    const double there = fabs(w->velocity[i]);
+    return took != 0.0 && !w->x->model->group ? fmax(there, fabs(gone / took)) : there;
+}
+
+/* How much faster the velocity that grew most is than before, of those that move something now and
+ * moved something then. */
 static double growth(parts *w) {
-    const size_t n = w->x->model->n;
+    const uint32_t n = w->x->model->n;
     const double *then = w->velocity, *p = w->state + n, *before = w->x->state + n;
     if (!find_velocity(w, w->x->state, w->t)) return 0.0;
     const double *v = dm_inertia_velocity(w->x, w->state, time_of(w));
     if (!v) return 0.0;
     const double some = MOVES * motion(p, v, n), once = MOVES * motion(before, then, n);
     double out = 0.0;
-    for (size_t i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++)
         if (fabs(p[i] * v[i]) > some && fabs(before[i] * then[i]) > once)
-            out = fmax(out, fabs(v[i] / then[i]));
+            out = fmax(out, fabs(v[i] / since_start(w, i)));
     return out;
 }
 

@@ -31,7 +31,7 @@ typedef struct {
     dm_interval *in, *rate_in, *box, *nodes; /* [inputs], [inputs], [n], [3 size] */
     double (*curve)[4];                      /* [n]: q(s) = sum_k curve[k] s^k along a step */
     double *velocity;                        /* [n] */
-    double *ends, *place;                    /* [4n], [3n] */
+    double *ends, *place;                    /* [4n], [5n] */
     double *centre, *inverse, *radius;       /* [n*n] */
     uint32_t *pivot;                         /* [n] */
 } rooms;
@@ -39,7 +39,7 @@ typedef struct {
 size_t dm_inertia_boxes(const dm_model *m) {
     const dm_mass_bounds *b = m->mass_bounds;
     const size_t n = m->n;
-    return b ? 4 * (size_t)b->inputs + 6 * (size_t)b->size + 15 * n + 3 * n * n : 0;
+    return b ? 4 * (size_t)b->inputs + 6 * (size_t)b->size + 17 * n + 3 * n * n : 0;
 }
 
 static rooms open(const dm_inertia *x) {
@@ -52,7 +52,7 @@ static rooms open(const dm_inertia *x) {
     r.curve = (double(*)[4])(void *)(r.nodes + 3 * (size_t)b->size);
     r.velocity = (double *)(void *)(r.curve + n);
     r.ends = r.velocity + n, r.place = r.ends + 4 * n;
-    r.centre = r.place + 3 * n;
+    r.centre = r.place + 5 * n;
     r.inverse = r.centre + n * n;
     r.radius = r.inverse + n * n;
     r.pivot = (uint32_t *)(void *)(r.radius + n * n);
@@ -144,9 +144,21 @@ static long find_region(dm_inertia *x, const double *q, double t, double h, doub
     return 0;
 }
 
+/* How fast values move there, in units of the scales; `surely`: by the velocity itself. */
+static double speed_at(const dm_inertia *x, const double *state, double t, int surely) {
+    const uint32_t n = x->model->n;
+    const double *p = state + n, *v = surely ? dm_inertia_velocity(x, state, t) : p;
+    double out = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < n && v; i++) {
+        out = fmax(out, fabs(v[i]) / x->scale[i]);
+        squares += p[i] * x->scale[i] * (p[i] * x->scale[i]);
+    }
+    return !v ? INFINITY : surely ? out : sqrt(squares) / x->seen.least;
+}
+
 /* Steps from here that hide nothing; infinite: all. */
 static double safe_steps(dm_inertia *x, const double *state, double t, double h, int surely) {
-    const double speed = dm_inertia_speed(x, state, t, surely);
+    const double speed = speed_at(x, state, t, surely);
     if (is_slight(x, x->seen.anywhere * speed * speed, FASTER * h)) return INFINITY;
     const double inside = steps_inside(x, state, t, h, speed);
     if (inside >= 1.0 || !surely || --x->seen.wait > 0) return inside;
@@ -157,7 +169,7 @@ static double safe_steps(dm_inertia *x, const double *state, double t, double h,
  * infinite: no bound is known. */
 static double short_steps(dm_inertia *x, const double *state, double t, double h, int surely) {
     const dm_inertia_seen *s = &x->seen;
-    const double speed = dm_inertia_speed(x, state, t, surely);
+    const double speed = speed_at(x, state, t, surely);
     const int inside = steps_inside(x, state, t, h, speed) >= 1.0;
     const double anywhere = s->shift_anywhere * FASTER * speed;
     const double rate = inside ? fmin(s->shift, anywhere) : anywhere;
@@ -289,7 +301,7 @@ static int is_touched(dm_inertia *x, const rooms *r, double a, double width, dou
     const dm_chord part = {way.b + n, way.b + 2 * (size_t)n, t0 + a * h, t0 + (a + width) * h, 0.0,
                            0.0};
     x->seen.credit -= TOUCH * (double)x->model->mass_bounds->size;
-    return dm_inertia_touches(x, &part, &way, r->place);
+    return dm_inertia_touches(x, &part, &way, NULL, r->place);
 }
 
 /* Boxes along the curve, halved until they tell: is there another inertia on it, or none? */
@@ -310,6 +322,15 @@ static int changes_on_curve(dm_inertia *x, const rooms *r, double t0, double t1)
     return 0;
 }
 
+/* Does a value touch zero on the line? That takes few values of M, boxes beside the place many. */
+static int touches_line(dm_inertia *x, const rooms *r, const double *from, double t0,
+                        const double *to, double t1) {
+    static const double FEW = 4.0;
+    const dm_chord way = {from, to, t0, t1, 0.0, 0.0};
+    x->seen.credit -= FEW * (double)x->model->mass_bounds->size;
+    return dm_inertia_touches(x, &way, &way, NULL, r->place);
+}
+
 /* Where both the line and the cubic go through the place, so does any motion between its sides.
  * Where one does, or the first velocity leads there, the rule may have been thrown back by it. */
 int dm_inertia_hides(dm_inertia *x, const double *from, double t0, const double *to, double t1) {
@@ -325,6 +346,7 @@ int dm_inertia_hides(dm_inertia *x, const double *from, double t0, const double 
         }
     }
     if (is_clear_in(x, &r, t0, t1)) return 0; /* mostly */
+    if (touches_line(x, &r, from, t0, to, t1)) return DM_INERTIA_HIDDEN;
     for (int way = 0; way < WAYS; way++) {
         find_curve(x, &r, from, t0, to, t1, way);
         changes[way] = changes_on_curve(x, &r, t0, t1);

@@ -1,12 +1,13 @@
 /* inertia_touch.c - does d2L/dv2 lose a value on a short way without a change of sign, so that the
  * motion ends there? The velocity that the value belongs to becomes infinite. Where it leads off
- * the place, there is no motion behind it, as in L = x^2 v^2/2; at a pole of coordinates it leads
- * along it, and motions pass. */
+ * the place, there is no motion behind it, as in L = x^2 v^2/2, nor where all places lose it at one
+ * time; at a pole of coordinates it leads along it, and motions pass. A value that some velocities
+ * keep, as v^4 does, is none: momenta still determine them. */
 #include "linalg/signature.h"
-#include "mech/constraints.h"
 #include "mech/group.h"
 #include "run/inertia.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -21,104 +22,202 @@ static const double GIVEN_BACK = 1e-2;
 static const double MOVES = 1e-6;
 enum { TRIES = 200 }; /* of the golden section, to round-off of an end that is very near */
 
-/* the place: position q[n] at time t */
+/* the place: position q[n] at time t; the velocity that it has no mass for, as a change of q[n],
+ * and what is none there */
 typedef struct {
-    double *q, t;
+    const dm_inertia *x;
+    const double *v;
+    double *q, *lost, *there, *tried; /* [n] each */
+    double t, none;
 } place;
 
-/* The product of the values at a place, where they are positive, since there may be smaller ones
- * than the one that vanishes; else the one next to zero. M(q) is the same for any velocity. */
-static double value_at(const dm_inertia *x, const double *q, double t) {
-    const uint32_t n = x->model->n;
-    double *A = dm_inertia_mass(x, q, q, t), least, out = 1.0;
-    uint32_t negative;
-    if (!dm_all_positive(A, n, 0.0, &least))
-        return dm_inertia_at(x, q, t, &negative, &least) ? least : INFINITY;
-    for (uint32_t i = 0; i < n; i++) out *= A[i * n + i];
+/* ---- values ---- */
+
+/* The largest size of what terms of values cancel in: entries of A[n*n] beside the diagonal, and on
+ * it where rows of constraints are taken out. */
+static double largest_of(const double *A, size_t n, int diagonal) {
+    double out = 0.0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            if (i != j || diagonal) out = fmax(out, fabs(A[i * n + j]));
+    return out;
+}
+
+/* The product of the values of the mass that was found last, where they are positive, since there
+ * may be smaller ones than the one that vanishes; else the one next to zero. Less than rounding is
+ * zero. */
+static double value_found(const dm_inertia *x) {
+    static const double FAR = 1e-3, ROUNDING = 16 * DBL_EPSILON;
+    const dm_inertia_form f = dm_inertia_place(x);
+    const double across = f.rows ? largest_of(f.A, f.n, 1) : 0.0;
+    const size_t n = f.rows ? dm_restrict(f.A, f.n, f.G, f.rows, f.border) : f.n;
+    double least, out = 1.0;
+    memcpy(f.copy, f.A, n * n * sizeof *f.A);
+    const int positive = dm_all_positive(f.A, (uint32_t)n, 0.0, &least);
+    const double beside = positive && least > FAR ? 0.0 : largest_of(f.copy, n, 0);
+    if (!positive) dm_negative_values(f.copy, (uint32_t)n, &least);
+    if (least <= ROUNDING * fmax(across, beside)) return 0.0;
+    for (size_t i = 0; i < n && positive; i++) out *= f.A[i * n + i];
+    return positive ? out : least;
+}
+
+/* The largest of it for velocities v, 0 and -v: of a place that has none for any. */
+static double value_at(const place *at, const double *q, double t) {
+    double out = 0.0;
+    if (!at->v) {
+        dm_inertia_find(at->x, q, q, t);
+        return value_found(at->x);
+    }
+    for (int side = -1; side < 2; side++) {
+        for (uint32_t i = 0; i < at->x->model->n; i++) at->tried[i] = side * at->v[i];
+        dm_inertia_find(at->x, q, at->tried, t);
+        const double value = value_found(at->x);
+        if (!(value <= out)) out = value;
+    }
     return out;
 }
 
 /* The same on the chord, at s, where the place is put. */
-static double value_on(const dm_inertia *x, const dm_chord *c, double s, place *at) {
-    for (uint32_t i = 0; i < x->model->n; i++) at->q[i] = c->a[i] + s * (c->b[i] - c->a[i]);
+static double value_on(place *at, const dm_chord *c, double s) {
+    for (uint32_t i = 0; i < at->x->model->n; i++) at->q[i] = c->a[i] + s * (c->b[i] - c->a[i]);
     at->t = c->ta + s * (c->tb - c->ta);
-    return value_at(x, at->q, at->t);
+    return value_at(at, at->q, at->t);
 }
 
 /* The least of it, or one that is small enough, by the golden section, and its place. */
-static double least_value(const dm_inertia *x, const dm_chord *c, double enough, place *at) {
+static double least_value(place *at, const dm_chord *c) {
     const double golden = 0.5 * (sqrt(5.0) - 1.0);
     double lo = 0.0, hi = 1.0, s = hi - golden * (hi - lo), z = lo + golden * (hi - lo);
-    double left = value_on(x, c, s, at), right = value_on(x, c, z, at);
-    for (int k = 0; k < TRIES && fmin(left, right) > enough && lo < s && z < hi; k++) {
+    double left = value_on(at, c, s), right = value_on(at, c, z);
+    for (int k = 0; k < TRIES && fmin(left, right) > at->none && lo < s && z < hi; k++) {
         if (left < right) {
             hi = z, z = s, right = left;
-            s = hi - golden * (hi - lo), left = value_on(x, c, s, at);
+            s = hi - golden * (hi - lo), left = value_on(at, c, s);
         } else {
             lo = s, s = z, left = right;
-            z = lo + golden * (hi - lo), right = value_on(x, c, z, at);
+            z = lo + golden * (hi - lo), right = value_on(at, c, z);
         }
     }
-    return value_on(x, c, left < right ? s : z, at);
+    return value_on(at, c, left < right ? s : z);
 }
 
-/* w[n] = the velocity that the place has no mass for, scaled, of size 1; 0: none is found */
-static int find_lost(const dm_inertia *x, const place *at, double *w, double *room) {
-    static const double SHIFT = 1e-13;
-    const uint32_t n = x->model->n;
-    double largest = 0.0;
-    for (uint32_t i = 0; i < n; i++) w[i] = 0.0, room[i] = 1.0;
-    double *A = dm_inertia_mass(x, at->q, w, at->t);
-    for (uint32_t i = 0; i < n; i++) largest = fmax(largest, fabs(A[i * n + i]));
-    for (uint32_t i = 0; i < n; i++) A[i * n + i] += SHIFT * (largest > 0.0 ? largest : 1.0);
-    return dm_inertia_find_least(A, room, w, n) > 0.0;
+/* ---- the velocity that is lost ---- */
+
+/* The kernel of the end of a step on a group; NULL: there is none. */
+static const dm_kernel *finish_of(const dm_group *g) {
+    return g->finish.eval ? &g->finish : g->joints.finish.eval ? &g->joints.finish : NULL;
 }
 
-/* Does that velocity lead off the place, as far as an end of the way is from it, and does the way
- * go along it? */
-static int leads_off(const dm_inertia *x, const place *at, const double *w, const double *end,
-                     double t, double value, double *there) {
-    const uint32_t n = x->model->n;
-    double squares = 0.0, along = 0.0;
-    for (uint32_t i = 0; i < n; i++) {
-        const double d = (end[i] - at->q[i]) / x->scale[i];
-        squares += d * d, along += d * w[i];
+/* A body velocity w[d] as a change of coordinates, at the place. */
+static void carry(place *at, const double *w) {
+    static const double SHORT = 1e-4;
+    const dm_group *g = at->x->model->group;
+    const dm_kernel *k = finish_of(g);
+    const size_t n = at->x->model->n, d = g->momenta;
+    double *in = at->x->room, *out = in + n + 2 * d, largest = 0.0;
+    for (size_t i = 0; i < d; i++) largest = fmax(largest, fabs(w[i]));
+    memcpy(at->there, w, d * sizeof *w);
+    memcpy(in, at->q, n * sizeof *in);
+    memset(in + n + d, 0, d * sizeof *in);
+    for (int side = -1; side < 2; side += 2) {
+        for (size_t i = 0; i < d; i++) in[n + i] = side * SHORT / largest * at->there[i];
+        dm_kernel_prepare(k, out);
+        dm_kernel_eval(k, in, out);
+        for (size_t i = 0; i < n; i++) at->lost[i] = side > 0 ? out[i] - at->lost[i] : out[i];
     }
-    const double far = copysign(sqrt(squares), along);
-    for (uint32_t i = 0; i < n; i++) there[i] = at->q[i] + far * x->scale[i] * w[i];
-    return fabs(along) > MOVES * fabs(far) && value_at(x, there, t) > GIVEN_BACK * value;
 }
 
-int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, double *room) {
+/* To at->lost, on the velocities that constraints allow, which others have so much more mass for;
+ * 0: none is found. */
+static int find_lost(place *at) {
+    static const double SHIFT = 1e-13, MORE = 1e5;
+    const dm_inertia *x = at->x;
+    double *w = at->lost, largest = 0.0;
+    dm_inertia_find(x, at->q, at->v ? at->v : at->q, at->t);
+    const dm_inertia_form f = dm_inertia_place(x);
+    const size_t n = f.n;
+    for (size_t i = 0; i < n; i++) largest = fmax(largest, fabs(f.A[i * n + i]));
+    if (!(largest > 0.0)) largest = 1.0;
+    for (size_t i = 0; i < n; i++) f.A[i * n + i] += SHIFT * largest;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            for (size_t c = 0; c < f.rows; c++)
+                f.A[i * n + j] += MORE * largest * f.G[c * n + i] * f.G[c * n + j];
+    memset(w, 0, x->model->n * sizeof *w);
+    for (size_t i = 0; i < n; i++) at->there[i] = 1.0;
+    if (!(dm_inertia_find_least(f.A, at->there, w, f.n) > 0.0)) return 0;
+    for (size_t i = 0; i < n; i++) w[i] *= x->scale[i];
+    if (x->model->group) carry(at, w);
+    return 1;
+}
+
+/* ---- where it leads ---- */
+
+/* As far along that velocity as an end of the way is from the place, to at->there; 0: the way does
+ * not go along it. */
+static int go_along(place *at, const double *end) {
+    const dm_inertia *x = at->x;
     const uint32_t n = x->model->n;
-    double *w = room + n, *there = w + n;
-    place at = {.q = room};
-    const double first = way->first > 0.0 ? way->first : value_on(x, way, 0.0, &at);
-    const double last = way->last > 0.0 ? way->last : value_on(x, way, 1.0, &at);
-    if (!(value_on(x, c, 0.5, &at) < LITTLE * fmax(first, last))) return 0;
-    const double none = NONE * fmin(first, last);
-    if (!(least_value(x, c, none, &at) <= none)) return 0;
-    return find_lost(x, &at, w, there) && leads_off(x, &at, w, way->a, way->ta, first, there) &&
-           leads_off(x, &at, w, way->b, way->tb, last, there);
+    double squares = 0.0, along = 0.0, lost = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        const double unit = x->model->group ? 1.0 : x->scale[i];
+        const double d = (end[i] - at->q[i]) / unit, w = at->lost[i] / unit;
+        squares += d * d, along += d * w, lost += w * w;
+    }
+    const double far = copysign(sqrt(squares / lost), along);
+    for (uint32_t i = 0; i < n; i++) at->there[i] = at->q[i] + far * at->lost[i];
+    return fabs(along) > MOVES * sqrt(squares * lost);
 }
 
-/* Only of M(q), whose lost velocity is that of the place, in coordinates whose differences are
- * velocities: not on groups. */
+/* Does that velocity lead off the place, as an end with this value does? One at the place does not
+ * tell. */
+static int leads_off(place *at, const double *end, double value) {
+    return value <= at->none ||
+           (go_along(at, end) && value_at(at, at->there, at->t) > GIVEN_BACK * value);
+}
+
+/* Is it lost at that time at an end of the way, too, which goes along it? */
+static int is_lost_there(place *at, const double *end, double value) {
+    return (value <= at->none || go_along(at, end)) && value_at(at, end, at->t) <= at->none;
+}
+
+int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, const double *v,
+                       double *room) {
+    const uint32_t n = x->model->n;
+    place at = {.x = x, .v = v, .q = room, .lost = room + n};
+    at.there = at.lost + n, at.tried = at.there + n;
+    const double first = way->first > 0.0 ? way->first : value_on(&at, way, 0.0);
+    const double last = way->last > 0.0 ? way->last : value_on(&at, way, 1.0);
+    const double most = fmax(first, last), least = fmin(first, last);
+    if (!(value_on(&at, c, 0.5) < LITTLE * most)) return 0;
+    at.none = NONE * (least > NONE * most ? least : most); /* an end may be the place */
+    if (!(least_value(&at, c) <= at.none) || !find_lost(&at)) return 0;
+    return (leads_off(&at, way->a, first) && leads_off(&at, way->b, last)) ||
+           (is_lost_there(&at, way->a, first) && is_lost_there(&at, way->b, last));
+}
+
+/* In coordinates whose differences are velocities, or on a group that can be stepped. */
 static int may_touch(const dm_inertia *x) {
-    const dm_constraints *c = x->model->constraints;
-    return (x->model->structure & DM_QUADRATIC_IN_V) && !(c && c->holonomic + c->rolling) &&
-           dm_momenta(x->model) == x->model->n;
+    const dm_group *g = x->model->group;
+    return !g || finish_of(g);
 }
 
 int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way) {
-    return may_touch(x) && dm_inertia_touches(x, way, way, x->aside + 2 * (size_t)x->model->n);
+    const size_t n = x->model->n;
+    double *room = x->aside + 2 * n, *v = NULL;
+    if (!may_touch(x)) return 0;
+    if (!(x->model->structure & DM_QUADRATIC_IN_V)) {
+        const double *found = dm_inertia_velocity(x, way->b, way->tb);
+        if (!found) return 0;
+        v = memcpy(room + 5 * n, found, n * sizeof *v);
+    }
+    return dm_inertia_touches(x, way, way, v, room);
 }
 
 /* One that grew may fall as fast. */
 dm_inertia_way dm_inertia_way_since(const dm_inertia *x, double least, double all, long since) {
     const dm_inertia_seen *s = &x->seen;
-    const int by_position = (x->model->structure & DM_QUADRATIC_IN_V) != 0;
-    const int whole = by_position && !x->model->mass_bounds && s->all * all > 0.0;
+    const int whole = !x->model->mass_bounds && s->all * all > 0.0;
     dm_inertia_way w = {.since = since, .whole = whole};
     w.was = whole ? s->all : s->least, w.is = whole ? all : least;
     w.left = fmin(dm_inertia_left(x, w.was, w.is, (double)since),
@@ -139,7 +238,8 @@ static int sees_line(const dm_inertia *x, const dm_inertia_way *w) {
 
 int dm_inertia_touches_since(const dm_inertia *x, const double *state, double t,
                              const dm_inertia_way *w) {
-    const double first = w->whole ? w->was : 0.0, last = w->whole ? w->is : 0.0;
+    const int told = w->whole && (x->model->structure & DM_QUADRATIC_IN_V); /* of any velocity */
+    const double first = told ? w->was : 0.0, last = told ? w->is : 0.0;
     const dm_chord way = {x->region, state, x->seen.at, t, first, last};
     return sees_line(x, w) && dm_inertia_has_touched(x, &way);
 }
