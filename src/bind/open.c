@@ -165,9 +165,9 @@ static const dml_row functions[] = {
      "A regular file, or what comes through a pipe up to its end (2^30 bytes at most), open for "
      "reading. Devices and directories are refused: `why` says what it is."},
     {"new_file", dml_core_new_file,
-     "core.new_file(file) -> name   or   nil, why\n"
+     "core.new_file(file [, through]) -> name   or   nil, why\n"
      "Make an empty file beside `file`, under a name that nobody can foresee, for a program to "
-     "write."},
+     "write. through: a link, a pipe or a device stays what it is, and its own name comes back."},
     {"is_silent", dml_core_is_silent,
      "core.is_silent() -> boolean\nDo files that are written go nowhere? Those of a rank > 0."},
     {"end_file", dml_core_end_file,

@@ -1,10 +1,14 @@
 --- Text into a file, whole or told why not: a full disk raises, too.
 local core = require "dm.core"
 
-local function open(file, mode, what)
+local function check_name(file, what)
   if type(file) ~= "string" then
     error(("%s: a file name is needed (got %s)"):format(what, type(file)), 0)
   end
+end
+
+local function open(file, mode, what)
+  check_name(file, what)
   -- of many ranks one writes
   local handle, why = io.open(core.is_silent() and mode:find "w" and "/dev/null" or file, mode)
   if not handle then error(("%s: cannot open %s"):format(what, why), 0) end
@@ -24,16 +28,31 @@ local function write_all(handle, file, pieces)
   if not fine then error(("cannot write %s: %s"):format(file, why), 0) end
 end
 
+-- everything that `pieces` yields, in place of an old file, which stays until the new one is whole;
+-- links, pipes and devices are written through, but links that `links` says to replace, too
+local function replace(file, pieces, what, links)
+  check_name(file, what)
+  local made, why = core.new_file(file, not links)
+  if not made then error(("%s: cannot open %s"):format(what, why), 0) end
+  local fine, message = pcall(function() write_all(open(made, "wb", what), file, pieces) end)
+  if not fine then
+    if made ~= file then os.remove(made) end
+    error(message, 0)
+  end
+  fine, why = core.end_file(made, file)
+  if not fine then error(("cannot write %s"):format(why), 0) end
+end
+
 -- the text itself where file is nil, else the name of the file
-local function write(file, text, what)
+local function write(file, text, what, links)
   if file == nil then return text end
   local rest = text
-  write_all(open(file, "w", what), file, function()
+  replace(file, function()
     local piece = rest
     rest = nil
     return piece
-  end)
+  end, what, links)
   return file
 end
 
-return { open = open, write_all = write_all, write = write }
+return { open = open, replace = replace, write = write }

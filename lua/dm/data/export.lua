@@ -4,7 +4,7 @@ local core = require "dm.core"
 local npy = require "dm.data.npy"
 local text_file = require "dm.base.text_file"
 
-local open, write_all = text_file.open, text_file.write_all
+local replace = text_file.replace
 
 local M = {}
 
@@ -70,7 +70,7 @@ function M.csv(path, file)
     for piece in pieces do all[#all + 1] = piece end
     return table.concat(all)
   end
-  write_all(open(file, "w", "path:csv"), file, pieces)
+  replace(file, pieces, "path:csv")
   return file
 end
 
@@ -95,7 +95,7 @@ the numbers are kept. Raises when the file cannot be written.]]
 function M.npy(path, file)
   local columns, names = columns_of(path)
   local pieces = chunks(columns, npy_header(names, #path), npy_row(#names))
-  write_all(open(file, "wb", "path:npy"), file, pieces)
+  replace(file, pieces, "path:npy")
   return file
 end
 

@@ -37,12 +37,7 @@ function M.write(file, head, fields, state, where)
   add("state", #state)
   for i = 1, #state do lines[#lines + 1] = ("%a"):format(state[i]) end
   local text = table.concat(lines, "\n") .. "\n"
-  local made, why = core.new_file(file)
-  if not made then option.fail(where, "cannot write %s: %s", file, why) end
-  text_file.write(made, text .. "end " .. M.checksum(text) .. "\n", where)
-  local fine
-  fine, why = core.end_file(made, file)
-  if not fine then option.fail(where, "cannot write %s: %s", file, why) end
+  text_file.write(file, text .. "end " .. M.checksum(text) .. "\n", where, true)
   return file
 end
 

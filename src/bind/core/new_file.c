@@ -111,9 +111,19 @@ int dml_endfile(FILE *f, int whole, const char *name, const char *file) {
 
 /* ---- for modules in Lua ---- */
 
+/* a pipe, a terminal, a link (as /dev/stdout is): there is no file to replace */
+static int leads_elsewhere(const char *file) {
+    struct stat s;
+    return lstat(file, &s) == 0 && !S_ISREG(s.st_mode);
+}
+
 int dml_core_new_file(lua_State *L) {
     const char *file = luaL_checkstring(L, 1);
     char name[DML_FILE_NAME];
+    if (lua_toboolean(L, 2) && leads_elsewhere(file)) {
+        lua_settop(L, 1);
+        return 1;
+    }
     FILE *f = dml_newfile(file, 0666, name);
     if (!f || fclose(f) != 0) return luaL_fileresult(L, 0, file);
     lua_pushstring(L, name);
@@ -127,6 +137,7 @@ int dml_core_is_silent(lua_State *L) {
 
 int dml_core_end_file(lua_State *L) {
     const char *name = luaL_checkstring(L, 1), *file = luaL_checkstring(L, 2);
+    if (strcmp(name, file) == 0) return luaL_fileresult(L, 1, file);
     FILE *f = fopen(name, "ab");
     return luaL_fileresult(L, f && dml_endfile(f, 1, name, file), file);
 }

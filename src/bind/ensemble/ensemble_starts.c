@@ -169,20 +169,32 @@ static void check_alpha(lua_State *L, const dml_part *these, const dml_stepping 
                    (int)i + 1, distance);
 }
 
-/* member i, whose q and p are known, must lie on the constraints */
-static void start_on_constraints(lua_State *L, const dml_part *these, dml_stepping *r, long i) {
+/* q, v, t of a member in r->x: v as it was given, or that of p. 0: it has none. */
+static int place_of(dml_stepping *r, const double *state, const double *v) {
+    const uint32_t n = r->solver->n;
+    double *x = r->x;
+    dm_small_copy(x, state, n);
+    x[2 * n] = r->t0;
+    if (v) {
+        dm_small_copy(x + n, v, n);
+        return isfinite(state[n]);
+    }
+    memset(x + n, 0, n * sizeof *x);
+    return dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) == DM_OK;
+}
+
+/* member i, whose q and p are known, must lie on the constraints; v: that of p, or NULL */
+static void start_on_constraints(lua_State *L, const dml_part *these, dml_stepping *r, long i,
+                                 const double *v) {
     const uint32_t n = these->e->n;
     double *state = these->e->state + (size_t)i * dm_state_size(n), *x = r->x;
     const char *who = lua_pushfstring(L, "member %d: ", (int)i + 1);
-    memcpy(x, state, n * sizeof *x);
-    memset(x + n, 0, n * sizeof *x);
-    x[2 * n] = r->t0;
     if (r->solver->pair) {
+        memcpy(x, state, n * sizeof *x);
+        memset(x + n, 0, n * sizeof *x);
+        x[2 * n] = r->t0;
         dml_check_on_constraints(L, r, who);
-        lua_pop(L, 1);
-        return;
-    }
-    if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) == DM_OK) {
+    } else if (place_of(r, state, v)) {
         memcpy(r->state, state, dm_state_size(n) * sizeof *state);
         dml_start_on_constraints(L, r, who, !these->velocity);
         memcpy(state, r->state, dm_state_size(n) * sizeof *state);
@@ -210,12 +222,12 @@ static int is_inside(const dml_part *these, const dml_stepping *r, long i, const
     return isfinite(value);
 }
 
-/* q, p of member i from its q, v; marked where it is outside of the domain or the transform
- * fails */
-static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, long i,
+/* q, p of member i from its q, v, which are left in v; marked where it is outside of the domain or
+ * the transform fails */
+static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, long i, double *v,
                          double *room) {
     const uint32_t n = these->e->n;
-    double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *v = r->x;
+    double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n;
     dm_small_copy(v, p, n);
     const int inside = is_inside(these, r, i, v, room);
     dml_rethrow(L, r->model);
@@ -236,13 +248,13 @@ long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     if (these->velocity == DML_PLACES_ALONE && !linear) refuse_starts(L);
     dml_read_places(L, these);
     if (!these->values) check_trace(L, these, r);
-    double *room = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *room, 0);
+    double *v = lua_newuserdatauv(L, (3 * n + 1 + many) * sizeof *v, 0), *room = v + n;
     long inside = 0;
     for (long i = these->first; i < these->first + these->count; i++) {
         if (linear && !these->velocity) check_alpha(L, these, r, i);
-        inside += !these->velocity || find_momentum(L, these, r, i, room);
+        inside += !these->velocity || find_momentum(L, these, r, i, v, room);
         if (r->model->model.constraints || dml_placed(L, r->system))
-            start_on_constraints(L, these, r, i);
+            start_on_constraints(L, these, r, i, these->velocity ? v : NULL);
     }
     /* where none is inside that is a mistake of the whole; room has the last one */
     if (!inside && !these->values && !these->varied) dml_checkmodel(L, r->system, r->model, room);
