@@ -4,7 +4,7 @@ return {
   about = [[Say what you watch, how exactly, and for how long. A scene finds the cheapest model and
     method that deliver it: it drops what nobody watches, holds a stiff spring as a rod where its
     vibration is not to be seen, chooses rule and step; from pilot runs, never from folklore.]],
-  numbers = { { name = "k", value = 1e6, least = 1e4, most = 1e8,
+  numbers = { { name = "k", value = 1e6, least = 1e4, most = 1e7,
     what = "stiffness of the spring" } },
   steps = {
     { "A pendulum on a stiff spring: stretch a, angle theta.", [[

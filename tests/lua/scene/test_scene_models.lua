@@ -1,8 +1,8 @@
--- thirty random models: no answer errs by more than the tolerance, or than it says; few are refused
+-- random models (tests/bench/scene_models.lua tries more): no answer errs by more than the tolerance, or than it says; few are refused
 local tap = require "tap"
 package.path = "tests/lua/scene/?.lua;" .. package.path
 local models = require "scene_models"
-local list = models.make(30, 16)
+local list = models.make(16, 16)
 if not models.solve(list, 10000) then
   tap.ok(true, "# SKIP no C compiler for the references")
 else
@@ -13,6 +13,6 @@ else
     tap.ok(found.refused or found.kept, ("model %d, %s: the error at 10^4 times is inside the tolerance and the estimate"):format(k, m.kind),
       found.refused or ("%.2g of %g, estimate %.2g"):format(found.worst, found.tolerance, found.estimate))
   end
-  tap.ok(refused <= 3, "at most one in ten is refused", refused)
+  tap.ok(refused <= 2, "few are refused", refused)
 end
 tap.done()
