@@ -106,6 +106,12 @@ flow = layers:darcy { source = 2, flux = function(x, y) return x == 1 and 2 or 0
 ok((flow.flux - layers:form(1, function(x) return { 0, 2 * x } end)):max() < 1e-12 and flow.report.mean,
   "a source that flows out on one side")
 near(flow.flux:d():pair(layers:fundamental()), 2, 1e-13, "div v = q")
+-- a right triangle whose rim is shut has nothing to solve for: by every way
+for _, way in ipairs { "cholesky", "lu", "dense" } do
+  local shut = dm.mesh { points = { { 0, 0 }, { 1, 0 }, { 0, 1 } }, simplices = { { 1, 2, 3 } } }
+  local still = shut:darcy { source = 3, solver = way }
+  ok(still.flux:max() == 0 and still.pressure:max() == 0, "a triangle that is shut, " .. way)
+end
 local wrong = dm.mesh { grid = 2 }:darcy { source = 1 }
 ok(math.abs(wrong.report.mean - 1) < 1e-13 and wrong.flux:max() < 1e-13, "a source with nowhere to go is taken away")
 raises("permeability must be > 0", function() layers:darcy { permeability = -1, pressure = 0 } end)

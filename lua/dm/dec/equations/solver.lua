@@ -33,7 +33,7 @@ local function choose(S, wish, where)
     fail(where, "dense elimination is for up to %d unknowns, not %d; %s", M.MOST_DENSE, S.rows,
       select(2, core.solvers()) or "leave solver = out")
   end
-  if wish then return regular(S:factor(wish)) end
+  if wish and S.rows > 0 then return regular(S:factor(wish)) end -- LU has none of an empty matrix
   if not core.solvers() and S.rows > SMALL then return S:factor "gradients" end
   if not core.solvers() then return regular(S:factor "dense") end
   local factor = regular(S:factor "cholesky")
