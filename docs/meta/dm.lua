@@ -1047,7 +1047,7 @@ function dm_discrete_lagrangian_class:connection(options) end
 
 ---system:emit_c() -> string
 ---
----C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 output), slope (dL/dq, dL/dv: 2 dim Q) and energy, and constraint, rolling, reaction, force where there are such, each void f(const double *in, double *out) with in = q, v, t; of a discrete Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off for the same bits.
+---C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 output), slope (dL/dq, dL/dv: 2 dim Q) and energy, and constraint, rolling, reaction, force where there are such, each void f(const double *in, double *out) with in = q, v, t; of a discrete Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off and, for gcc with -mfma, -fno-tree-slp-vectorize: then nothing is fused that the text does not fuse.
 ---@return string
 function dm_discrete_lagrangian_class:emit_c() end
 
@@ -2798,6 +2798,13 @@ function dm_mesh_class:flat_values(X, vertices, primal) end
 ---@return dm.vector
 ---@return number
 function dm_mesh_class:flip_values() end
+
+---K:folds() -> count, text of the first
+---
+---How many facets of a mesh in a space of its own dimension have both of their top cells on the same side: there a cell is turned inside out, and the mesh lies over itself. Volumes, stars and solutions are those of the folded surface then, not of what it covers.
+---@return any
+---@return string
+function dm_mesh_class:folds() end
 
 ---K:form(k, values | f, {dual=, order=, chart=}) -> dm.form
 ---
@@ -4730,7 +4737,7 @@ function dm_system_class:discrete(options) end
 
 ---system:emit_c() -> string
 ---
----C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 output), slope (dL/dq, dL/dv: 2 dim Q) and energy, and constraint, rolling, reaction, force where there are such, each void f(const double *in, double *out) with in = q, v, t; of a discrete Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off for the same bits.
+---C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 output), slope (dL/dq, dL/dv: 2 dim Q) and energy, and constraint, rolling, reaction, force where there are such, each void f(const double *in, double *out) with in = q, v, t; of a discrete Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off and, for gcc with -mfma, -fno-tree-slp-vectorize: then nothing is fused that the text does not fuse.
 ---@return string
 function dm_system_class:emit_c() end
 
@@ -6444,7 +6451,7 @@ function dm.semidirect(G, V, action) end
 
 ---dm.sequence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, check=} -> dm.matrix, report
 ---
----The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, is the root of equation(y, x) = 0 that Newton's method finds from start(y). The functions are traced once, with vectors y and x, and run in C. inside(y, x) gives numbers that must be > 0 at the root. scale(y) gives the sizes of what the unknowns are added to, where x is a small difference. check = false trusts the traces without comparing them with plain calls. Rows: y at the start, every `every` steps, and at the end. report: code ("ok", "no_convergence", "singular", "not_finite", "stopped"), text, done (steps), outside (which condition the root broke, from 1), iterations, residual. A step that fails ends the sequence without an error: look at report.code.
+---The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, is the root of equation(y, x) = 0 that Newton's method finds from start(y). The functions are traced once, with vectors y and x, and run in C. inside(y, x) gives numbers that must be > 0 at the root. scale(y) gives the sizes of what the unknowns are added to, where x is a small difference. check = false trusts the traces without comparing them with plain calls. Rows: y at the start, every `every` steps, and at the end. report: code ("ok", "no_convergence", "singular", "not_finite"), text, done (steps), outside (which condition the root broke, from 1), iterations, residual. A step that fails ends the sequence without an error: look at report.code. Ctrl-C raises a dm.failure, whose path has the rows so far.
 ---@param options? table
 ---@return dm.matrix
 ---@return any
@@ -6574,7 +6581,7 @@ function dm.stability_limit(rule, options) end
 
 ---dm.stationary{term=, sites=, block=, window=, x=, given=} -> dm.vector, report
 ---
----The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) over all windows w of `window` neighbouring blocks (a vector) is stationary, from the guess x by Newton's method on the whole (a band). given: a list of booleans, true for the numbers that stay. report: code ("ok", "no_convergence", "singular", "not_finite", "stopped"), text, iterations, residual (the largest derivative left). Look at report.code: x is no solution when it is not "ok".
+---The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) over all windows w of `window` neighbouring blocks (a vector) is stationary, from the guess x by Newton's method on the whole (a band). given: a list of booleans, true for the numbers that stay. report: code ("ok", "no_convergence", "singular", "not_finite"), text, iterations, residual (the largest derivative left). Look at report.code: x is no solution when it is not "ok". Ctrl-C raises a dm.failure, whose path is x so far.
 ---@param options? table
 ---@return dm.vector
 ---@return any

@@ -61,3 +61,23 @@ dm_status dm_complex_orient(dm_complex *K, dm_arena *arena, const int8_t *wish) 
     K->orientation = sign;
     return DM_OK;
 }
+
+/* the sign of the volume of the cell that the face and the vertex left out make, in this order */
+static int side_of(const dm_complex *K, const int8_t *sign, uint32_t cell, uint32_t face) {
+    const uint32_t *faces = K->face[K->n] + (size_t)cell * (K->n + 1);
+    uint32_t place = 0;
+    while (faces[place] != face) place++;
+    return place % 2 ? -sign[cell] : sign[cell];
+}
+
+uint32_t dm_complex_folds(const dm_complex *K, const int8_t *sign, uint32_t *first) {
+    uint32_t folds = 0;
+    for (uint32_t f = 0; f < K->count[K->n - 1]; f++) {
+        const uint32_t at = K->coface_at[K->n - 1][f];
+        if (K->coface_at[K->n - 1][f + 1] - at != 2) continue;
+        const uint32_t *cell = K->coface[K->n - 1] + at;
+        if (side_of(K, sign, cell[0], f) != side_of(K, sign, cell[1], f)) continue;
+        if (folds++ == 0) *first = f;
+    }
+    return folds;
+}

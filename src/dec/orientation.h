@@ -13,4 +13,8 @@ dm_status dm_complex_orient(dm_complex *K, dm_arena *arena, const int8_t *wish);
 /* The first face of degree n - 1 with more than two top cells, or UINT32_MAX. */
 uint32_t dm_complex_crowded(const dm_complex *K);
 
+/* How many faces of degree n - 1 have two top cells on the same side, where sign[count[n]] are the
+ * signs of volumes in R^n; *first is one. */
+uint32_t dm_complex_folds(const dm_complex *K, const int8_t *sign, uint32_t *first);
+
 #endif

@@ -280,6 +280,7 @@ static int mesh_text(lua_State *L) {
     lua_pushfstring(L, " cells; %sorientable, chi %d%s", m->K.orientation ? "" : "not ",
                     (int)dm_complex_euler(&m->K), m->measured ? "" : ", without a metric");
     luaL_addvalue(&b);
+    if (m->folds) luaL_addstring(&b, ", folded");
     luaL_pushresult(&b);
     return 1;
 }

@@ -12,12 +12,13 @@
 typedef struct {
     dm_complex K;
     dm_metric metric;
-    int measured;     /* it has a metric */
-    uint32_t ambient; /* N of the points, 0: there are none */
-    double *points;   /* [count[0]][ambient] */
-    size_t bytes;     /* of the arena */
-    int manifold;     /* it is one; -1: nobody has asked yet */
-    int ringed;       /* every cell of codimension 2 has one loop or fan of top cells round it */
+    int measured;         /* it has a metric */
+    uint32_t ambient;     /* N of the points, 0: there are none */
+    double *points;       /* [count[0]][ambient] */
+    size_t bytes;         /* of the arena */
+    int manifold;         /* it is one; -1: nobody has asked yet */
+    uint32_t folds, fold; /* facets with two top cells on one side of them in R^n; one of these */
+    int ringed; /* every cell of codimension 2 has one loop or fan of top cells round it */
 } dml_mesh;
 
 /* The mesh at arg; raises when it is none. */

@@ -124,6 +124,15 @@ static int mesh_quality(lua_State *L) {
     return 1;
 }
 
+/* counted when the mesh was made */
+static int mesh_folds(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    lua_pushinteger(L, m->folds);
+    if (!m->folds) return 1;
+    dml_pushface(L, &m->K, m->K.n - 1, m->fold);
+    return 2;
+}
+
 /* the triangles and squared lengths after the flips, for mesh:make_delaunay */
 static int mesh_flip(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
@@ -172,6 +181,12 @@ static const dml_row methods[] = {
     {"components", mesh_components,
      "K:components() -> list of lists of vertices\n"
      "The connected components, each by its vertices, ascending."},
+    {"folds", mesh_folds,
+     "K:folds() -> count, text of the first\n"
+     "How many facets of a mesh in a space of its own dimension have both of their top cells on "
+     "the "
+     "same side: there a cell is turned inside out, and the mesh lies over itself. Volumes, stars "
+     "and solutions are those of the folded surface then, not of what it covers."},
     {"quality", mesh_quality,
      "K:quality() -> table\n"
      "negative[k], zero[k], k from 0: how many dual volumes of cells of degree k are below 0, or 0 "

@@ -315,6 +315,7 @@ static void orient(lua_State *L, dm_arena *arena, dml_mesh *m) {
         for (uint32_t c = 0; c < m->K.count[m->K.n]; c++) wish[c] = sign_of(m, c);
     }
     if (dm_complex_orient(&m->K, arena, wish) != DM_OK) luaL_error(L, "dm.mesh: not enough memory");
+    if (wish && m->K.n > 0) m->folds = dm_complex_folds(&m->K, wish, &m->fold);
 }
 
 /* The mesh is pushed before anything is read: its arena belongs to Lua from the start, and an

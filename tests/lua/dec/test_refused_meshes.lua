@@ -1,7 +1,7 @@
 -- meshes and forms that are refused: the message says what it is, sizes at the edge of what numbers hold are none of them
 local tap = require "tap"
 local dm = require "dm"
-local near, raises = tap.near, tap.raises
+local ok, near, raises = tap.ok, tap.near, tap.raises
 
 local function edge(lengths) return dm.mesh { simplices = { { 1, 2, 3 } }, lengths = lengths } end
 raises("the length of edge {1, 2} must be a number > 0 (got nil)", edge, function() return nil end)
@@ -58,6 +58,40 @@ raises("too long for volumes of degree 8", simplex, 8, 1e100)
 raises("too short for volumes of degree 8", simplex, 8, 1e-100)
 raises("Cayley-Menger", edge, { 1, 1, 3 })
 raises("vertex 2147483648 is far above the 3 vertices", dm.mesh, { simplices = { { 1, 2, 2 ^ 31 } } })
+
+-- meshes that lie over themselves in a space of their own dimension: taken, as surfaces of their own, and told
+local function two(points, simplices) return dm.mesh { points = points, simplices = simplices } end
+local kite = two({ { 0, 0 }, { 1, 0 }, { 0.5, 1 }, { 0.5, -0.8 } }, { { 1, 2, 3 }, { 1, 2, 4 } })
+local shut = two({ { 0, 0 }, { 1, 0 }, { 0.5, 1 }, { 0.5, 0.8 } }, { { 1, 2, 3 }, { 1, 2, 4 } })
+local count, first = shut:folds()
+ok(kite:folds() == 0 and count == 1 and first == "{1, 2}", "two triangles on one side of their edge", first)
+ok(tostring(shut):find "chi 1, folded$" and not tostring(kite):find "folded", "its text says so", tostring(shut))
+ok(two({ { 0 }, { 2 }, { 1 } }, { { 1, 2 }, { 2, 3 } }):folds() == 1 and two({ { 0 }, { 1 }, { 2 } }, { { 1, 2 }, { 2, 3 } }):folds() == 0, "on a line")
+local corners = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0.2, 0.2, -1 } }
+ok(two(corners, { { 1, 2, 3, 4 }, { 1, 2, 3, 5 } }):folds() == 0, "tetrahedra on two sides")
+corners[5][3] = 2
+ok(two(corners, { { 1, 2, 3, 4 }, { 1, 2, 3, 5 } }):folds() == 1, "on one side")
+for _, spec in ipairs { { grid = 4 }, { shells = { 3, 3 } }, { cube_tiling = 2 }, { annulus = { 2, 7 }, ratio = 2 }, { triangle = 3 },
+  { icosphere = 1 }, { bcc = 3 }, { points = { { 0, 0 }, { 3, 1 }, { 1, 2 }, { 2, -1 }, { 1, 1 } } } } do
+  ok(dm.mesh(spec):folds() == 0, "no folds in " .. next(spec))
+end
+-- a vertex that is drawn over its neighbours: folds are the edges between areas of two signs, in the order of a sheet
+local drawn = dm.mesh { grid = 8, map = function(x, y) return x == 0.5 and y == 0.5 and { 0.9, 0.6 } or { x, y } end }
+local linear, report = drawn:poisson { fixed = { boundary = function(x, y) return x + 2 * y end } }
+local sheet, P, sides = dm.mesh { grid = 8 }:oriented(drawn:volume(2)), drawn:points(), 0
+local function side(c)
+  local a, b, d = table.unpack(drawn:simplices(2)[c])
+  local turned = (P[b][1] - P[a][1]) * (P[d][2] - P[a][2]) - (P[d][1] - P[a][1]) * (P[b][2] - P[a][2]) < 0
+  return turned == (sheet[c] < 0)
+end
+for e = 1, drawn:count(1) do
+  local c = drawn:cofaces(1, e)
+  if c[2] and side(c[1]) ~= side(c[2]) then sides = sides + 1 end
+end
+ok(drawn:volume(2):sum() > 1.05 and sides > 0 and drawn:folds() == sides, "cells turned inside out", drawn:folds())
+ok((linear - drawn:form(0, function(x, y) return x + 2 * y end)):max() > 0.1 and report.note:find "the mesh is folded at 4 facets", "a solution that is wrong is told")
+ok(drawn:darcy { pressure = 0 }.report.note:find "folded" and shut:laplacian(0):eigen(1).note:find "folded", "fluxes and modes too")
+ok(kite:poisson { f = 1 } and select(2, kite:poisson { f = 1 }).note == nil, "and nothing where nothing is")
 
 -- options that belong to another kind of mesh
 raises("'ratio' goes with 'annulus', not with 'grid'", dm.mesh, { grid = 2, ratio = 3 })

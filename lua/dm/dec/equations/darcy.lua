@@ -137,7 +137,7 @@ local function centred(p, list, volume)
   for _, i in ipairs(list) do p[i] = p[i] - sum / size end
 end
 
-local function report_of(s, zeros, negatives, means)
+local function report_of(K, s, zeros, negatives, means)
   local report, notes = s:report(), {}
   if zeros > 0 then
     notes[1] = ("%d facets have a zero dual: flux and pressure are solved for together"):format(
@@ -148,6 +148,7 @@ local function report_of(s, zeros, negatives, means)
     notes[#notes + 1] = ("%d facets have a negative dual: the equations are not definite, and "
       .. "fluxes there may be far off; K:quality() counts them"):format(negatives)
   end
+  notes[#notes + 1] = mass.note(K)
   if #notes > 0 then report.note = table.concat(notes, "; ") end
   if #means > 0 then
     report.mean = #means == 1 and means[1] or means
@@ -176,7 +177,7 @@ class.method("dm.mesh", "darcy", function(K, options)
   local p = K:oriented(P)
   for _, list in ipairs(floats) do centred(p, list, volume) end
   return core.result { flux = K:form(n - 1, core.spread(flux, open, known)),
-    pressure = K:form(0, p, { dual = true }), report = report_of(s, zeros, negatives, means) }
+    pressure = K:form(0, p, { dual = true }), report = report_of(K, s, zeros, negatives, means) }
 end, [[
 K:darcy{permeability=, source=, pressure=, flux=, solver=} -> { flux, pressure, report }
 Flow through a porous medium, v = -kappa grad p, div v = source. flux: the primal (n - 1)-form of v

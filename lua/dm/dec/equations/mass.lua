@@ -14,15 +14,26 @@ local made = setmetatable({}, { __mode = "k" })
 
 local EQUAL = 1e-9 -- relative: lengths of a mesh of regular simplices
 
---- What a report says of barycentric duals, or nothing: they do not stand upright on their cells
--- but in regular simplices, and a star of one number a cell errs by the same part on every mesh.
-function M.note(K)
+--- Two notes as one, either of which may be missing.
+function M.joined(a, b) return a and b and a .. "; " .. b or a or b end
+
+-- of barycentric duals, or nothing: they do not stand upright on their cells but in regular
+-- simplices, and a star of one number a cell errs by the same part on every mesh
+local function barycentric_note(K)
   if K.dual ~= "barycentric" or K.dimension == 1 then return nil end
   local least, most = math.huge, 0
   for _, x in ipairs(K:volume(1)) do least, most = math.min(least, x), math.max(most, x) end
   if most - least <= EQUAL * most then return nil end
   return "barycentric duals are not at right angles to their cells: the solution does not "
     .. "converge where the mesh is refined"
+end
+
+--- What a report says of the mesh, or nothing.
+function M.note(K)
+  local folds, first = K:folds()
+  local folded = folds > 0 and ("the mesh is folded at %d facets, the first %s: cells are turned "
+    .. "inside out, and the solution is not that of what it covers"):format(folds, first) or nil
+  return M.joined(folded, barycentric_note(K))
 end
 
 --- The masses of the k-cells: { values, zeros, negatives, zero, negative }, the last two being the

@@ -67,8 +67,6 @@ local function floating(K, keep)
   return { false }
 end
 
-local function joined(a, b) return a and b and a .. "; " .. b or a or b end
-
 -- the sum of x over a component
 local function total(x, vertices)
   if not vertices then return x:dot(core.constant(#x, 1)) end
@@ -160,7 +158,7 @@ class.method("dm.mesh", "poisson", function(K, options)
   if #floats > 0 then note_mean(report, removed) end
   local negatives = mass.of(K, 1).negatives
   if negatives > 0 then report.negative_stars = negatives end
-  report.note = joined(report.note, mass.note(K))
+  report.note = mass.joined(report.note, mass.note(K))
   return K:form(0, u), report
 end, [[
 K:poisson{f=, fixed={boundary=, [vertex]=}, flux=, solver=} -> dm.form, report

@@ -1,9 +1,10 @@
---- Holes of a surface that carries a flow: psi is a constant on every loop of the boundary, 0 on the
--- longest of each component, and what it is on the others, the holes, follows from the circulation
--- round them, which no flow changes (Kelvin). With functions g_i, harmonic inside, 1 on hole i and 0
--- on all other loops, psi = psi_0 + sum c_i g_i, and Green's formula says
+--- Holes of a surface that carries a flow: psi is a constant on every loop of the boundary, 0 on
+-- the longest of each component, and what it is on the others, the holes, follows from the
+-- circulation round them, which no flow changes (Kelvin). With functions g_i, harmonic inside, 1 on
+-- hole i and 0 on all other loops, psi = psi_0 + sum c_i g_i, and Green's formula says
 --   circulation_i = sum_j (g_i . S g_j) c_j + g_i . M w,
 -- the integral of du = d psi/dn along the loop, with the fluid on the left.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local option = require "dm.base.options"
 
@@ -90,10 +91,10 @@ end
 function M.circulations(options, K, holes, w, where)
   local given = options.circulations
   if given == nil then return at_rest(K, holes, w) end
-  local fine, out = pcall(core.vector, given)
+  local fine, out = blame.try(core.vector, given)
   if not fine or type(given) == "number" or #out ~= holes.count then
-    option.fail(where, "option 'circulations' must be a list with a number for every hole, %d in all",
-      holes.count)
+    option.fail(where, "option 'circulations' must be a list with a number for every hole, %d in "
+      .. "all", holes.count)
   end
   for i = 1, #out do
     if out[i] - out[i] ~= 0 then

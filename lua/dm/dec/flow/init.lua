@@ -75,7 +75,7 @@ class.method("dm.mesh", "euler", function(K, options)
   local report = system.solver and system.solver:report() or core.result { unknowns = 0 }
   local negatives = mass.of(K, 1).negatives
   if negatives > 0 then report.negative_stars = negatives end
-  report.note = holes.note(system.holes) or report.note
+  report.note = mass.joined(mass.joined(report.note, mass.note(K)), holes.note(system.holes))
   return setmetatable({ mesh = K, vorticity = K:form(0, w), system = system, report = report,
     circulations = holes.circulations(options, K, system.holes, w, WHERE) }, Euler)
 end, [[

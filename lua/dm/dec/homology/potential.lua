@@ -19,8 +19,8 @@ local function check_closed(K, a)
   for cell = 1, #da do
     local off = math.abs(da[cell])
     if not (off <= largest) then
-      fail("the form is not closed: da = %.3g on the cell {%s} of degree %d, and no d of anything%s",
-        da[cell], table.concat(K:simplices(da.degree)[cell], ", "), da.degree,
+      fail("the form is not closed: da = %.3g on the cell {%s} of degree %d, and no d of "
+        .. "anything%s", da[cell], table.concat(K:simplices(da.degree)[cell], ", "), da.degree,
         off <= SMALL * a:max() and "; integrals of a function are as closed as they are exact: "
         .. "K:form(k, f, { order = 21 })" or "")
     end

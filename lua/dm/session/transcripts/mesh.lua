@@ -184,6 +184,14 @@ M["mesh.potential"] = [=[
 > b.values - b.values[1]
 [0, 2, 2, 0]]=]
 
+M["mesh.folds"] = [=[
+> K = dm.mesh { points = { {0, 0}, {1, 0}, {0.5, 1}, {0.5, 0.8} },
+>>   simplices = { {1, 2, 3}, {1, 2, 4} } }
+> K
+mesh of dimension 2: 4, 5, 2 cells; orientable, chi 1, folded
+> K:folds()
+1	{1, 2}]=]
+
 M["mesh.quality"] = [=[
 > dm.mesh { points = { {0, 0}, {1, 0}, {0, 1} } }:quality().well_centred
 false
