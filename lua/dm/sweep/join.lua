@@ -1,5 +1,6 @@
 --- dmlua --join OUT FILE ...: journals of one sweep as one file, whose bytes do not depend on how
 -- the work was split.
+local blame = require "dm.base.blame"
 local journal = require "dm.data.journal"
 local option = require "dm.base.options"
 
@@ -68,7 +69,7 @@ function M.join(out, ...)
   for _, j in ipairs(files) do j.file:close() end
   if not fine then
     os.remove(out)
-    error(wrong, 0)
+    error(type(wrong) == "string" and blame.bare(wrong) or wrong, 0)
   end
 end
 

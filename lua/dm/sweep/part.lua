@@ -45,6 +45,9 @@ local function automatic()
     fail("auto is for arrays of SLURM, srun and mpirun; none of their variables is set. Write "
       .. "--part k/n")
   end
+  if rank < 0 or rank >= ranks then
+    fail("the environment says rank %d of %d, from 0 on. Write --part k/n", rank, ranks)
+  end
   return { k = task * ranks + rank + 1, n = tasks * ranks }
 end
 

@@ -115,7 +115,8 @@ for _, n in ipairs { 1, 2, 5 } do
   ok(text(name "joined") == whole, n .. " parts joined are the bytes of one process")
 end
 out, status = run "--join joined c.journal.2-of-5"
-ok(status == 1 and out:find "members 1 to 180 are missing", "missing members are named", out)
+ok(status == 1 and out:find "%-%-join: members 1 to 180 are missing", "missing members are named", out)
+ok(not out:find "journal%.lua:%d+: %-%-join", "by the command alone", out)
 out, status = run "--join joined c.journal w.journal"
 ok(status == 1 and out:find "kind is ensemble and sweep", "different sweeps are not joined", out)
 out, status = run "--join c.journal c.journal"
@@ -130,6 +131,8 @@ out, status = run "--part"
 ok(status == 1 and out:find "part", "--part alone", out)
 out = run("--part auto -e 'print(dm.part())' script.lua", "OMPI_COMM_WORLD_RANK=2 OMPI_COMM_WORLD_SIZE=3")
 ok(out:find "3\t3", "mpirun's variables", out)
+out, status = run("--part auto -e 'print(dm.part())' script.lua", "env -u OMPI_COMM_WORLD_RANK SLURM_PROCID=5 SLURM_STEP_NUM_TASKS=4")
+ok(status == 1 and out:find "rank 5 of 4", "a rank that cannot be", out)
 
 -- another process has it
 local core = require "dm.core"
