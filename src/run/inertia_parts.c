@@ -213,6 +213,16 @@ static int leaps(parts *w, const double *to) {
     return hides == DM_INERTIA_HIDDEN;
 }
 
+/* Is the end of the step, `to`, not where its parts have come, which near a place behind it? A step
+ * that is too long is thrown back by what lies ahead, or ends in another part of the way. */
+static int is_astray(parts *w, const double *to) {
+    static const double OFF = 2.0; /* by what values differ */
+    uint32_t negative;
+    double least;
+    if (w->done < FINEST || !dm_inertia_at(w->x, to, w->t + w->h, &negative, &least)) return 0;
+    return (least > OFF * w->least || w->least > OFF * least) && is_vanishing(w);
+}
+
 static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
     const size_t size = dm_state_size(x->model->n), memory = x->memory_size;
     parts w = {.x = x,
@@ -242,7 +252,7 @@ static int vanishes_in_parts(dm_inertia *x, dm_stepper *s, const double *to, dou
     parts w = begin(x, s, t, h);
     int out = dm_inertia_at(x, w.state, t, &negative, &w.first);
     w.least = w.first;
-    out = out && (way(&w) || leaps(&w, to));
+    out = out && (way(&w) || leaps(&w, to) || is_astray(&w, to));
     copy_memory(&w, NULL, kept);
     s->report = report;
     return out;

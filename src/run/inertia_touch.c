@@ -130,7 +130,7 @@ static void carry(place *at, const double *w) {
 /* To at->lost, on the velocities that constraints allow, which others have so much more mass for;
  * 0: none is found. */
 static int find_lost(place *at) {
-    static const double SHIFT = 1e-13, MORE = 1e5;
+    static const double SHIFT = 1e-13, MORE = 1e5, ROUNDING = 128 * DBL_EPSILON;
     const dm_inertia *x = at->x;
     double *w = at->lost, largest = 0.0;
     dm_inertia_find(x, at->q, at->v ? at->v : at->q, at->t);
@@ -138,7 +138,8 @@ static int find_lost(place *at) {
     const size_t n = f.n;
     for (size_t i = 0; i < n; i++) largest = fmax(largest, fabs(f.A[i * n + i]));
     if (!(largest > 0.0)) largest = 1.0;
-    for (size_t i = 0; i < n; i++) f.A[i * n + i] += SHIFT * largest;
+    const double shift = f.rows ? MORE * ROUNDING : SHIFT;
+    for (size_t i = 0; i < n; i++) f.A[i * n + i] += shift * largest;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
             for (size_t c = 0; c < f.rows; c++)

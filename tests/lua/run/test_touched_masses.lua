@@ -74,6 +74,29 @@ for _, case in ipairs { { "midpoint", 4, 0.0162, -0.0707, 0.2408 }, { "rk4", 4, 
     ("%s, x^%d v^2/2: the first step"):format(rule, k), tostring(e))
 end
 
+-- steps that are too long before such a place are thrown back by it, or end elsewhere: rows keep the
+-- energy, w^k v^2/2 + x, to what h and the place make of the last one (before: to 6e4)
+do
+  local worst, ended = 0, 0
+  local function keeps(k, rule, h, x, v)
+    local system = dm.system { Q = dm.R(1), L = function(q, u)
+      return (q[1] + 0.15789624393325818) ^ k * u[1] ^ 2 / 2 - q[1] end }
+    local solver = system:solver { rule = rule, h = h }
+    local fine, e = pcall(solver.run, solver, { q = { x }, v = { v }, steps = 600 })
+    ended = ended + (fine and 0 or 1)
+    local E = (fine and e or e.path):energy()
+    for j = 2, #E do worst = math.max(worst, math.abs(E[j] - E[1])) end
+  end
+  keeps(3, "lobatto(3)", 0.011894906414128721, 1.2677103395169007, 0.47039655026483707)
+  for _ = 1, 50 do
+    local k, h, x, v = math.floor(uniform(1, 5)), uniform(0.005, 0.06), uniform(0.1, 1.5), uniform(-1, 1)
+    for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(3)", "lobatto(3)", "rk8" } do
+      keeps(k, rule, h, x, v)
+    end
+  end
+  ok(worst < 0.6 and ended > 200, "rows before the end keep the energy", ("%g, %d"):format(worst, ended))
+end
+
 -- rows at times inside of the step that goes over are none
 do
   local system = dm.system { Q = dm.R(2), L = function(q, v)
