@@ -321,10 +321,10 @@ static dm_status check_next(made_step *e, int timed, double t, double h) {
     if (off > OFF) {
         snprintf(e->trouble, sizeof e->trouble,
                  "'next' gives a q that is no element of the group, off by %.2g", off);
-        return DM_NO_CONVERGENCE;
+        return DM_CALLBACK;
     }
     if (timed && !((e->after[states_of(e) - 1] - t) * h > 0.0))
-        return fail(e, DM_NO_CONVERGENCE, "'next' gives a t that is not later");
+        return fail(e, DM_CALLBACK, "'next' gives a t that is not later");
     return DM_OK;
 }
 

@@ -4,11 +4,13 @@ local core = require "dm.core"
 
 local M = {}
 
--- a metatable by which `params` are read, which notes the names; seen.all: they are enumerated
+local ALL = {} -- a key that is no name
+
+-- a metatable by which `params` are read, which notes the names, and by ALL that they are enumerated
 local function watching(params, seen)
   local function whole(f)
     return function()
-      seen.all = true
+      seen[ALL] = true
       return f(params)
     end
   end
@@ -65,15 +67,26 @@ function M.may_read(system, name)
   return false
 end
 
---- Of the names those that no function of the system reads while it is traced with these params;
--- none where that cannot be told: they are enumerated, looked at by rawget or next, or not traced.
-function M.unread(system, params, names)
-  local seen, out = {}, {}
-  if not blame.try(core.trace_with, system, watching(params, seen)) or seen.all then return out end
-  for _, name in ipairs(names) do
+-- system -> names that its functions have read; ALL: which ones cannot be told
+local read = setmetatable({}, { __mode = "k" })
+
+local function left(names, seen)
+  local out = {}
+  for _, name in ipairs(seen[ALL] and {} or names) do
     if not seen[name] then out[#out + 1] = name end
   end
   return out
+end
+
+--- Of the names those that no function of the system has read, the last time while it was traced
+-- with these params; none where that cannot be told: they are enumerated, looked at by rawget or
+-- next, or not traced. A system is traced only for names that it has not read before.
+function M.unread(system, params, names)
+  read[system] = read[system] or {}
+  local seen = read[system]
+  if #left(names, seen) == 0 then return {} end
+  if not blame.try(core.trace_with, system, watching(params, seen)) then return {} end
+  return left(names, seen)
 end
 
 --- Names of parameters, joined: those that are there.

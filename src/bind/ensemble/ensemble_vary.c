@@ -166,25 +166,15 @@ static void push_fields(lua_State *L, int system, const double *values, int name
     lua_remove(L, -2);
 }
 
-/* another userdata with the same bytes and metatable */
-static void *push_twin(lua_State *L, int of, int user_values) {
-    const size_t size = lua_rawlen(L, of);
-    void *twin = lua_newuserdatauv(L, size, user_values);
-    memcpy(twin, lua_touserdata(L, of), size);
-    lua_getmetatable(L, of);
-    lua_setmetatable(L, -2);
-    return twin;
-}
-
 dml_solver *dml_vary_solver(lua_State *L, const double *values, int names) {
-    dml_solver *solver = push_twin(L, 1, DML_SOLVER_VALUES);
+    dml_solver *solver = dml_pushtwin(L, 1, DML_SOLVER_VALUES);
     const int twin = lua_gettop(L);
     for (int k = 1; k <= DML_SOLVER_VALUES; k++) {
         lua_getiuservalue(L, 1, k);
         lua_setiuservalue(L, twin, k);
     }
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    push_twin(L, twin + 1, 1);
+    dml_pushtwin(L, twin + 1, 1);
     push_fields(L, twin + 1, values, names);
     lua_setiuservalue(L, -2, 1);
     lua_setiuservalue(L, twin, DML_SOLVER_SYSTEM);

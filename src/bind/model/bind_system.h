@@ -112,6 +112,9 @@ void dml_writeout(lua_State *L, dml_model *m);
 int dml_shownparams(lua_State *L);
 void dml_plainparams(lua_State *L);
 
+/* Push another userdata with the bytes and the metatable of the one at `of`. */
+void *dml_pushtwin(lua_State *L, int of, int user_values);
+
 /* core.trace_with */
 int dml_core_trace_with(lua_State *L);
 

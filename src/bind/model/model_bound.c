@@ -66,6 +66,15 @@ void dml_plainparams(lua_State *L) {
     lua_settop(L, 1);
 }
 
+void *dml_pushtwin(lua_State *L, int of, int user_values) {
+    const size_t size = lua_rawlen(L, of);
+    void *twin = lua_newuserdatauv(L, size, user_values);
+    memcpy(twin, lua_touserdata(L, of), size);
+    lua_getmetatable(L, of);
+    lua_setmetatable(L, -2);
+    return twin;
+}
+
 int dml_core_trace_with(lua_State *L) {
     dml_checksystem(L, 1);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -73,11 +82,7 @@ int dml_core_trace_with(lua_State *L) {
     if (lua_getfield(L, 2, "__index") != LUA_TFUNCTION)
         luaL_error(L, "the metatable needs a function __index");
     lua_settop(L, 2);
-    const size_t size = lua_rawlen(L, 1);
-    void *twin = lua_newuserdatauv(L, size, 1);
-    memcpy(twin, lua_touserdata(L, 1), size);
-    lua_getmetatable(L, 1);
-    lua_setmetatable(L, 3);
+    dml_pushtwin(L, 1, 1);
     lua_getiuservalue(L, 1, 1);
     dml_pushcopy(L, -1);
     lua_newuserdatauv(L, 0, 0);

@@ -190,6 +190,23 @@ local function vary(what)
 end
 raises("'l' is not a number among the params", vary, { l = { 1, 2 } })
 raises("its parameters are k, m", vary, { l = { 1, 2 } })
+-- what is read is found by one trace of the system, whatever its parameters are called
+do
+  local traces = 0
+  local named = dm.system { Q = dm.R(1), params = { k = 1, all = 2, idle = 3 }, L = function(q, v, _, p)
+    if type(q[1]) ~= "number" then traces = traces + 1 end
+    return v[1] ^ 2 / 2 - p.k * p.all * q[1] ^ 2
+  end }
+  local each = {}
+  local function members(which)
+    traces = 0
+    named:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1 }, { 1 } }, v = { { 0 }, { 0 } }, steps = 1, vary = which }
+    each[#each + 1] = traces
+  end
+  for _ = 1, 3 do members { k = { 1, 2 } } end
+  ok(each[2] == each[1] - 1 and each[3] == each[2], "one trace tells what is read", table.concat(each, " "))
+  raises("reads its parameter 'idle'", members, { idle = { 1, 2 } })
+end
 -- what nothing reads makes no member another one
 for _, rule in ipairs { "verlet", "gauss(2)" } do
   local idle = dm.system { Q = dm.R(1), params = { k = 1, idle = 1, mode = 1, deep = 1 }, L = function(q, v, _, p)

@@ -79,7 +79,7 @@ end
 ok(#go(G, function(R, x) return R * G:exp(x) end) == 4, "an element of SO(3)")
 raises("'next' gives a q that is no element of the group, off by 0.0", go, G,
   function(R, x) return R + R * G:hat(x) end)
-raises("no element of the group, off by", go, G, function(R, x) return R * G:exp(x) * 3 end)
+raises("a function of the script failed at step 1 (t = 0.0); 'next' gives a q that is no element of the group, off by", go, G, function(R, x) return R * G:exp(x) * 3 end)
 raises("no element of the group", go, dm.SU(2), function(u, x, Q)
   return Q:compose(u, Q:exp(x)) * 1.001
 end)
