@@ -11,6 +11,13 @@ function M.count(x)
   return fine and count or nil
 end
 
+--- A vector or a column of a path as a plain table; anything else as it is.
+function M.plain(x)
+  local meta = type(x) == "userdata" and debug.getmetatable(x)
+  local is_list = meta and (meta.__name == "dm.vector" or meta.__list)
+  return is_list and table.move(x, 1, #x, 1, {}) or x
+end
+
 --- The middle one of a list of numbers: the size of values that some points have none of, in the
 -- units of the user; 0 of an empty list.
 function M.middle(list)

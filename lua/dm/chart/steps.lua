@@ -2,6 +2,7 @@
 -- halves.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local M = {}
 
 local fail = require "dm.base.options".failing "dm.chart"
@@ -10,7 +11,7 @@ local fail = require "dm.base.options".failing "dm.chart"
 
 --- A list; one number or name is as good as a list of it.
 function M.list(options, key, what)
-  local list = options[key]
+  local list = lists.plain(options[key])
   if type(list) == "number" or type(list) == "string" then list = { list } end
   if type(list) ~= "table" or #list == 0 then
     fail("option '%s' must be a list of %s", key, what)

@@ -1,6 +1,7 @@
 --- Axes of a stability map: lists of numbers under any name, and functions of these parameters.
 local M = {}
 
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local fail = option.failing "dm.stability"
 
@@ -93,6 +94,7 @@ end
 
 --- An axis: a number, a list of growing numbers, or {least, largest, count, "log" | "linear"}.
 function M.read(name, given)
+  given = lists.plain(given)
   local out = read(name, given)
   return name == "h" and out or keep_whole(out, type(given) == "table" and given or { given })
 end

@@ -227,10 +227,20 @@ static const dml_row columns_meta[] = {{"__len", columns_len, NULL},
                                        {"__tostring", columns_tostring, NULL},
                                        {NULL, NULL, NULL}};
 
+/* dml_islist */
+static void mark_list(lua_State *L) {
+    luaL_getmetatable(L, COLUMNS);
+    lua_pushboolean(L, 1);
+    lua_setfield(L, -2, "__list");
+    lua_pop(L, 1);
+}
+
 const dml_class dml_class_columns = {
     .name = COLUMNS,
     .doc = "dm.columns: path.t, path.q, path.p\n"
-           "columns[i] is row i, #columns the number of rows",
+           "columns[i] is row i, #columns the number of rows; path.t is taken wherever a list of "
+           "numbers is",
     .meta = columns_meta,
     .field = columns_index,
+    .open = mark_list,
 };

@@ -53,7 +53,7 @@ const dml_array *dml_vectorat(lua_State *L, int arg) {
     arg = lua_absindex(L, arg);
     dml_array *a = dml_toarray(L, arg, 1);
     if (a) return a;
-    if (!lua_istable(L, arg)) dml_typeerror(L, arg, "dm.vector or table of numbers");
+    if (!dml_islist(L, arg)) dml_typeerror(L, arg, "dm.vector or table of numbers");
     const long n = dml_length(L, arg);
     if (n < 0) luaL_argerror(L, arg, "a vector or table of numbers expected");
     a = dml_newarray(L, 1, (uint32_t)n, 1, &zero);

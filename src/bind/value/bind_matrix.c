@@ -77,10 +77,10 @@ static int copy(lua_State *L, const dml_array *a) {
 /* A table of rows, a matrix to copy, or two numbers. */
 static int matrix_new(lua_State *L) {
     const dml_array *given = dml_toarray(L, 1, 2);
-    if (given || lua_istable(L, 1))
+    if (given || dml_islist(L, 1))
         luaL_argcheck(L, lua_isnoneornil(L, 2), 2, "a surplus argument: dm.matrix(rows)");
     if (given) return copy(L, given);
-    if (lua_istable(L, 1)) return from_rows(L);
+    if (dml_islist(L, 1)) return from_rows(L);
     const uint32_t rows = check_extent(L, 1), columns = check_extent(L, 2);
     dml_newarray(L, 2, rows, columns, &zero);
     return 1;

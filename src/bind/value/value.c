@@ -189,11 +189,18 @@ int dml_symbolic(lua_State *L, dm_op op) {
 enum { CHUNK = 16 }; /* entries of a table on the stack at once */
 
 /* -1 is no error: callers say what they expected. */
+int dml_islist(lua_State *L, int arg) {
+    if (lua_istable(L, arg)) return 1;
+    if (!lua_isuserdata(L, arg) || luaL_getmetafield(L, arg, "__list") == LUA_TNIL) return 0;
+    lua_pop(L, 1);
+    return 1;
+}
+
 long dml_length(lua_State *L, int arg) {
     dml_scalar x;
     const dml_array *a = dml_toarray(L, arg, 1);
     if (a) return (long)a->rows;
-    if (lua_istable(L, arg)) {
+    if (dml_islist(L, arg)) {
         const lua_Integer n = luaL_len(L, arg);
         return n < 0 || n > UINT32_MAX ? -1 : (long)n;
     }
@@ -212,7 +219,7 @@ static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const ch
     const dml_array *a = dml_toarray(L, arg, 1);
     *type = luaL_typename(L, arg);
     if (a && i < a->rows) return *x = dml_get(a, i), 1;
-    if (!lua_istable(L, arg)) return dml_toscalar(L, arg, x);
+    if (!dml_islist(L, arg)) return dml_toscalar(L, arg, x);
     luaL_checkstack(L, 4, NULL);
     lua_geti(L, arg, (lua_Integer)i + 1);
     const int there = dml_toscalar(L, -1, x);

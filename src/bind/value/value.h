@@ -47,6 +47,8 @@ double *dml_pushmatrix(lua_State *L, uint32_t rows, uint32_t columns);
 /* Push a vector of n scalars: all of one kind, or numbers that are lifted to it. */
 void dml_pushscalars(lua_State *L, const dml_scalar *x, uint32_t n);
 
+/* A table, or what says by __list in its metatable that it reads as one: a column of a path. */
+int dml_islist(lua_State *L, int arg);
 /* Length of the vector, matrix row or table at arg, 1 for a scalar, -1 for all else. */
 long dml_length(lua_State *L, int arg);
 /* Entry i (from 0) of what dml_length measured. Raises when it is no scalar. */

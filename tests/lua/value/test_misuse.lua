@@ -136,6 +136,20 @@ tap.raises("dm.pretty: takes a table of options", dm.pretty, 1, 2)
 tap.raises("dm.discrete_lagrangian expected", dm.discrete_lagrangian(orbit, { rule = "midpoint", h = 0.1 }).order, { q = { 1 }, v = { 0 } })
 
 -- what is set, or not there
+-- columns and vectors are taken wherever a list of numbers is
+do
+  local made = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 3 }
+  local t = made:column "t"
+  local again = solver:run { q = made.q[1], p = made.p[1], at = made.t }
+  ok(again.q[4] == made.q[4] and again:column "t" == t, "at = path.t: the same rows")
+  ok(dm.vector(made.t) == t and dm.matrix(made.q)[3] == dm.vector(made.q[3]), "as a vector, rows as a matrix")
+  ok(dm.fft(made.t) == dm.fft(t), "as an argument")
+  local options = { kepler, q = { 1, 0 }, v = { 0, 1 }, t = 0.4, rules = { "verlet" }, h = dm.vector { 0.2, 0.1 }, repeats = 1, reference = { rule = "gauss(3)", h = 0.05 } }
+  ok(#dm.chart(options).points >= 2, "steps of a chart")
+  ok(tostring(dm.stability { system = kepler, rule = "verlet", q = { 1, 0 }, v = { 0, 1 }, steps = 5, h = dm.vector { 0.1, 0.5 }, refine = false }) ~= "", "an axis of a map")
+  raises("dm.vector or table of numbers expected, got dm.path", dm.vector, made)
+  raises("entry 1 must be a number, got dm.vector", dm.vector, made.q)
+end
 -- lists of what an object holds read as tables do, and cannot be set: a column without a name once ended the program
 do
   local made = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2, record = { "energy" } }
