@@ -145,8 +145,8 @@ dm_follow *dml_read_follow(lua_State *L, const dml_part *part, double t0) {
 
 /* (ensemble, member) */
 int dml_ensemble_followed(lua_State *L) {
+    dml_ensemble_table(L, 1); /* raises where there is no such member, or no ensemble */
     const lua_Integer i = luaL_checkinteger(L, 2);
-    dml_ensemble_table(L, 1); /* raises where there is no such member */
     if (lua_getiuservalue(L, 1, DML_ENSEMBLE_FOLLOWED) != LUA_TUSERDATA)
         luaL_error(L, "this ensemble was not run beside flows: ask for it with beside = { ... }");
     const dm_follow *f = (const dm_follow *)lua_touserdata(L, -1) + (i - 1);

@@ -273,7 +273,7 @@ for class, methods in pairs(reference.classes()) do
     local written
     local options = setmetatable({}, { __newindex = function(_, key) written = key end })
     local fine, why = pcall(debug.getregistry()[class].methods[name], options)
-    local says = not fine and tostring(why):find "bad argument #1 to" and tostring(why):find(class .. " expected", 1, true)
+    local says = not fine and tostring(why):find "bad argument #1 to .*expected, got table" and tostring(why):find(class, 1, true)
     if written or not says then taken[#taken + 1] = class .. ":" .. name .. ": " .. tostring(written or why) end
   end
 end
