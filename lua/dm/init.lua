@@ -189,10 +189,17 @@ end
 
 function M.__tostring() return "dm: discrete mechanics; help(dm) lists what it has" end
 
--- every function, method and class, loaded, so that help and the reference see them
+local function sorted_keys(t)
+  local keys = {}
+  for key in pairs(t) do keys[#keys + 1] = key end
+  table.sort(keys)
+  return keys
+end
+
+-- every function, method and class, loaded in one order, so that help and the reference see them
 function M.load_all()
-  for name in pairs(M.lazy) do local _ = dm[name] end
-  for _, module in pairs(rows) do require(module) end
+  for _, name in ipairs(sorted_keys(M.lazy)) do local _ = dm[name] end
+  for _, name in ipairs(sorted_keys(rows)) do require(rows[name]) end
   require "dm.group.discrete" -- the class of what dm.discrete_lagrangian makes on groups
   return dm
 end

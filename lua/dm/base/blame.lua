@@ -46,7 +46,9 @@ local function check_object(classes, object)
   local meta = debug.getmetatable(object)
   local got = type(meta) == "table" and type(meta.__name) == "string" and meta.__name
   if classes[got] then return end
-  local class, name = next(classes)
+  local class
+  for one in pairs(classes) do class = (class == nil or one < class) and one or class end
+  local name = classes[class]
   error(("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, "
     .. "x:%s(...)"):format(name, class, got or type(object), name), 4)
 end
