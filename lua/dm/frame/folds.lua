@@ -1,9 +1,8 @@
 --- Folds of a section, beside which orbits cut it twice: its angle with the orbits changes its sign
 -- there. A band of such orbits may be narrow, and no sample meets it. So the section is followed
--- from the samples' points, towards lesser angles and beyond, and orbits beside folds are tried.
+-- from the samples' points (core.section), and orbits beside folds are tried.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local curves = require "dm.frame.curve"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local places = require "dm.action.points"
@@ -12,14 +11,12 @@ local tangent = require "dm.frame.tangent"
 
 local M = {}
 
-local abs, max, min = math.abs, math.max, math.min
+local abs, min = math.abs, math.min
 
-local NODES = 250        -- of all curves
+local NODES = 250      -- of curves of each kind
+local MOST = 12        -- folds that are tried
 local MORE, OTHERS = 16, 100 -- points brought to the section by the shortest way; their seeds
 local SIZES = { 0.3, 1, 3, 0.6 }
-local DOWN, ON = 12, 4 -- nodes towards lesser angles, and of every turn after that
-local ACROSS = 15      -- nodes both ways, where the section has several dimensions
-local DIPS, DEEPER = 4, 0.7 -- nodes between nodes for the least angle, while it falls by so much
 local HALVINGS = 8     -- towards a fold,
 local JUMP, SEEN = 0.7, 4 -- where the sine has to fall by so much in the first of them
 local TINY = 1e-3      -- of the algebra, for a second difference
@@ -27,45 +24,60 @@ local EDGES = 5        -- halvings towards the ends of a branch between two piec
 local AIMS = 3         -- steps of Gauss and Newton from one piece to the other
 local LONG = 10        -- of the algebra: what an orbit meets that far away is no neighbour
 
--- The least |sine| between nodes a, b, c of a curve, of which b has the least so far, by parabolas:
--- two nodes of unlike signs, or nothing.
-local function dip(on, a, b, c)
-  for _ = 1, DIPS do
-    local p, q = (b.x - a.x):norm(), (c.x - b.x):norm()
-    local left, right = (abs(b.sine) - abs(a.sine)) / p, (abs(c.sine) - abs(b.sine)) / q
-    local bend, slope = 2 * (right - left) / (p + q), (left * q + right * p) / (p + q)
-    local least = abs(b.sine) - slope ^ 2 / (2 * bend)
-    if not (bend > 0 and least < DEEPER * abs(b.sine)) then return end
-    local other, length = slope < 0 and c or a, slope < 0 and q or p
-    local share = min(max(abs(slope / bend) / length, 0.05), 0.6)
-    local m = curves.node(on, b.x + (other.x - b.x) * share, nil, length)
-    if not m or not m.inside then return end
-    if m.sine * b.sine < 0 then return b, m end
-    local away = other == c and a or c
-    if abs(m.sine) < abs(b.sine) then b, away = m, b else other = m end
-    a, c = away, other
+-- equations of the space of the points, as |z| = 1
+local function bonds_of(frame)
+  local kit = kits.of(frame.action.on)
+  return function(x)
+    local out = {}
+    for _, z in ipairs(points.split(x, frame.k, frame.m)) do
+      for _, bond in ipairs(kit.bonds(kits.list_of(z))) do out[#out + 1] = bond end
+    end
+    return out
   end
 end
 
--- Nodes of a curve until two are found between which the section folds, or leaves the branch and
--- comes back, which are returned; downhill: until |sine| grows.
-local function follow(curve, count, downhill)
-  while count > 0 or curve.outside > 0 do
-    count = count - 1
-    local one, two = curve.before, curve.at
-    local three = curves.advance(curve)
-    if not three then return end
-    local both = three.inside and two.inside
-    if both and three.sine * two.sine < 0 then return two, three end
-    if two.inside and not three.inside then curve.left = { two, three } end
-    if three.inside and not two.inside then return two, three, curve.left end
-    local grows = abs(three.sine) > abs(two.sine)
-    if both and one and one.inside and grows and abs(two.sine) < abs(one.sine) then
-      local a, b = dip(curve.on, one, two, three)
-      if a then return a, b end
+-- what must be > 0 at x: domain and branch
+local function conditions(frame, x)
+  local list, out = points.split(x, frame.k, frame.m), {}
+  local domain = frame.action.domain
+  for i, z in ipairs(domain and list or {}) do out[i] = domain(z) end
+  local values = frame.branch and points.entries(frame.branch(table.unpack(list))) or {}
+  return table.move(values, 1, #values, #out + 1, out)
+end
+
+-- conditions as a dm.function, as one of Lua where they cannot be traced, or nothing
+local function inside_of(frame, n)
+  if not (frame.branch or frame.action.domain) then return nil end
+  local fine, traced = blame.try(core.trace, function(x) return conditions(frame, x) end, n)
+  if fine then return traced end
+  return function(x)
+    local told, values = blame.try(conditions, frame, x)
+    for i = 1, told and #values or 0 do
+      if not (values[i] > 0) then return false end
     end
-    if downhill and grows and three.inside then return end
+    return told
   end
+end
+
+-- the section as a level set, and how many dimensions it has
+local function level_of(frame)
+  local n, bonds = frame.k * frame.m, bonds_of(frame)
+  local count = #bonds(points.flat(points.sample(frame, 1)))
+  local function equations(x)
+    local out = require("dm.frame").section(frame, points.split(x, frame.k, frame.m))
+    for _, bond in ipairs(count > 0 and bonds(x) or {}) do out[#out + 1] = bond end
+    -- what cancels is compared with the trace beside 1
+    for i = 1, #out do out[i] = 1 + out[i] end
+    return out
+  end
+  if n - frame.r - count < 1 then return nil end
+  return core.section(core.trace(equations, n), tangent.moved(frame), inside_of(frame, n))
+end
+
+-- a node of the section
+local function node(level, x, step)
+  local at, sine, inside = level:node(x, step)
+  return at and { x = at, sine = sine, inside = inside }
 end
 
 -- Where the orbit of a node beside a fold meets the section again: section and orbit nearly agree
@@ -89,24 +101,9 @@ local function across(frame, at)
   return abs(t) < LONG and { h(t), h(2 * t) } or {}
 end
 
--- orbits beside a fold between nodes a and b
-local function try_orbits(on, a, b, tried)
-  local least = min(abs(a.sine), abs(b.sine))
-  for i = 1, HALVINGS do
-    local m = curves.node(on, (a.x + b.x) / 2, nil, (b.x - a.x):norm())
-    if not m then return end
-    if m.sine * a.sine < 0 then b = m else a = m end
-    if i == SEEN and min(abs(a.sine), abs(b.sine)) > JUMP * least then return end
-    for _, at in ipairs(i % 2 == 0 and { a, b } or {}) do
-      local fine, elements = blame.try(across, on.frame, at)
-      if fine then tried(points.split(at.x, on.frame.k, on.frame.m), elements) end
-    end
-  end
-end
-
 -- nearer to where the branch ends between a node inside and one outside
-local function edge(on, inside, outside)
-  local m = curves.node(on, (inside.x + outside.x) / 2, nil, (inside.x - outside.x):norm())
+local function edge(level, inside, outside)
+  local m = node(level, (inside.x + outside.x) / 2, (inside.x - outside.x):norm())
   if m and m.inside then return m, outside end
   return inside, m or outside
 end
@@ -128,79 +125,72 @@ local function towards(frame, at, goal)
   return g
 end
 
--- orbits of both pieces of a section that leaves the branch after `left` and comes back at `back`
-local function try_pieces(on, left, back, tried)
-  local a, beyond = table.unpack(left)
-  local before, b = table.unpack(back)
-  for _ = 1, EDGES do
-    for _, pair in ipairs { { a, b }, { b, a } } do
-      local fine, h = blame.try(towards, on.frame, table.unpack(pair))
-      if fine then tried(points.split(pair[1].x, on.frame.k, on.frame.m), { h }) end
+-- the orbit of each of two nodes beside the other one
+local function try_pair(frame, a, b, tried)
+  for _, pair in ipairs { { a, b }, { b, a } } do
+    local fine, h = blame.try(towards, frame, table.unpack(pair))
+    if fine then tried(points.split(pair[1].x, frame.k, frame.m), { h }) end
+  end
+end
+
+-- orbits beside a fold between nodes a and b; where the section has a corner the sine jumps
+local function try_orbits(frame, level, a, b, tried)
+  local least = min(abs(a.sine), abs(b.sine))
+  for i = 1, HALVINGS do
+    local m = node(level, (a.x + b.x) / 2, (b.x - a.x):norm())
+    if not m then return end
+    if m.sine * a.sine < 0 then b = m else a = m end
+    local jumps = i >= SEEN and min(abs(a.sine), abs(b.sine)) > JUMP * least
+    if jumps then try_pair(frame, a, b, tried) end
+    for _, at in ipairs(i % 2 == 0 and not jumps and { a, b } or {}) do
+      local fine, elements = blame.try(across, frame, at)
+      if fine then tried(points.split(at.x, frame.k, frame.m), elements) end
     end
-    a, beyond = edge(on, a, beyond)
-    b, before = edge(on, b, before)
   end
 end
 
--- what lies between two nodes of a curve
-local function try_between(curve, a, b, left, tried)
-  if left then return try_pieces(curve.on, left, { a, b }, tried) end
-  curve.ended = true
-  try_orbits(curve.on, a, b, tried)
-end
-
--- a start's curves in both directions of one at random
-local function set_out(on, start)
-  local v = kits.normals(on.stream, on.nodes, on.n, 1)
-  start.curves = { curves.curve(on, start.at, v), curves.curve(on, start.at, v * -1) }
-end
-
-local function go_on(start, count, tried)
-  for _, curve in ipairs(start.curves) do
-    local a, b, left = follow(curve, count)
-    if a then try_between(curve, a, b, left, tried) end
+-- orbits of both pieces of a section that leaves the branch between nodes a and beyond and comes
+-- back between before and b
+local function try_pieces(frame, level, before, b, a, beyond, tried)
+  for _ = 1, EDGES do
+    try_pair(frame, a, b, tried)
+    a, beyond = edge(level, a, beyond)
+    b, before = edge(level, b, before)
   end
 end
 
--- the first nodes of a start on a section that is a curve: where the angle becomes less
-local function go_down(start, tried)
-  local curve, other = table.unpack(start.curves)
-  local a, b, left = follow(curve, 1)
-  if not a then
-    if abs(curve.at.sine) >= abs(start.at.sine) then curve = other end
-    a, b, left = follow(curve, DOWN, true)
+-- what lies between the points of a fold, or of two pieces
+local function try_between(frame, level, list, tried)
+  local nodes = {}
+  for i, x in ipairs(list) do
+    nodes[i] = node(level, x, x:norm())
+    if not nodes[i] then return end
   end
-  if a then try_between(curve, a, b, left, tried) end
+  if #nodes == 2 then return try_orbits(frame, level, nodes[1], nodes[2], tried) end
+  try_pieces(frame, level, nodes[1], nodes[2], nodes[3], nodes[4], tried)
+end
+
+-- { point, how far from it the section may be }: the lists', on the section, and others
+local function starts_of(frame, lists)
+  local out = {}
+  for i, list in ipairs(lists) do
+    local x = points.flat(list)
+    out[i] = { x, 10 }
+  end
+  for seed = 1, MORE do
+    local size = SIZES[seed % #SIZES + 1]
+    out[#out + 1] = { points.flat(points.sample(frame, OTHERS + seed)) * size, 10 * size }
+  end
+  return out
 end
 
 --- Looks for folds. lists: points on the section. tried(list, elements) compares the frame of these
 -- points with those of what the elements move.
 function M.search(frame, lists, tried)
-  local fine, on = blame.try(curves.on, frame)
-  if not fine or on.free < 1 then return end
-  local starts = {}
-  on.stream = core.random(13)
-  local function start(list, size)
-    local at = curves.node(on, points.flat(list) * size, nil, 10 * size)
-    if at and at.inside then starts[#starts + 1] = { at = at } end
-  end
-  for _, list in ipairs(lists) do start(list, 1) end
-  for seed = 1, MORE do start(points.sample(frame, OTHERS + seed), SIZES[seed % #SIZES + 1]) end
-  table.sort(starts, function(a, b) return abs(a.at.sine) < abs(b.at.sine) end)
-  for round = 1, #starts > 0 and NODES or 0 do
-    local spent = on.nodes
-    for _, start in ipairs(starts) do
-      if on.nodes > NODES then return end
-      if round == 1 or on.free > 1 then set_out(on, start) end
-      if on.free > 1 then
-        go_on(start, ACROSS, tried)
-      elseif round == 1 then
-        go_down(start, tried)
-      else
-        go_on(start, ON, tried)
-      end
-    end
-    if on.nodes == spent then return end
+  local fine, level = blame.try(level_of, frame)
+  if not fine or not level then return end
+  for _, list in ipairs(level:folds(starts_of(frame, lists), NODES, MOST)) do
+    try_between(frame, level, list, tried)
   end
 end
 

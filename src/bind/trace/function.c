@@ -65,6 +65,12 @@ const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, co
     return p->out;
 }
 
+const double *dml_function_values(lua_State *L, dml_function *f, const double *x) {
+    const dml_function_part *p = want(L, f, DML_VALUE);
+    dm_kernel_eval(&p->kernel, x, p->out);
+    return p->out;
+}
+
 /* ---- making one ---- */
 
 /* lengths of the arguments from stack index `first` on: a number of entries, or

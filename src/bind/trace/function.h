@@ -39,6 +39,9 @@ int dml_function_derivative(lua_State *L);
 /* The part at f->x; kept by f. Raises where it is NaN. */
 const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what);
 
+/* The value at x[inputs], which may be NaN. */
+const double *dml_function_values(lua_State *L, dml_function *f, const double *x);
+
 /* Arguments from stack index 2 on, fewer or more than f takes: raises. */
 void dml_function_checkcount(lua_State *L, const dml_function *f);
 

@@ -1,0 +1,253 @@
+/* folds.c - where a search looks: from every start along curves, at switches, and downhill. */
+#include "level/folds.h"
+
+#include "level/curve.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    DOWN = 12,   /* nodes towards lesser angles, */
+    ON = 4,      /* and of every turn after that, on sets that are curves */
+    ACROSS = 12, /* nodes both ways on others */
+    BESIDE = 14, /* and from a switch */
+    AIMED = 3,   /* starts that are led to every switch */
+    SWEEPS = 12, /* searches along lines */
+    STARTS = 64
+};
+static const double FIRST = 0.1, /* step, beside the size of the points; */
+    FINE = 2e-3,                 /* where nothing is known of what is near */
+    NARROW = 0.2,                /* widths of switches, beside the same */
+    LINE = 0.15, SHORTEST = 1e-3;
+
+typedef struct {
+    dm_search *s;
+    dm_place place[STARTS];
+    uint32_t count, dimension;
+    dm_curve curve[2], both[STARTS][2];
+    dm_place best, side[3];
+    double *x, *v;
+} plan;
+
+/* ---- starts ---- */
+
+static int by_sine(const void *a, const void *b) {
+    const double one = fabs(((const dm_place *)a)->sine), other = fabs(((const dm_place *)b)->sine);
+    return (one > other) - (one < other);
+}
+
+static int find_starts(plan *p, const double *x, const double *step, uint32_t count) {
+    for (uint32_t i = 0; i < count && p->count < STARTS; i++) {
+        dm_place *at = p->place + p->count;
+        if (!at->x && !dm_place_take(p->s, at)) return 0;
+        const int is = dm_place_step(p->s, at, x + (size_t)i * p->s->l->n, NULL, 0, step[i]);
+        if (is && at->inside) p->count++;
+    }
+    qsort(p->place, p->count, sizeof *p->place, by_sine);
+    return 1;
+}
+
+/* ---- along curves ---- */
+
+static void both_ways(plan *p, dm_curve *c, const dm_place *at, double *v, double step) {
+    dm_curve_begin(p->s, c, at, v, step);
+    for (uint32_t k = 0; k < p->s->l->n; k++) v[k] = -v[k];
+    dm_curve_begin(p->s, c + 1, at, v, step);
+}
+
+static int has_more(const plan *p, uint32_t until) {
+    return !p->s->over && p->s->spent < until;
+}
+
+/* a set that is a curve: towards lesser angles, then on to both sides */
+static void along(plan *p, uint32_t until) {
+    for (uint32_t i = 0; i < p->count && has_more(p, until); i++) {
+        dm_curve *c = p->both[i];
+        const dm_place *at = p->place + i;
+        if (!dm_curve_take(p->s, c) || !dm_curve_take(p->s, c + 1)) return;
+        if (!dm_random_tangent(p->s, at, p->v)) continue;
+        both_ways(p, c, at, p->v, FIRST * at->size);
+        dm_curve_follow(p->s, c, 1, 0);
+        dm_curve_follow(p->s, fabs(c->at.sine) < fabs(at->sine) ? c : c + 1, DOWN, 1);
+    }
+    for (uint32_t before = 0; has_more(p, until) && before != p->s->spent;) {
+        before = p->s->spent;
+        for (uint32_t i = 0; i < p->count && has_more(p, until); i++)
+            for (int k = 0; k < 2; k++)
+                if (p->both[i][k].at.x) dm_curve_follow(p->s, p->both[i] + k, ON, 0);
+    }
+}
+
+/* one of several dimensions: in directions at random */
+static void across(plan *p, uint32_t until) {
+    for (uint32_t i = 0; i < p->count && has_more(p, until); i++) {
+        const dm_place *at = p->place + i;
+        if (!dm_random_tangent(p->s, at, p->v)) continue;
+        both_ways(p, p->curve, at, p->v, FIRST * at->size);
+        for (int k = 0; k < 2; k++) dm_curve_follow(p->s, p->curve + k, ACROSS, 0);
+    }
+}
+
+/* ---- downhill ---- */
+
+/* The narrowest switch where the level was looked at, its direction in v; its width. */
+static double narrowest(plan *p, const dm_place *at, double *v) {
+    dm_level *l = p->s->l;
+    double least = NARROW * at->size;
+    int is = 0;
+    for (uint32_t j = 0; j < l->s; j++) {
+        const double width = dm_level_width(l, j, p->x);
+        if (l->kind[j] == DM_BREAKS || !(width < least)) continue;
+        least = width, is = 1;
+        memcpy(v, p->x, l->n * sizeof *v);
+    }
+    return is ? least : 0;
+}
+
+/* A direction from the best node: by turns across the narrowest switch there, and beside it. */
+static int direction(plan *p, int turn, double *h) {
+    dm_level *l = p->s->l;
+    double *row = l->rows + (size_t)l->c * l->n;
+    if (!dm_level_look(l, p->best.x)) return 0;
+    const double width = narrowest(p, &p->best, p->v);
+    if (width > 0 && turn % 3 == 0) {
+        *h = width / 2;
+        return 1;
+    }
+    const int beside = width > 0 && p->dimension > 1;
+    for (uint32_t k = 0; k < l->n; k++) p->x[k] = p->v[k];
+    if (!dm_random_tangent(p->s, &p->best, p->v)) return 0;
+    if (beside) memcpy(row, p->x, l->n * sizeof *row);
+    return dm_level_turn(l, p->v, (uint32_t)beside);
+}
+
+/* is the node a better one? Tells where the sign changes. */
+static int is_lower(plan *p, const dm_place *m, int is) {
+    if (!is || !m->inside || p->s->over) return 0;
+    if (m->sine * p->best.sine < 0) {
+        dm_search_tell(p->s, &p->best, m, NULL);
+        return -1;
+    }
+    return fabs(m->sine) < fabs(p->best.sine);
+}
+
+/* where a parabola through three values of |sine| one step apart has its least one, in steps */
+static double least_of(double minus, double middle, double plus) {
+    const double slope = (plus - minus) / 2, bend = plus + minus - 2 * middle;
+    if (!(bend > 0)) return plus < minus ? 2 : -2;
+    return fmax(-3, fmin(3, -slope / bend));
+}
+
+/* the best of both sides and of a parabola's least becomes the best node; -1: a fold; 1: better */
+static int line(plan *p, double h) {
+    dm_place *side = p->side;
+    int is[3], better[3] = {0, 0, 0}, found = 0;
+    double value[2] = {INFINITY, INFINITY};
+    for (int k = 0; k < 2 && found >= 0; k++) {
+        is[k] = dm_place_step(p->s, side + k, p->best.x, p->v, k ? h : -h, h);
+        found = better[k] = is_lower(p, side + k, is[k]);
+        if (is[k] && side[k].inside) value[k] = fabs(side[k].sine);
+    }
+    if (found < 0) return -1;
+    double t = 0;
+    if (isfinite(value[0]) && isfinite(value[1]))
+        t = least_of(value[0], fabs(p->best.sine), value[1]);
+    else if (better[0] || better[1])
+        t = better[1] ? 2 : -2;
+    if (fabs(t) > 0.1 && fabs(fabs(t) - 1) > 0.1) {
+        is[2] = dm_place_step(p->s, side + 2, p->best.x, p->v, t * h, fabs(t) * h);
+        better[2] = is_lower(p, side + 2, is[2]);
+        if (better[2] < 0) return -1;
+    }
+    int best = -1;
+    for (int k = 0; k < 3; k++)
+        if (better[k] > 0 && (best < 0 || fabs(side[k].sine) < fabs(side[best].sine))) best = k;
+    if (best >= 0) dm_place_copy(p->s, &p->best, side + best);
+    return best >= 0;
+}
+
+/* lesser |sine| from a node, along lines */
+static void downhill(plan *p, const dm_place *from) {
+    double step = LINE * from->size;
+    dm_place_copy(p->s, &p->best, from);
+    for (int i = 0; i < SWEEPS && !p->s->over && step > SHORTEST * from->size; i++) {
+        double h = step, breaks;
+        if (!direction(p, i, &h)) return;
+        const double reach = dm_level_reach(p->s->l, p->v, &breaks);
+        const int got = line(p, fmin(h, fmax(reach, SHORTEST * from->size)));
+        if (got < 0) return;
+        if (h == step) step *= got ? 1.3 : 0.6;
+    }
+}
+
+/* ---- at switches ---- */
+
+/* from a node at switches: across and beside them */
+static void beside(plan *p, const dm_place *at, uint32_t j) {
+    dm_level *l = p->s->l;
+    if (!dm_level_look(l, at->x)) return;
+    if (!(dm_level_width(l, j, p->v) < INFINITY) && !dm_random_tangent(p->s, at, p->v)) return;
+    both_ways(p, p->curve, at, p->v, FINE * at->size);
+    for (int k = 0; k < 2; k++) dm_curve_follow(p->s, p->curve + k, BESIDE, 0);
+    if (p->dimension > 1) downhill(p, at);
+}
+
+static void aim(plan *p, const dm_place *from, const uint32_t *which, uint32_t count) {
+    const uint32_t n = p->s->l->n;
+    dm_place *at = p->side + 2;
+    memcpy(p->x, from->x, n * sizeof *p->x);
+    if (!dm_level_aim(p->s->l, p->x, which, count)) return;
+    if (!dm_place_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) return;
+    dm_place kept;
+    if (!dm_place_take(p->s, &kept)) return;
+    dm_place_copy(p->s, &kept, at);
+    beside(p, &kept, which[count - 1]);
+}
+
+static void switches(plan *p, uint32_t until) {
+    const dm_level *l = p->s->l;
+    uint32_t all[DM_SWITCHES], count = 0;
+    for (uint32_t j = 0; j < l->s; j++)
+        if (l->kind[j] != DM_TURNS) all[count++] = j;
+    for (uint32_t i = 0; i < p->count && i < AIMED; i++) {
+        const dm_place *from = p->place + (size_t)i * p->count / AIMED;
+        for (uint32_t j = 0; j < count && has_more(p, until); j++) aim(p, from, all + j, 1);
+        if (count > 1 && count <= p->dimension && has_more(p, until)) aim(p, from, all, count);
+    }
+}
+
+/* ---- all of it ---- */
+
+static int take_memory(plan *p) {
+    dm_search *s = p->s;
+    const size_t n = s->l->n;
+    for (int i = 0; i < 4; i++)
+        if (!dm_place_take(s, s->spare + i)) return 0;
+    for (int i = 0; i < 3; i++)
+        if (!dm_place_take(s, p->side + i)) return 0;
+    double *block = dm_arena_take(s->arena, 3 * n * sizeof *block);
+    if (!block || !dm_place_take(s, &p->best)) return 0;
+    s->v = block, p->x = block + n, p->v = block + 2 * n;
+    return dm_curve_take(s, p->curve) && dm_curve_take(s, p->curve + 1);
+}
+
+dm_status dm_folds_search(const dm_folds *how, const double *x, const double *step,
+                          uint32_t count, dm_arena *arena) {
+    dm_search s = {.how = how, .l = how->level, .arena = arena};
+    plan *p = dm_arena_take(arena, sizeof *p);
+    if (!p) return DM_NO_MEMORY;
+    *p = (plan){.s = &s, .dimension = s.l->n - s.l->c};
+    if (s.l->n <= s.l->c) return DM_OK;
+    if (!take_memory(p) || !find_starts(p, x, step, count)) return DM_NO_MEMORY;
+    s.spent = 0;
+    switches(p, how->most);
+    if (p->dimension == 1)
+        along(p, s.spent + how->most);
+    else
+        across(p, s.spent + how->most);
+    const uint32_t until = s.spent + how->most;
+    for (uint32_t i = 0; p->dimension > 1 && i < p->count && has_more(p, until); i++)
+        downhill(p, p->place + i);
+    return DM_OK;
+}

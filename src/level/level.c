@@ -1,0 +1,171 @@
+/* level.c - points of a level set and its angle with orbits. */
+#include "level/level.h"
+
+#include "level/switches.h"
+#include "algebra/derive.h"
+#include "code/tape/tape.h"
+#include "linalg/lu.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CORRECTIONS = 3 };
+static const double MOST = 0.3, /* of a step: a correction that is larger is refused, */
+    LAST = 0.02,                /* the last one is smaller */
+    ALONG = 1e-3;               /* of a unit vector, what has a direction along the set */
+
+/* ---- making one ---- */
+
+/* psi[n r] = the slope of moved by y at y = 0, in the graph g of x */
+static int orbit_slopes(dm_graph *g, const dm_level_function *moved, dm_node *psi,
+                        dm_arena *arena) {
+    const uint32_t n = moved->outputs, r = moved->inputs - n;
+    dm_node *slopes = dm_arena_take(arena, (size_t)n * r * sizeof *slopes);
+    dm_node *with = dm_arena_take(arena, moved->inputs * sizeof *with);
+    if (!slopes || !with) return 0;
+    dm_jacobian(moved->graph, moved->value, n, 0, r, slopes);
+    for (uint32_t i = 0; i < r; i++) with[i] = dm_constant(g, 0.0);
+    for (uint32_t i = 0; i < n; i++) with[r + i] = dm_input(g, i);
+    dm_transplant(g, moved->graph, slopes, n * r, with, psi);
+    return 1;
+}
+
+/* nodes of the graph g for all outputs of the kernel: F, slopes of F and switches, psi, switches */
+static dm_node *all_nodes(dm_level *l, dm_graph *g, const dm_level_function *F,
+                          const dm_level_function *moved, dm_arena *arena) {
+    const size_t n = l->n, c = l->c, r = l->r, most = c + DM_SWITCHES;
+    dm_node *value = dm_arena_take(arena, (most + most * n + n * r + most) * sizeof *value);
+    dm_node *with = dm_arena_take(arena, n * sizeof *with);
+    if (!value || !with) return NULL;
+    for (uint32_t i = 0; i < n; i++) with[i] = dm_input(g, i);
+    dm_transplant(g, F->graph, F->value, l->c, with, value);
+    dm_node of[DM_SWITCHES];
+    l->s = dm_switches_find(g, of, l->kind);
+    dm_node *slope = value + c, *psi = slope + (c + l->s) * n;
+    dm_jacobian(g, value, l->c, 0, l->n, slope);
+    if (l->s) dm_jacobian(g, of, l->s, 0, l->n, slope + c * n);
+    if (!orbit_slopes(g, moved, psi, arena)) return NULL;
+    memcpy(psi + n * r, of, l->s * sizeof *of);
+    return value;
+}
+
+static int take_memory(dm_level *l, dm_arena *arena) {
+    const size_t n = l->n, c = l->c, r = l->r, all = c + l->s;
+    const size_t out = l->kernel.outputs, total = out + all * n + all + all * all + 2 * r * r + 2 * n;
+    double *block = dm_arena_take(arena, total * sizeof *block);
+    l->pivot = dm_arena_take(arena, all * sizeof *l->pivot);
+    if (!block || !l->pivot) return 0;
+    memset(block, 0, total * sizeof *block);
+    l->value = block, l->slope = block + c, l->psi = l->slope + all * n, l->u = l->psi + n * r;
+    l->rows = block + out, l->y = l->rows + all * n, l->gram = l->y + all;
+    l->A = l->gram + all * all, l->turns = l->A + r * r;
+    l->change = l->turns + r * r, l->best = l->change + n;
+    return 1;
+}
+
+dm_status dm_level_build(dm_level *out, const dm_level_function *F,
+                         const dm_level_function *moved, dm_arena *arena) {
+    dm_level l = {.n = F->inputs, .c = F->outputs, .r = moved->inputs - F->inputs};
+    dm_graph *g = dm_graph_new(arena, l.n);
+    dm_node *nodes = g ? all_nodes(&l, g, F, moved, arena) : NULL;
+    if (!nodes) return DM_NO_MEMORY;
+    if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
+    const uint32_t outputs = l.c + (l.c + l.s) * l.n + l.n * l.r + l.s;
+    const dm_status status = dm_tape_build(&l.kernel, g, nodes, outputs, arena);
+    if (status != DM_OK) return status;
+    if (!take_memory(&l, arena)) return DM_NO_MEMORY;
+    dm_kernel_prepare(&l.kernel, l.value);
+    *out = l;
+    return DM_OK;
+}
+
+/* ---- points ---- */
+
+int dm_level_look(dm_level *l, const double *x) {
+    dm_kernel_eval(&l->kernel, x, l->value);
+    const uint32_t needed = l->c + l->c * l->n;
+    for (uint32_t i = 0; i < needed; i++)
+        if (!isfinite(l->value[i])) return 0;
+    return 1;
+}
+
+/* out[rows rows] = A A^T of the first rows, `n` long */
+static void square(double *out, const double *A, uint32_t rows, uint32_t n) {
+    for (uint32_t i = 0; i < rows; i++)
+        for (uint32_t j = 0; j <= i; j++) {
+            double sum = 0;
+            for (uint32_t k = 0; k < n; k++) sum += A[i * n + k] * A[j * n + k];
+            out[i * rows + j] = out[j * rows + i] = sum;
+        }
+}
+
+double dm_level_normal_step(dm_level *l, const double *rows, uint32_t count) {
+    const uint32_t n = l->n;
+    double size = 0;
+    square(l->gram, rows, count, n);
+    if (dm_lu_factor(l->gram, l->pivot, count) != DM_OK) return NAN;
+    dm_lu_solve(l->y, l->gram, l->pivot, count);
+    for (uint32_t k = 0; k < n; k++) {
+        double sum = 0;
+        for (uint32_t i = 0; i < count; i++) sum += rows[i * n + k] * l->y[i];
+        l->change[k] = sum;
+        size += sum * sum;
+    }
+    return sqrt(size);
+}
+
+int dm_level_bring(dm_level *l, double *x, double step) {
+    for (int i = 0; i < CORRECTIONS; i++) {
+        if (!dm_level_look(l, x)) return 0;
+        for (uint32_t k = 0; k < l->c; k++) l->y[k] = l->value[k] - 1;
+        const double size = dm_level_normal_step(l, l->slope, l->c);
+        if (!(size < MOST * step)) return 0;
+        for (uint32_t k = 0; k < l->n; k++) x[k] -= l->change[k];
+        if (size <= LAST * step) return 1;
+    }
+    return 0;
+}
+
+int dm_level_turn(dm_level *l, double *v, uint32_t more) {
+    const uint32_t n = l->n, count = l->c + more;
+    const double *rows = more ? l->rows : l->slope;
+    double size = 0, before = 0;
+    if (more) memcpy(l->rows, l->slope, (size_t)l->c * n * sizeof *l->rows);
+    for (uint32_t i = 0; i < count; i++) {
+        l->y[i] = 0;
+        for (uint32_t k = 0; k < n; k++) l->y[i] += rows[i * n + k] * v[k];
+    }
+    for (uint32_t k = 0; k < n; k++) before += v[k] * v[k];
+    if (!isfinite(dm_level_normal_step(l, rows, count))) return 0;
+    for (uint32_t k = 0; k < n; k++) {
+        v[k] -= l->change[k];
+        size += v[k] * v[k];
+    }
+    if (!(size > ALONG * ALONG * before)) return 0;
+    for (uint32_t k = 0; k < n; k++) v[k] /= sqrt(size);
+    return 1;
+}
+
+/* determinant of A[n n], which becomes its factors */
+static double determinant(double *A, uint32_t *pivot, uint32_t n) {
+    double out = 1;
+    if (dm_lu_factor(A, pivot, n)) return 0;
+    for (uint32_t i = 0; i < n; i++) out *= pivot[i] == i ? A[i * n + i] : -A[i * n + i];
+    return 1 / out;
+}
+
+double dm_level_sine(dm_level *l) {
+    const uint32_t n = l->n, r = l->r;
+    for (uint32_t i = 0; i < r; i++)
+        for (uint32_t j = 0; j < r; j++) {
+            double cut = 0, turn = 0;
+            for (uint32_t k = 0; k < n; k++) {
+                cut += l->slope[i * n + k] * l->psi[k * r + j];
+                turn += l->psi[k * r + i] * l->psi[k * r + j];
+            }
+            l->A[i * r + j] = cut, l->turns[i * r + j] = turn;
+        }
+    const double cut = determinant(l->A, l->pivot, r), turns = determinant(l->turns, l->pivot, r);
+    square(l->turns, l->slope, r, n);
+    return cut / sqrt(turns * determinant(l->turns, l->pivot, r));
+}
