@@ -4,13 +4,15 @@
 #include "base/random.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { GAP = 4, /* nodes outside */ DIPS = 4, SEED = 13 };
 static const double FAR = 100,               /* how far out curves go */
     SMALL = 0.1,                             /* points smaller than this count as so large */
     LONGEST = 0.25, SHORTEST = 5e-4,         /* steps, beside the size of the points */
-    TURN = 0.9, STRAIGHT = 0.98,             /* cosines between tangents: shorter, longer steps, */
+    TURN = 0.8, BEND = 0.4,                  /* cosine between tangents at most, angle as a rule, */
     CORNER = 0.05,                           /* and where the set may have one */
     LONGER = 1.6, SHORTER = 0.4, DEEPER = 0.7; /* a dip of |sine| falls by so much */
 
@@ -89,6 +91,12 @@ static void swap(dm_place *a, dm_place *b) {
     *b = kept;
 }
 
+/* times a step, for the next one: so that the tangent turns by about BEND */
+static double fitting(double turn) {
+    const double angle = acos(fmin(1, fmax(-1, turn)));
+    return fmax(SHORTER, fmin(LONGER, BEND / fmax(angle, 1e-9)));
+}
+
 /* one node further; 0: the curve ends */
 static int advance(dm_search *s, dm_curve *c) {
     const double shortest = SHORTEST * c->at.size;
@@ -97,17 +105,19 @@ static int advance(dm_search *s, dm_curve *c) {
         const int corner = c->at.breaks <= h;
         if (corner) h = c->at.breaks;
         const int is = dm_place_step(s, &c->next, c->at.x, c->at.v, h, h);
+        if (getenv("DBG2")) printf("   h %g is %d sine %g x %g\n", h, is, c->next.sine, c->next.x[s->l->n-1]);
         const double turn = is ? dot(c->next.v, c->at.v, s->l->n) : 0;
         if (turn > (corner ? CORNER : TURN)) {
             swap(&c->before, &c->at);
             swap(&c->at, &c->next);
             c->has_before = 1;
             c->outside = c->at.inside ? 0 : c->outside + 1;
-            if (turn > STRAIGHT) c->step = fmin(LONGER * c->step, LONGEST * c->at.size);
+            if (!corner) c->step = fmax(h, c->step * (h < c->step)) * fitting(turn);
+            c->step = fmin(c->step, LONGEST * c->at.size);
             c->ended = !(c->at.size < FAR) || c->outside > GAP;
             return 1;
         }
-        c->step = SHORTER * h;
+        c->step = h * (is ? fitting(turn) : SHORTER);
     }
     c->ended = 1;
     return 0;

@@ -4,6 +4,7 @@
 #include "level/curve.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +12,8 @@ enum {
     DOWN = 12,   /* nodes towards lesser angles, */
     ON = 4,      /* and of every turn after that, on sets that are curves */
     ACROSS = 12, /* nodes both ways on others */
-    BESIDE = 14, /* and from a switch */
+    BESIDE = 16, /* and from a switch, */
+    HAIRPIN = 40, /* where the set is a curve */
     AIMED = 3,   /* starts that are led to every switch */
     SWEEPS = 12, /* searches along lines */
     STARTS = 64
@@ -189,7 +191,7 @@ static void beside(plan *p, const dm_place *at, uint32_t j) {
     if (!dm_level_look(l, at->x)) return;
     if (!(dm_level_width(l, j, p->v) < INFINITY) && !dm_random_tangent(p->s, at, p->v)) return;
     both_ways(p, p->curve, at, p->v, FINE * at->size);
-    for (int k = 0; k < 2; k++) dm_curve_follow(p->s, p->curve + k, BESIDE, 0);
+    for (int k = 0; k < 2; k++) dm_curve_follow(p->s, p->curve + k, p->dimension > 1 ? BESIDE : HAIRPIN, 0);
     if (p->dimension > 1) downhill(p, at);
 }
 
@@ -197,11 +199,12 @@ static void aim(plan *p, const dm_place *from, const uint32_t *which, uint32_t c
     const uint32_t n = p->s->l->n;
     dm_place *at = p->side + 2;
     memcpy(p->x, from->x, n * sizeof *p->x);
-    if (!dm_level_aim(p->s->l, p->x, which, count)) return;
+    if (!dm_level_aim(p->s->l, p->x, which, count)) {if (getenv("DBG")) printf("no aim %d\n", which[0]); return;}
     if (!dm_place_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) return;
     dm_place kept;
     if (!dm_place_take(p->s, &kept)) return;
     dm_place_copy(p->s, &kept, at);
+    if (getenv("DBG")) { printf("aim %d u %g x", (int)which[count-1], p->s->l->u[which[count-1]]); for (uint32_t k=0;k<n;k++) printf(" %g", kept.x[k]); printf(" sine %g spent %d\n", kept.sine, p->s->spent);}
     beside(p, &kept, which[count - 1]);
 }
 

@@ -82,6 +82,7 @@ static double reach(const dm_level *l, uint32_t j, double rate) {
     const int leaves = u * rate > 0;
     if (!isfinite(u) || !isfinite(rate) || rate == 0) return INFINITY;
     if (l->kind[j] == DM_BREAKS) return leaves || u == 0 ? INFINITY : BEYOND * fabs(u / rate);
+    if (l->kind[j] == DM_TURNS) return INFINITY;
     if (l->kind[j] == DM_BENDS && leaves && fabs(u) > PASSED) return INFINITY;
     return PART * scale(l->kind[j], u) / fabs(rate);
 }

@@ -13,7 +13,7 @@ local M = {}
 
 local abs, min = math.abs, math.min
 
-local NODES = 250      -- of curves of each kind
+local NODES = 1200     -- of curves of each kind, by dim G
 local MOST = 12        -- folds that are tried
 local MORE, OTHERS = 16, 100 -- points brought to the section by the shortest way; their seeds
 local SIZES = { 0.3, 1, 3, 0.6 }
@@ -189,7 +189,7 @@ end
 function M.search(frame, lists, tried)
   local fine, level = blame.try(level_of, frame)
   if not fine or not level then return end
-  for _, list in ipairs(level:folds(starts_of(frame, lists), NODES, MOST)) do
+  for _, list in ipairs(level:folds(starts_of(frame, lists), NODES // frame.r, MOST)) do
     try_between(frame, level, list, tried)
   end
 end
