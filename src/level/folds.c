@@ -12,9 +12,9 @@ enum {
     DOWN = 12,   /* nodes towards lesser angles, */
     ON = 4,      /* and of every turn after that, on sets that are curves */
     ACROSS = 12, /* nodes both ways on others */
-    BESIDE = 16, /* and from a switch, */
+    BESIDE = 12, /* and from a switch, */
     HAIRPIN = 40, /* where the set is a curve */
-    AIMED = 3,   /* starts that are led to every switch */
+    STRIDE = 7,  /* so that starts are taken of all kinds of angles */
     SWEEPS = 12, /* searches along lines */
     STARTS = 64
 };
@@ -200,7 +200,7 @@ static void aim(plan *p, const dm_place *from, const uint32_t *which, uint32_t c
     dm_place *at = p->side + 2;
     memcpy(p->x, from->x, n * sizeof *p->x);
     if (!dm_level_aim(p->s->l, p->x, which, count)) {if (getenv("DBG")) printf("no aim %d\n", which[0]); return;}
-    if (!dm_place_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) return;
+    if (!dm_place_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) {if (getenv("DBG")) printf("out %d\n", which[0]);return;}
     dm_place kept;
     if (!dm_place_take(p->s, &kept)) return;
     dm_place_copy(p->s, &kept, at);
@@ -208,15 +208,17 @@ static void aim(plan *p, const dm_place *from, const uint32_t *which, uint32_t c
     beside(p, &kept, which[count - 1]);
 }
 
+/* from start after start to every switch, and to every two of them */
 static void switches(plan *p, uint32_t until) {
     const dm_level *l = p->s->l;
-    uint32_t all[DM_SWITCHES], count = 0;
-    for (uint32_t j = 0; j < l->s; j++)
-        if (l->kind[j] != DM_TURNS) all[count++] = j;
-    for (uint32_t i = 0; i < p->count && i < AIMED; i++) {
-        const dm_place *from = p->place + (size_t)i * p->count / AIMED;
-        for (uint32_t j = 0; j < count && has_more(p, until); j++) aim(p, from, all + j, 1);
-        if (count > 1 && count <= p->dimension && has_more(p, until)) aim(p, from, all, count);
+    for (uint32_t i = 0; i < p->count; i++) {
+        const dm_place *from = p->place + (i * STRIDE) % p->count;
+        for (uint32_t j = 0; j < l->s && has_more(p, until); j++) {
+            if (l->kind[j] == DM_TURNS) continue;
+            aim(p, from, &j, 1);
+            for (uint32_t k = 0; k < j && p->dimension > 1 && has_more(p, until); k++)
+                if (l->kind[k] != DM_TURNS) aim(p, from, (uint32_t[]){j, k}, 2);
+        }
     }
 }
 
@@ -244,7 +246,7 @@ dm_status dm_folds_search(const dm_folds *how, const double *x, const double *st
     if (s.l->n <= s.l->c) return DM_OK;
     if (!take_memory(p) || !find_starts(p, x, step, count)) return DM_NO_MEMORY;
     s.spent = 0;
-    switches(p, how->most);
+    switches(p, 2 * how->most);
     if (p->dimension == 1)
         along(p, s.spent + how->most);
     else

@@ -53,7 +53,7 @@ static int take_memory(dm_level *l, dm_arena *arena) {
     const size_t n = l->n, c = l->c, r = l->r, all = c + l->s;
     const size_t out = l->kernel.outputs, total = out + all * n + all + all * all + 2 * r * r + 2 * n;
     double *block = dm_arena_take(arena, total * sizeof *block);
-    l->pivot = dm_arena_take(arena, all * sizeof *l->pivot);
+    l->pivot = dm_arena_take(arena, (all + r) * sizeof *l->pivot);
     if (!block || !l->pivot) return 0;
     memset(block, 0, total * sizeof *block);
     l->value = block, l->slope = block + c, l->psi = l->slope + all * n, l->u = l->psi + n * r;
@@ -82,6 +82,7 @@ dm_status dm_level_build(dm_level *out, const dm_level_function *F,
 /* ---- points ---- */
 
 int dm_level_look(dm_level *l, const double *x) {
+    l->has_gram = 0;
     dm_kernel_eval(&l->kernel, x, l->value);
     const uint32_t needed = l->c + l->c * l->n;
     for (uint32_t i = 0; i < needed; i++)
@@ -102,8 +103,13 @@ static void square(double *out, const double *A, uint32_t rows, uint32_t n) {
 double dm_level_normal_step(dm_level *l, const double *rows, uint32_t count) {
     const uint32_t n = l->n;
     double size = 0;
-    square(l->gram, rows, count, n);
-    if (dm_lu_factor(l->gram, l->pivot, count) != DM_OK) return NAN;
+    const int of_F = rows == l->slope && count == l->c;
+    if (!(of_F && l->has_gram)) {
+        l->has_gram = 0;
+        square(l->gram, rows, count, n);
+        if (dm_lu_factor(l->gram, l->pivot, count) != DM_OK) return NAN;
+        l->has_gram = of_F;
+    }
     dm_lu_solve(l->y, l->gram, l->pivot, count);
     for (uint32_t k = 0; k < n; k++) {
         double sum = 0;
@@ -146,12 +152,16 @@ int dm_level_turn(dm_level *l, double *v, uint32_t more) {
     return 1;
 }
 
-/* determinant of A[n n], which becomes its factors */
-static double determinant(double *A, uint32_t *pivot, uint32_t n) {
+/* determinant from factors, which have the reciprocals of pivots */
+static double product(const double *A, const uint32_t *pivot, uint32_t n) {
     double out = 1;
-    if (dm_lu_factor(A, pivot, n)) return 0;
     for (uint32_t i = 0; i < n; i++) out *= pivot[i] == i ? A[i * n + i] : -A[i * n + i];
     return 1 / out;
+}
+
+/* determinant of A[n n], which becomes its factors; pivot[n]: scratch */
+static double determinant(double *A, uint32_t *pivot, uint32_t n) {
+    return dm_lu_factor(A, pivot, n) == DM_OK ? product(A, pivot, n) : 0;
 }
 
 double dm_level_sine(dm_level *l) {
@@ -165,7 +175,9 @@ double dm_level_sine(dm_level *l) {
             }
             l->A[i * r + j] = cut, l->turns[i * r + j] = turn;
         }
-    const double cut = determinant(l->A, l->pivot, r), turns = determinant(l->turns, l->pivot, r);
+    uint32_t *scratch = l->pivot + l->c + l->s;
+    const double cut = determinant(l->A, scratch, r), turns = determinant(l->turns, scratch, r);
+    if (l->has_gram && l->c == r) return cut / sqrt(turns * product(l->gram, l->pivot, r));
     square(l->turns, l->slope, r, n);
-    return cut / sqrt(turns * determinant(l->turns, l->pivot, r));
+    return cut / sqrt(turns * determinant(l->turns, scratch, r));
 }

@@ -24,6 +24,7 @@ typedef struct {
     /* scratch: [(c + s) n], [c + s], its square, [r r] twice, [n] twice */
     double *rows, *y, *gram, *A, *turns, *change, *best;
     uint32_t *pivot;
+    int has_gram; /* gram holds the factors of J J^T of F where it was looked at */
 } dm_level;
 
 /* A traced function: value[outputs] in its graph of so many inputs. */
