@@ -1,21 +1,20 @@
 /* folds.c - where a search looks: from every start along curves, at switches, and downhill. */
 #include "level/folds.h"
 
-#include "level/curve.h"
+#include "level/trail.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    DOWN = 12,   /* nodes towards lesser angles, */
-    ON = 4,      /* and of every turn after that, on sets that are curves */
-    ACROSS = 12, /* nodes both ways on others */
-    BESIDE = 12, /* and from a switch, */
+    DOWN = 12,    /* nodes towards lesser angles, */
+    ON = 4,       /* and of every turn after that, on sets that are curves */
+    ACROSS = 12,  /* nodes both ways on others */
+    BESIDE = 12,  /* and from a switch, */
     HAIRPIN = 40, /* where the set is a curve */
-    STRIDE = 7,  /* so that starts are taken of all kinds of angles */
-    SWEEPS = 12, /* searches along lines */
+    STRIDE = 7,   /* so that starts are taken of all kinds of angles */
+    SWEEPS = 12,  /* searches along lines */
     STARTS = 64
 };
 static const double FIRST = 0.1, /* step, beside the size of the points; */
@@ -25,25 +24,26 @@ static const double FIRST = 0.1, /* step, beside the size of the points; */
 
 typedef struct {
     dm_search *s;
-    dm_place place[STARTS];
+    dm_footing place[STARTS];
     uint32_t count, dimension;
-    dm_curve curve[2], both[STARTS][2];
-    dm_place best, side[3];
+    dm_trail curve[2], both[STARTS][2];
+    dm_footing aimed, best, side[3];
     double *x, *v;
 } plan;
 
 /* ---- starts ---- */
 
 static int by_sine(const void *a, const void *b) {
-    const double one = fabs(((const dm_place *)a)->sine), other = fabs(((const dm_place *)b)->sine);
+    const double one = fabs(((const dm_footing *)a)->sine),
+                 other = fabs(((const dm_footing *)b)->sine);
     return (one > other) - (one < other);
 }
 
 static int find_starts(plan *p, const double *x, const double *step, uint32_t count) {
     for (uint32_t i = 0; i < count && p->count < STARTS; i++) {
-        dm_place *at = p->place + p->count;
-        if (!at->x && !dm_place_take(p->s, at)) return 0;
-        const int is = dm_place_step(p->s, at, x + (size_t)i * p->s->l->n, NULL, 0, step[i]);
+        dm_footing *at = p->place + p->count;
+        if (!at->x && !dm_footing_take(p->s, at)) return 0;
+        const int is = dm_footing_step(p->s, at, x + (size_t)i * p->s->l->n, NULL, 0, step[i]);
         if (is && at->inside) p->count++;
     }
     qsort(p->place, p->count, sizeof *p->place, by_sine);
@@ -52,49 +52,50 @@ static int find_starts(plan *p, const double *x, const double *step, uint32_t co
 
 /* ---- along curves ---- */
 
-static void both_ways(plan *p, dm_curve *c, const dm_place *at, double *v, double step) {
-    dm_curve_begin(p->s, c, at, v, step);
+static void both_ways(plan *p, dm_trail *c, const dm_footing *at, double *v, double step) {
+    dm_trail_begin(p->s, c, at, v, step);
     for (uint32_t k = 0; k < p->s->l->n; k++) v[k] = -v[k];
-    dm_curve_begin(p->s, c + 1, at, v, step);
+    dm_trail_begin(p->s, c + 1, at, v, step);
 }
 
 static int has_more(const plan *p, uint32_t until) {
     return !p->s->over && p->s->spent < until;
 }
 
-/* a set that is a curve: towards lesser angles, then on to both sides */
-static void along(plan *p, uint32_t until) {
+/* a set that is a curve: towards lesser angles, then on to both sides; 0: no memory */
+static int along(plan *p, uint32_t until) {
     for (uint32_t i = 0; i < p->count && has_more(p, until); i++) {
-        dm_curve *c = p->both[i];
-        const dm_place *at = p->place + i;
-        if (!dm_curve_take(p->s, c) || !dm_curve_take(p->s, c + 1)) return;
+        dm_trail *c = p->both[i];
+        const dm_footing *at = p->place + i;
+        if (!dm_trail_take(p->s, c) || !dm_trail_take(p->s, c + 1)) return 0;
         if (!dm_random_tangent(p->s, at, p->v)) continue;
         both_ways(p, c, at, p->v, FIRST * at->size);
-        dm_curve_follow(p->s, c, 1, 0);
-        dm_curve_follow(p->s, fabs(c->at.sine) < fabs(at->sine) ? c : c + 1, DOWN, 1);
+        dm_trail_follow(p->s, c, 1, 0);
+        dm_trail_follow(p->s, fabs(c->at.sine) < fabs(at->sine) ? c : c + 1, DOWN, 1);
     }
     for (uint32_t before = 0; has_more(p, until) && before != p->s->spent;) {
         before = p->s->spent;
         for (uint32_t i = 0; i < p->count && has_more(p, until); i++)
             for (int k = 0; k < 2; k++)
-                if (p->both[i][k].at.x) dm_curve_follow(p->s, p->both[i] + k, ON, 0);
+                if (p->both[i][k].at.x) dm_trail_follow(p->s, p->both[i] + k, ON, 0);
     }
+    return 1;
 }
 
 /* one of several dimensions: in directions at random */
 static void across(plan *p, uint32_t until) {
     for (uint32_t i = 0; i < p->count && has_more(p, until); i++) {
-        const dm_place *at = p->place + i;
+        const dm_footing *at = p->place + i;
         if (!dm_random_tangent(p->s, at, p->v)) continue;
         both_ways(p, p->curve, at, p->v, FIRST * at->size);
-        for (int k = 0; k < 2; k++) dm_curve_follow(p->s, p->curve + k, ACROSS, 0);
+        for (int k = 0; k < 2; k++) dm_trail_follow(p->s, p->curve + k, ACROSS, 0);
     }
 }
 
 /* ---- downhill ---- */
 
 /* The narrowest switch where the level was looked at, its direction in v; its width. */
-static double narrowest(plan *p, const dm_place *at, double *v) {
+static double narrowest(plan *p, const dm_footing *at, double *v) {
     dm_level *l = p->s->l;
     double least = NARROW * at->size;
     int is = 0;
@@ -125,7 +126,7 @@ static int direction(plan *p, int turn, double *h) {
 }
 
 /* is the node a better one? Tells where the sign changes. */
-static int is_lower(plan *p, const dm_place *m, int is) {
+static int is_lower(plan *p, const dm_footing *m, int is) {
     if (!is || !m->inside || p->s->over) return 0;
     if (m->sine * p->best.sine < 0) {
         dm_search_tell(p->s, &p->best, m, NULL);
@@ -143,11 +144,11 @@ static double least_of(double minus, double middle, double plus) {
 
 /* the best of both sides and of a parabola's least becomes the best node; -1: a fold; 1: better */
 static int line(plan *p, double h) {
-    dm_place *side = p->side;
+    dm_footing *side = p->side;
     int is[3], better[3] = {0, 0, 0}, found = 0;
     double value[2] = {INFINITY, INFINITY};
     for (int k = 0; k < 2 && found >= 0; k++) {
-        is[k] = dm_place_step(p->s, side + k, p->best.x, p->v, k ? h : -h, h);
+        is[k] = dm_footing_step(p->s, side + k, p->best.x, p->v, k ? h : -h, h);
         found = better[k] = is_lower(p, side + k, is[k]);
         if (is[k] && side[k].inside) value[k] = fabs(side[k].sine);
     }
@@ -158,68 +159,71 @@ static int line(plan *p, double h) {
     else if (better[0] || better[1])
         t = better[1] ? 2 : -2;
     if (fabs(t) > 0.1 && fabs(fabs(t) - 1) > 0.1) {
-        is[2] = dm_place_step(p->s, side + 2, p->best.x, p->v, t * h, fabs(t) * h);
+        is[2] = dm_footing_step(p->s, side + 2, p->best.x, p->v, t * h, fabs(t) * h);
         better[2] = is_lower(p, side + 2, is[2]);
         if (better[2] < 0) return -1;
     }
     int best = -1;
     for (int k = 0; k < 3; k++)
         if (better[k] > 0 && (best < 0 || fabs(side[k].sine) < fabs(side[best].sine))) best = k;
-    if (best >= 0) dm_place_copy(p->s, &p->best, side + best);
+    if (best >= 0) dm_footing_copy(p->s, &p->best, side + best);
     return best >= 0;
 }
 
+/* the direction of the last line, from the best node */
+static int straight_on(plan *p) {
+    return dm_level_look(p->s->l, p->best.x) && dm_level_turn(p->s->l, p->v, 0);
+}
+
 /* lesser |sine| from a node, along lines */
-static void downhill(plan *p, const dm_place *from) {
+static void downhill(plan *p, const dm_footing *from) {
     double step = LINE * from->size;
-    dm_place_copy(p->s, &p->best, from);
-    for (int i = 0; i < SWEEPS && !p->s->over && step > SHORTEST * from->size; i++) {
+    dm_footing_copy(p->s, &p->best, from);
+    for (int i = 0, again = 0; i < SWEEPS && !p->s->over && step > SHORTEST * from->size; i++) {
         double h = step, breaks;
-        if (!direction(p, i, &h)) return;
+        if (!(again ? straight_on(p) : direction(p, i, &h))) return;
         const double reach = dm_level_reach(p->s->l, p->v, &breaks);
         const int got = line(p, fmin(h, fmax(reach, SHORTEST * from->size)));
         if (got < 0) return;
-        if (h == step) step *= got ? 1.3 : 0.6;
+        again = got > 0 && h == step;
+        if (h == step) step *= got ? 1.6 : 0.5;
     }
 }
 
 /* ---- at switches ---- */
 
 /* from a node at switches: across and beside them */
-static void beside(plan *p, const dm_place *at, uint32_t j) {
+static void beside(plan *p, const dm_footing *at, uint32_t j) {
     dm_level *l = p->s->l;
     if (!dm_level_look(l, at->x)) return;
     if (!(dm_level_width(l, j, p->v) < INFINITY) && !dm_random_tangent(p->s, at, p->v)) return;
     both_ways(p, p->curve, at, p->v, FINE * at->size);
-    for (int k = 0; k < 2; k++) dm_curve_follow(p->s, p->curve + k, p->dimension > 1 ? BESIDE : HAIRPIN, 0);
+    const int count = p->dimension > 1 ? BESIDE : HAIRPIN;
+    for (int k = 0; k < 2; k++) dm_trail_follow(p->s, p->curve + k, count, 0);
     if (p->dimension > 1) downhill(p, at);
 }
 
-static void aim(plan *p, const dm_place *from, const uint32_t *which, uint32_t count) {
+static void aim(plan *p, const dm_footing *from, const uint32_t *which, uint32_t count) {
     const uint32_t n = p->s->l->n;
-    dm_place *at = p->side + 2;
+    dm_footing *at = &p->aimed;
     memcpy(p->x, from->x, n * sizeof *p->x);
-    if (!dm_level_aim(p->s->l, p->x, which, count)) {if (getenv("DBG")) printf("no aim %d\n", which[0]); return;}
-    if (!dm_place_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) {if (getenv("DBG")) printf("out %d\n", which[0]);return;}
-    dm_place kept;
-    if (!dm_place_take(p->s, &kept)) return;
-    dm_place_copy(p->s, &kept, at);
-    if (getenv("DBG")) { printf("aim %d u %g x", (int)which[count-1], p->s->l->u[which[count-1]]); for (uint32_t k=0;k<n;k++) printf(" %g", kept.x[k]); printf(" sine %g spent %d\n", kept.sine, p->s->spent);}
-    beside(p, &kept, which[count - 1]);
+    if (!dm_level_aim(p->s->l, p->x, which, count)) return;
+    if (!dm_footing_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) return;
+    beside(p, at, which[count - 1]);
 }
 
-/* from start after start to every switch, and to every two of them */
+/* to every switch, and to every two of them, from start after start */
 static void switches(plan *p, uint32_t until) {
     const dm_level *l = p->s->l;
-    for (uint32_t i = 0; i < p->count; i++) {
-        const dm_place *from = p->place + (i * STRIDE) % p->count;
-        for (uint32_t j = 0; j < l->s && has_more(p, until); j++) {
+    for (uint32_t i = 0, next = 0; i < p->count; i++)
+        for (uint32_t j = 0; j < l->s; j++) {
             if (l->kind[j] == DM_TURNS) continue;
-            aim(p, from, &j, 1);
-            for (uint32_t k = 0; k < j && p->dimension > 1 && has_more(p, until); k++)
-                if (l->kind[k] != DM_TURNS) aim(p, from, (uint32_t[]){j, k}, 2);
+            const uint32_t others = p->dimension > 1 ? j : 0;
+            for (uint32_t k = 0; k <= others && has_more(p, until); k++)
+                if (k == others || l->kind[k] != DM_TURNS)
+                    aim(p, p->place + STRIDE * next++ % p->count, (uint32_t[]){j, k},
+                        k < others ? 2 : 1);
         }
-    }
 }
 
 /* ---- all of it ---- */
@@ -228,17 +232,17 @@ static int take_memory(plan *p) {
     dm_search *s = p->s;
     const size_t n = s->l->n;
     for (int i = 0; i < 4; i++)
-        if (!dm_place_take(s, s->spare + i)) return 0;
+        if (!dm_footing_take(s, s->spare + i)) return 0;
     for (int i = 0; i < 3; i++)
-        if (!dm_place_take(s, p->side + i)) return 0;
+        if (!dm_footing_take(s, p->side + i)) return 0;
     double *block = dm_arena_take(s->arena, 3 * n * sizeof *block);
-    if (!block || !dm_place_take(s, &p->best)) return 0;
+    if (!block || !dm_footing_take(s, &p->best) || !dm_footing_take(s, &p->aimed)) return 0;
     s->v = block, p->x = block + n, p->v = block + 2 * n;
-    return dm_curve_take(s, p->curve) && dm_curve_take(s, p->curve + 1);
+    return dm_trail_take(s, p->curve) && dm_trail_take(s, p->curve + 1);
 }
 
-dm_status dm_folds_search(const dm_folds *how, const double *x, const double *step,
-                          uint32_t count, dm_arena *arena) {
+dm_status dm_folds_search(const dm_folds *how, const double *x, const double *step, uint32_t count,
+                          dm_arena *arena) {
     dm_search s = {.how = how, .l = how->level, .arena = arena};
     plan *p = dm_arena_take(arena, sizeof *p);
     if (!p) return DM_NO_MEMORY;
@@ -247,12 +251,10 @@ dm_status dm_folds_search(const dm_folds *how, const double *x, const double *st
     if (!take_memory(p) || !find_starts(p, x, step, count)) return DM_NO_MEMORY;
     s.spent = 0;
     switches(p, 2 * how->most);
-    if (p->dimension == 1)
-        along(p, s.spent + how->most);
-    else
-        across(p, s.spent + how->most);
     const uint32_t until = s.spent + how->most;
-    for (uint32_t i = 0; p->dimension > 1 && i < p->count && has_more(p, until); i++)
+    if (p->dimension == 1) return along(p, until) ? DM_OK : DM_NO_MEMORY;
+    across(p, until);
+    for (uint32_t i = 0; i < p->count && has_more(p, until + how->most); i++)
         downhill(p, p->place + i);
     return DM_OK;
 }

@@ -1,9 +1,9 @@
 /* level.c - points of a level set and its angle with orbits. */
 #include "level/level.h"
 
-#include "level/switches.h"
 #include "algebra/derive.h"
 #include "code/tape/tape.h"
+#include "level/switches.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -32,7 +32,8 @@ static int orbit_slopes(dm_graph *g, const dm_level_function *moved, dm_node *ps
 
 /* nodes of the graph g for all outputs of the kernel: F, slopes of F and switches, psi, switches */
 static dm_node *all_nodes(dm_level *l, dm_graph *g, const dm_level_function *F,
-                          const dm_level_function *moved, dm_arena *arena) {
+                          const dm_level_function *moved, const dm_level_function *inside,
+                          dm_arena *arena) {
     const size_t n = l->n, c = l->c, r = l->r, most = c + DM_SWITCHES;
     dm_node *value = dm_arena_take(arena, (most + most * n + n * r + most) * sizeof *value);
     dm_node *with = dm_arena_take(arena, n * sizeof *with);
@@ -41,6 +42,10 @@ static dm_node *all_nodes(dm_level *l, dm_graph *g, const dm_level_function *F,
     dm_transplant(g, F->graph, F->value, l->c, with, value);
     dm_node of[DM_SWITCHES];
     l->s = dm_switches_find(g, of, l->kind);
+    if (inside && l->s && l->s + inside->outputs <= DM_SWITCHES) {
+        dm_transplant(g, inside->graph, inside->value, inside->outputs, with, of + l->s);
+        for (uint32_t i = 0; i < inside->outputs; i++) l->kind[l->s++] = DM_EDGES;
+    }
     dm_node *slope = value + c, *psi = slope + (c + l->s) * n;
     dm_jacobian(g, value, l->c, 0, l->n, slope);
     if (l->s) dm_jacobian(g, of, l->s, 0, l->n, slope + c * n);
@@ -51,7 +56,8 @@ static dm_node *all_nodes(dm_level *l, dm_graph *g, const dm_level_function *F,
 
 static int take_memory(dm_level *l, dm_arena *arena) {
     const size_t n = l->n, c = l->c, r = l->r, all = c + l->s;
-    const size_t out = l->kernel.outputs, total = out + all * n + all + all * all + 2 * r * r + 2 * n;
+    const size_t out = l->kernel.outputs,
+                 total = out + all * n + all + all * all + 2 * r * r + 2 * n;
     double *block = dm_arena_take(arena, total * sizeof *block);
     l->pivot = dm_arena_take(arena, (all + r) * sizeof *l->pivot);
     if (!block || !l->pivot) return 0;
@@ -63,11 +69,11 @@ static int take_memory(dm_level *l, dm_arena *arena) {
     return 1;
 }
 
-dm_status dm_level_build(dm_level *out, const dm_level_function *F,
-                         const dm_level_function *moved, dm_arena *arena) {
+dm_status dm_level_build(dm_level *out, const dm_level_function *F, const dm_level_function *moved,
+                         const dm_level_function *inside, dm_arena *arena) {
     dm_level l = {.n = F->inputs, .c = F->outputs, .r = moved->inputs - F->inputs};
     dm_graph *g = dm_graph_new(arena, l.n);
-    dm_node *nodes = g ? all_nodes(&l, g, F, moved, arena) : NULL;
+    dm_node *nodes = g ? all_nodes(&l, g, F, moved, inside, arena) : NULL;
     if (!nodes) return DM_NO_MEMORY;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     const uint32_t outputs = l.c + (l.c + l.s) * l.n + l.n * l.r + l.s;

@@ -10,8 +10,9 @@
 enum { DM_SWITCHES = 24 };
 
 /* What happens along the operand u of an operation: it bends within |u| of about 1 (tanh, exp),
- * turns with every period (sin), has a scale of |u| (1/u, log) or breaks off at u = 0 (abs). */
-typedef enum { DM_BENDS, DM_TURNS, DM_DIVIDES, DM_BREAKS } dm_switch;
+ * turns with every period (sin), has a scale of |u| (1/u, log) or breaks off at u = 0 (abs). Behind
+ * these: what must be u > 0, whose edge is looked at, too. */
+typedef enum { DM_BENDS, DM_TURNS, DM_DIVIDES, DM_BREAKS, DM_EDGES } dm_switch;
 
 /* F: n numbers -> c, of which the first r stand for the section. At the point that was looked at
  * last: value[c] of F, slope[(c + s) n] of F and, behind it, of the switches, psi[n r] of the
@@ -24,6 +25,7 @@ typedef struct {
     /* scratch: [(c + s) n], [c + s], its square, [r r] twice, [n] twice */
     double *rows, *y, *gram, *A, *turns, *change, *best;
     uint32_t *pivot;
+    double goal[DM_SWITCHES], unit[DM_SWITCHES]; /* of u, where they are aimed at */
     int has_gram; /* gram holds the factors of J J^T of F where it was looked at */
 } dm_level;
 
@@ -34,9 +36,9 @@ typedef struct {
     uint32_t inputs, outputs;
 } dm_level_function;
 
-/* moved(y, x): r + n inputs, x moved by y. In `arena`; DM_NO_MEMORY, or what a graph refuses. */
-dm_status dm_level_build(dm_level *out, const dm_level_function *F,
-                         const dm_level_function *moved, dm_arena *arena);
+/* moved(y, x): r + n inputs, x moved by y; inside: what must be > 0, or NULL. In `arena`; DM_NO_MEMORY, or what a graph refuses. */
+dm_status dm_level_build(dm_level *out, const dm_level_function *F, const dm_level_function *moved,
+                         const dm_level_function *inside, dm_arena *arena);
 
 /* All of it at x; 0: something is not finite there. */
 int dm_level_look(dm_level *l, const double *x);
@@ -44,7 +46,7 @@ int dm_level_look(dm_level *l, const double *x);
 /* x brought to the level set by corrections that fit a step of this length; 0: it is not there. */
 int dm_level_bring(dm_level *l, double *x, double step);
 
-/* v[n] becomes the unit vector along the level set beside it, and along `more` rows more, which
+/* v[n] becomes the unit vector along the level set beside it, at right angles to `more` rows that
  * stand in l->rows behind c n numbers; 0: there is none. */
 int dm_level_turn(dm_level *l, double *v, uint32_t more);
 

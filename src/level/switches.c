@@ -8,7 +8,8 @@ enum { AIMS = 14 };
 static const double PART = 0.6, /* of a change at a switch: a step */
     BEYOND = 1.02,              /* of the way to a break: just behind it */
     PASSED = 8,                 /* |u| beyond which tanh and exp(-u) are flat */
-    CLOSE = 0.3;                /* |u| that is aimed at */
+    CLOSE = 0.3,                /* |u| that is aimed at, */
+    EDGE = 0.03;                /* of an edge: so much of what it is */
 
 /* ---- the graph ---- */
 
@@ -16,26 +17,48 @@ static const double PART = 0.6, /* of a change at a switch: a step */
 static dm_node operand(dm_graph *g, const dm_expr *e, dm_switch *kind) {
     double power;
     switch (e->op) {
-    case DM_OP_EXP: case DM_OP_TANH: case DM_OP_ATAN: case DM_OP_SINH: case DM_OP_COSH:
-    case DM_OP_ASIN: case DM_OP_ACOS: *kind = DM_BENDS; return e->as.arg[0];
-    case DM_OP_SIN: case DM_OP_COS: case DM_OP_TAN: *kind = DM_TURNS; return e->as.arg[0];
-    case DM_OP_SQRT: case DM_OP_RSQRT: case DM_OP_RSQRT3: case DM_OP_LOG:
+    case DM_OP_EXP:
+    case DM_OP_TANH:
+    case DM_OP_ATAN:
+    case DM_OP_SINH:
+    case DM_OP_COSH:
+    case DM_OP_ASIN:
+    case DM_OP_ACOS:
+        *kind = DM_BENDS;
+        return e->as.arg[0];
+    case DM_OP_SIN:
+    case DM_OP_COS:
+    case DM_OP_TAN:
+        *kind = DM_TURNS;
+        return e->as.arg[0];
+    case DM_OP_SQRT:
+    case DM_OP_RSQRT:
+    case DM_OP_RSQRT3:
+    case DM_OP_LOG:
         *kind = DM_DIVIDES;
         return e->as.arg[0];
-    case DM_OP_DIV: *kind = DM_DIVIDES; return e->as.arg[1];
+    case DM_OP_DIV:
+        *kind = DM_DIVIDES;
+        return e->as.arg[1];
     case DM_OP_POW:
         *kind = DM_DIVIDES;
         if (dm_is_constant(g, e->as.arg[1], &power) && power > 0 && power == floor(power)) return 0;
         return e->as.arg[0];
-    case DM_OP_ABS: case DM_OP_SIGN: case DM_OP_WHERE: *kind = DM_BREAKS; return e->as.arg[0];
-    case DM_OP_MIN: case DM_OP_MAX:
+    case DM_OP_ABS:
+    case DM_OP_SIGN:
+    case DM_OP_WHERE:
+        *kind = DM_BREAKS;
+        return e->as.arg[0];
+    case DM_OP_MIN:
+    case DM_OP_MAX:
         *kind = DM_BREAKS;
         return dm_sub(g, e->as.arg[0], e->as.arg[1]);
     case DM_OP_ATAN2:
         *kind = DM_DIVIDES;
         return dm_add(g, dm_mul(g, e->as.arg[0], e->as.arg[0]),
                       dm_mul(g, e->as.arg[1], e->as.arg[1]));
-    default: return 0;
+    default:
+        return 0;
     }
 }
 
@@ -59,10 +82,14 @@ uint32_t dm_switches_find(dm_graph *g, dm_node *of, dm_switch *kind) {
 /* by how much u may change at a switch of that kind */
 static double scale(dm_switch kind, double u) {
     switch (kind) {
-    case DM_BENDS: return fmax(1, fabs(u) / 2);
-    case DM_TURNS: return 1;
-    case DM_DIVIDES: return fabs(u) / 2;
-    default: return INFINITY;
+    case DM_BENDS:
+        return fmax(1, fabs(u) / 2);
+    case DM_TURNS:
+        return 1;
+    case DM_DIVIDES:
+        return fabs(u) / 2;
+    default:
+        return INFINITY;
     }
 }
 
@@ -82,7 +109,7 @@ static double reach(const dm_level *l, uint32_t j, double rate) {
     const int leaves = u * rate > 0;
     if (!isfinite(u) || !isfinite(rate) || rate == 0) return INFINITY;
     if (l->kind[j] == DM_BREAKS) return leaves || u == 0 ? INFINITY : BEYOND * fabs(u / rate);
-    if (l->kind[j] == DM_TURNS) return INFINITY;
+    if (l->kind[j] == DM_TURNS || l->kind[j] == DM_EDGES) return INFINITY;
     if (l->kind[j] == DM_BENDS && leaves && fabs(u) > PASSED) return INFINITY;
     return PART * scale(l->kind[j], u) / fabs(rate);
 }
@@ -109,32 +136,46 @@ double dm_level_width(dm_level *l, uint32_t j, double *across) {
 
 /* ---- towards switches ---- */
 
-/* the largest |u| of them, NAN where one is not finite */
+/* what is aimed at from here */
+static void set_goals(dm_level *l, const uint32_t *which, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t j = which[i];
+        const int is_edge = l->kind[j] == DM_EDGES;
+        l->goal[j] = is_edge ? EDGE * l->u[j] : 0;
+        l->unit[j] = is_edge && l->u[j] != 0 ? fabs(l->u[j]) : 1;
+    }
+}
+
+/* how far the worst of them is off, NAN where one is not finite */
 static double off_by(const dm_level *l, const uint32_t *which, uint32_t count) {
     double most = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const double u = fabs(l->u[which[i]]);
-        if (!(u <= most)) most = u;
+        const uint32_t j = which[i];
+        const double off = fabs(l->u[j] - l->goal[j]) / l->unit[j];
+        if (!(off <= most)) most = off;
     }
     return isfinite(most) ? most : NAN;
 }
 
-/* Newton's step to F = 1, u = 0 in l->change; its length */
+/* Newton's step to F = 1 and the goals in l->change; its length */
 static double step_towards(dm_level *l, const uint32_t *which, uint32_t count) {
     const size_t n = l->n, c = l->c;
     memcpy(l->rows, l->slope, c * n * sizeof *l->rows);
     for (uint32_t i = 0; i < count; i++)
         memcpy(l->rows + (c + i) * n, slope_of(l, which[i]), n * sizeof *l->rows);
     for (uint32_t i = 0; i < l->c; i++) l->y[i] = l->value[i] - 1;
-    for (uint32_t i = 0; i < count; i++) l->y[c + i] = l->u[which[i]];
+    for (uint32_t i = 0; i < count; i++) l->y[c + i] = l->u[which[i]] - l->goal[which[i]];
     return dm_level_normal_step(l, l->rows, l->c + count);
 }
 
-/* are these close enough? Of one that breaks or divides nothing is known but its zero */
+/* are these close enough? Of those that break or divide nothing is known but the zero */
 static int is_close(const dm_level *l, const uint32_t *which, uint32_t count, double off) {
-    int bends = 1;
-    for (uint32_t i = 0; i < count; i++) bends &= l->kind[which[i]] == DM_BENDS;
-    return bends && off < CLOSE;
+    double most = CLOSE;
+    for (uint32_t i = 0; i < count; i++) {
+        const dm_switch kind = l->kind[which[i]];
+        most = kind == DM_BENDS ? most : kind == DM_EDGES ? fmin(most, EDGE / 2) : 0;
+    }
+    return off < most;
 }
 
 /* A u that has its zero where its slope is zero too, as that of exp(-x^2), becomes a quarter by
@@ -145,6 +186,7 @@ int dm_level_aim(dm_level *l, double *x, const uint32_t *which, uint32_t count) 
     int better = -1;
     for (int i = 0; i < AIMS; i++) {
         if (!dm_level_look(l, x)) break;
+        if (i == 0) set_goals(l, which, count);
         const double off = off_by(l, which, count), ratio = off / least;
         if (!(off < least)) break;
         least = off, better++;

@@ -6,7 +6,7 @@ local floors = {}
 
 floors.src = {
   "base", "numbers", "linalg", "linalg/solve", "linalg/sparse", "sparse", "graph", "algebra",
-  "code", "code/implicit", "code/tape", "code/native", "code/loops",
+  "code", "code/implicit", "code/tape", "code/native", "code/loops", "level",
   "geom", "geom/action", "chain", "mech", "dec", "dec/homology",
   "dec/named", "dec/levi_civita", "dec/transfer", "delaunay",
   "field/avi", "field/flow", "field/line",

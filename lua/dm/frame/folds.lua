@@ -163,7 +163,7 @@ end
 local function try_between(frame, level, list, tried)
   local nodes = {}
   for i, x in ipairs(list) do
-    nodes[i] = node(level, x, x:norm())
+    nodes[i] = node(level, x, 1 + x:norm())
     if not nodes[i] then return end
   end
   if #nodes == 2 then return try_orbits(frame, level, nodes[1], nodes[2], tried) end

@@ -27,7 +27,7 @@ static dm_level_function traced(const dml_function *f) {
 }
 
 /* (F, moved, inside) -> section */
-static int new(lua_State *L) {
+static int new (lua_State *L) {
     const dm_level_function F = traced(luaL_checkudata(L, 1, DML_FUNCTION)),
                             moved = traced(luaL_checkudata(L, 2, DML_FUNCTION));
     luaL_argcheck(L, moved.inputs > F.inputs && moved.outputs == F.inputs, 2,
@@ -43,7 +43,10 @@ static int new(lua_State *L) {
     lua_setiuservalue(L, 4, ARENA);
     lua_pushvalue(L, 3);
     lua_setiuservalue(L, 4, INSIDE);
-    const dm_status status = dm_level_build(&s->level, &F, &moved, arena);
+    const dm_level_function inside =
+        s->conditions ? traced(s->conditions) : (dm_level_function){.graph = NULL};
+    const dm_status status =
+        dm_level_build(&s->level, &F, &moved, s->conditions ? &inside : NULL, arena);
     if (status != DM_OK) return luaL_error(L, "the section: %s", dm_status_text(status));
     luaL_setmetatable(L, SECTION);
     return 1;

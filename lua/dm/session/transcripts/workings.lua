@@ -202,12 +202,13 @@ M["core.result"] = [=[
 > core.result { order = 2, ok = true }
 { ok = true, order = 2 }]=]
 
-M["core.section_node"] = [=[
+M["core.section"] = [=[
 > core = require "dm.core"
 > line = core.trace(function(x) return { 1 + x[2] } end, 2)
 > turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
-> core.section_node(line, turned, { 2, 0.25 }, { 1, 1 }, 1)
-[2, 0]	1.0	[1, 0]]=]
+> s = core.section(line, turned, nil)
+> s:node({ 2, 0.25 }, 1)
+[2, 0]	1.0	true]=]
 
 M["core.sem_energies"] = [=[
 > core = require "dm.core"
