@@ -1,6 +1,7 @@
 /* folds.c - where a search looks: from every start along curves, at switches, and downhill. */
 #include "level/folds.h"
 
+#include "base/random.h"
 #include "level/trail.h"
 
 #include <math.h>
@@ -15,20 +16,25 @@ enum {
     HAIRPIN = 40, /* where the set is a curve */
     STRIDE = 7,   /* so that starts are taken of all kinds of angles */
     SWEEPS = 12,  /* searches along lines */
-    STARTS = 64
+    STARTS = 64,
+    SEED = 17
 };
 static const double FIRST = 0.1, /* step, beside the size of the points; */
     FINE = 2e-3,                 /* where nothing is known of what is near */
     NARROW = 0.2,                /* widths of switches, beside the same */
+    AROUND = 0.5,                /* starts */
+    WIDE = 10,                   /* how far out a descent may come */
     LINE = 0.15, SHORTEST = 1e-3;
 
 typedef struct {
     dm_search *s;
     dm_footing place[STARTS];
-    uint32_t count, dimension;
+    uint32_t count, dimension, aims, descents;
+    double widest;
     dm_trail curve[2], both[STARTS][2];
     dm_footing aimed, best, side[3];
     double *x, *v;
+    int by_slant; /* downhill */
 } plan;
 
 /* ---- starts ---- */
@@ -125,17 +131,22 @@ static int direction(plan *p, int turn, double *h) {
     return dm_level_turn(l, p->v, (uint32_t)beside);
 }
 
+/* what is to become less */
+static double height(const plan *p, const dm_footing *at) {
+    return fabs(p->by_slant ? at->slant : at->sine);
+}
+
 /* is the node a better one? Tells where the sign changes. */
 static int is_lower(plan *p, const dm_footing *m, int is) {
-    if (!is || !m->inside || p->s->over) return 0;
+    if (!is || !m->inside || p->s->over || !(m->size < p->widest)) return 0;
     if (m->sine * p->best.sine < 0) {
         dm_search_tell(p->s, &p->best, m, NULL);
         return -1;
     }
-    return fabs(m->sine) < fabs(p->best.sine);
+    return height(p, m) < height(p, &p->best);
 }
 
-/* where a parabola through three values of |sine| one step apart has its least one, in steps */
+/* where a parabola through three heights one step apart has its least one, in steps */
 static double least_of(double minus, double middle, double plus) {
     const double slope = (plus - minus) / 2, bend = plus + minus - 2 * middle;
     if (!(bend > 0)) return plus < minus ? 2 : -2;
@@ -150,12 +161,12 @@ static int line(plan *p, double h) {
     for (int k = 0; k < 2 && found >= 0; k++) {
         is[k] = dm_footing_step(p->s, side + k, p->best.x, p->v, k ? h : -h, h);
         found = better[k] = is_lower(p, side + k, is[k]);
-        if (is[k] && side[k].inside) value[k] = fabs(side[k].sine);
+        if (is[k] && side[k].inside) value[k] = height(p, side + k);
     }
     if (found < 0) return -1;
     double t = 0;
     if (isfinite(value[0]) && isfinite(value[1]))
-        t = least_of(value[0], fabs(p->best.sine), value[1]);
+        t = least_of(value[0], height(p, &p->best), value[1]);
     else if (better[0] || better[1])
         t = better[1] ? 2 : -2;
     if (fabs(t) > 0.1 && fabs(fabs(t) - 1) > 0.1) {
@@ -165,7 +176,7 @@ static int line(plan *p, double h) {
     }
     int best = -1;
     for (int k = 0; k < 3; k++)
-        if (better[k] > 0 && (best < 0 || fabs(side[k].sine) < fabs(side[best].sine))) best = k;
+        if (better[k] > 0 && (best < 0 || height(p, side + k) < height(p, side + best))) best = k;
     if (best >= 0) dm_footing_copy(p->s, &p->best, side + best);
     return best >= 0;
 }
@@ -175,10 +186,12 @@ static int straight_on(plan *p) {
     return dm_level_look(p->s->l, p->best.x) && dm_level_turn(p->s->l, p->v, 0);
 }
 
-/* lesser |sine| from a node, along lines */
+/* lesser sine or slant from a node, along lines */
 static void downhill(plan *p, const dm_footing *from) {
     double step = LINE * from->size;
     dm_footing_copy(p->s, &p->best, from);
+    p->by_slant = dm_random_uniform(SEED, p->descents++, 0) < 0.5;
+    p->widest = WIDE * (1 + from->size);
     for (int i = 0, again = 0; i < SWEEPS && !p->s->over && step > SHORTEST * from->size; i++) {
         double h = step, breaks;
         if (!(again ? straight_on(p) : direction(p, i, &h))) return;
@@ -203,26 +216,30 @@ static void beside(plan *p, const dm_footing *at, uint32_t j) {
     if (p->dimension > 1) downhill(p, at);
 }
 
-static void aim(plan *p, const dm_footing *from, const uint32_t *which, uint32_t count) {
+/* from start after start to switches, and then from around them */
+static void aim(plan *p, const uint32_t *which, uint32_t count) {
     const uint32_t n = p->s->l->n;
     dm_footing *at = &p->aimed;
-    memcpy(p->x, from->x, n * sizeof *p->x);
+    const uint32_t number = p->aims++, i = p->s->random++;
+    const dm_footing *from = p->place + STRIDE * number % p->count;
+    const double far = number < p->count ? 0 : AROUND * from->size;
+    for (uint32_t k = 0; k < n; k++)
+        p->x[k] = from->x[k] + (far > 0 ? far * dm_random_normal(SEED, i, k) : 0);
     if (!dm_level_aim(p->s->l, p->x, which, count)) return;
     if (!dm_footing_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) return;
     beside(p, at, which[count - 1]);
 }
 
-/* to every switch, and to every two of them, from start after start */
+/* to every switch, and to every two of them */
 static void switches(plan *p, uint32_t until) {
     const dm_level *l = p->s->l;
-    for (uint32_t i = 0, next = 0; i < p->count; i++)
+    for (uint32_t i = 0; i < p->count; i++)
         for (uint32_t j = 0; j < l->s; j++) {
             if (l->kind[j] == DM_TURNS) continue;
             const uint32_t others = p->dimension > 1 ? j : 0;
             for (uint32_t k = 0; k <= others && has_more(p, until); k++)
                 if (k == others || l->kind[k] != DM_TURNS)
-                    aim(p, p->place + STRIDE * next++ % p->count, (uint32_t[]){j, k},
-                        k < others ? 2 : 1);
+                    aim(p, (uint32_t[]){j, k}, k < others ? 2 : 1);
         }
 }
 
@@ -250,7 +267,7 @@ dm_status dm_folds_search(const dm_folds *how, const double *x, const double *st
     if (s.l->n <= s.l->c) return DM_OK;
     if (!take_memory(p) || !find_starts(p, x, step, count)) return DM_NO_MEMORY;
     s.spent = 0;
-    switches(p, 2 * how->most);
+    switches(p, 3 * how->most);
     const uint32_t until = s.spent + how->most;
     if (p->dimension == 1) return along(p, until) ? DM_OK : DM_NO_MEMORY;
     across(p, until);

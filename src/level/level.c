@@ -170,8 +170,27 @@ static double determinant(double *A, uint32_t *pivot, uint32_t n) {
     return dm_lu_factor(A, pivot, n) == DM_OK ? product(A, pivot, n) : 0;
 }
 
-double dm_level_sine(dm_level *l) {
+/* product of the lengths of the rows of A[n n] */
+static double lengths(const double *A, uint32_t n) {
+    double out = 1;
+    for (uint32_t i = 0; i < n; i++) {
+        double sum = 0;
+        for (uint32_t j = 0; j < n; j++) sum += A[i * n + j] * A[i * n + j];
+        out *= sum;
+    }
+    return sqrt(out);
+}
+
+/* det J J^T of the section's rows */
+static double of_section(dm_level *l, uint32_t *scratch) {
+    if (l->has_gram && l->c == l->r) return product(l->gram, l->pivot, l->r);
+    square(l->turns, l->slope, l->r, l->n);
+    return determinant(l->turns, scratch, l->r);
+}
+
+double dm_level_sine(dm_level *l, double *slant) {
     const uint32_t n = l->n, r = l->r;
+    uint32_t *scratch = l->pivot + l->c + l->s;
     for (uint32_t i = 0; i < r; i++)
         for (uint32_t j = 0; j < r; j++) {
             double cut = 0, turn = 0;
@@ -181,9 +200,9 @@ double dm_level_sine(dm_level *l) {
             }
             l->A[i * r + j] = cut, l->turns[i * r + j] = turn;
         }
-    uint32_t *scratch = l->pivot + l->c + l->s;
-    const double cut = determinant(l->A, scratch, r), turns = determinant(l->turns, scratch, r);
-    if (l->has_gram && l->c == r) return cut / sqrt(turns * product(l->gram, l->pivot, r));
-    square(l->turns, l->slope, r, n);
-    return cut / sqrt(turns * determinant(l->turns, scratch, r));
+    const double rows = lengths(l->A, r), cut = determinant(l->A, scratch, r);
+    const double turns = determinant(l->turns, scratch, r);
+    const double sine = cut / sqrt(turns * of_section(l, scratch));
+    if (slant) *slant = r > 1 && rows > 0 ? cut / rows : sine;
+    return sine;
 }

@@ -51,8 +51,10 @@ int dm_level_bring(dm_level *l, double *x, double step);
 int dm_level_turn(dm_level *l, double *v, uint32_t more);
 
 /* The product of the sines of the angles between level set and orbit, with a sign: det J psi
- * / (det J J^T det psi^T psi)^1/2. It passes zero where the set turns back along orbits. */
-double dm_level_sine(dm_level *l);
+ * / (det J J^T det psi^T psi)^1/2. It passes zero where the set turns back along orbits. *slant
+ * (or NULL): det J psi over the lengths of its rows, which does not pass zero where orbits only
+ * become short in some direction; the sine where there is one row. */
+double dm_level_sine(dm_level *l, double *slant);
 
 /* How far F can be followed from here along v before it may have changed at a switch, and how far
  * it is to just behind the next break; INFINITY: any length. */

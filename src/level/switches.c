@@ -4,12 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { AIMS = 14 };
-static const double PART = 0.6, /* of a change at a switch: a step */
-    BEYOND = 1.02,              /* of the way to a break: just behind it */
-    PASSED = 8,                 /* |u| beyond which tanh and exp(-u) are flat */
-    CLOSE = 0.3,                /* |u| that is aimed at, */
-    EDGE = 0.03;                /* of an edge: so much of what it is */
+enum { AIMS = 16 };
+static const double WIDE = 5, BACK = 0.4, PART = 0.6, /* of a change at a switch: a step */
+    BEYOND = 1.02,                                    /* of the way to a break: just behind it */
+    PASSED = 8,  /* |u| beyond which tanh and exp(-u) are flat */
+    CLOSE = 0.3, /* |u| that is aimed at, */
+    EDGE = 0.03; /* of an edge: so much of what it is */
 
 /* ---- the graph ---- */
 
@@ -178,28 +178,37 @@ static int is_close(const dm_level *l, const uint32_t *which, uint32_t count, do
     return off < most;
 }
 
-/* A u that has its zero where its slope is zero too, as that of exp(-x^2), becomes a quarter by
- * every step of Newton's method: twice the step then. */
+/* x = 0.4 of the way from the best one */
+static void go_back(const dm_level *l, double *x) {
+    for (uint32_t k = 0; k < l->n; k++) x[k] = l->best[k] + BACK * (x[k] - l->best[k]);
+}
+
+/* Newton's steps, each brought to the level set and shortened until it comes closer. A u that has
+ * its zero where its slope is zero too, as that of exp(-x^2), becomes a quarter by every step:
+ * twice the step then. */
 int dm_level_aim(dm_level *l, double *x, const uint32_t *which, uint32_t count) {
     const uint32_t n = l->n;
-    double least = INFINITY, factor = 1;
+    double least = INFINITY, factor = 1, size = 1;
     int better = -1;
     for (int i = 0; i < AIMS; i++) {
-        if (!dm_level_look(l, x)) break;
-        if (i == 0) set_goals(l, which, count);
-        const double off = off_by(l, which, count), ratio = off / least;
-        if (!(off < least)) break;
+        const int is = dm_level_bring(l, x, WIDE * size) && dm_level_look(l, x);
+        if (is && better < 0) set_goals(l, which, count);
+        const double off = is ? off_by(l, which, count) : NAN, ratio = off / least;
+        if (better < 0 && !(off < INFINITY)) return 0;
+        if (!(off < least)) {
+            go_back(l, x);
+            continue;
+        }
         least = off, better++;
         memcpy(l->best, x, n * sizeof *x);
         if (is_close(l, which, count, off)) break;
-        double size = sqrt(dot(x, x, n));
         const double length = step_towards(l, which, count);
         if (!(length < INFINITY)) break;
+        size = fmax(sqrt(dot(x, x, n)), 0.1);
         factor = ratio > 0.2 && ratio < 0.3 && factor == 1 ? 2 : 1;
-        size = fmax(size, 0.1);
         const double part = fmin(factor, size / length);
         for (uint32_t k = 0; k < n; k++) x[k] -= part * l->change[k];
     }
-    memcpy(x, l->best, (better >= 0 ? n : 0) * sizeof *x);
+    memcpy(x, l->best, n * sizeof *x);
     return better > 0;
 }

@@ -50,7 +50,7 @@ int dm_footing_step(dm_search *s, dm_footing *to, const double *from, const doub
     for (uint32_t k = 0; k < l->n; k++) to->x[k] = from[k] + (v ? h * v[k] : 0);
     if (v) memcpy(to->v, v, l->n * sizeof *v);
     if (!dm_level_bring(l, to->x, fit) || (v && !dm_level_turn(l, to->v, 0))) return 0;
-    to->sine = dm_level_sine(l);
+    to->sine = dm_level_sine(l, &to->slant);
     to->size = fmax(norm(to->x, l->n), SMALL);
     to->reach = to->breaks = INFINITY;
     if (v) to->reach = dm_level_reach(l, to->v, &to->breaks);

@@ -8,7 +8,7 @@
 /* v: the unit vector of its curve; reach, breaks: how far along it before a switch, and behind a
  * break */
 typedef struct {
-    double *x, *v, sine, size, reach, breaks;
+    double *x, *v, sine, slant, size, reach, breaks;
     int inside;
 } dm_footing;
 

@@ -82,7 +82,7 @@ static int node(lua_State *L) {
     double *x = dml_pushvector(L, n);
     dml_vectorarg(L, 2, "x", x, n);
     if (!dm_level_bring(&s->level, x, luaL_checknumber(L, 3))) return 0;
-    const double sine = dm_level_sine(&s->level);
+    const double sine = dm_level_sine(&s->level, NULL);
     if (!isfinite(sine)) return 0;
     lua_pushnumber(L, sine);
     lua_pushboolean(L, is_inside(L, x));
