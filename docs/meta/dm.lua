@@ -3820,6 +3820,25 @@ function dm_schroedinger_class:stability_limit(rule) end
 ---@class dm.section
 local dm_section_class = {}
 
+---section:folds(starts, nodes, most) -> list
+---
+---Where the sine changes its sign along curves from the starts { { x, step } ... }, each brought to F = 1 within its step: pairs { a, b } of points beside a fold, or { a, b, c, d } where a curve leaves what is inside between c and d and comes back between a and b; at most so many of them, by about so many nodes of three kinds. F is followed with steps that fit what is narrow in it, as its graph tells. A search, not a proof.
+---@param starts? any
+---@param nodes? any
+---@param most? any
+---@return table
+function dm_section_class:folds(starts, nodes, most) end
+
+---section:node(x, step) -> x, sine, inside   or nothing
+---
+---The point of F = 1 beside x, by Newton steps of least length, which fit a step of that length; the product of the sines of the angles of that level set with the orbits of the group, with a sign; do the conditions hold there?
+---@param x? any
+---@param step? any
+---@return any
+---@return any
+---@return any|nil
+function dm_section_class:node(x, step) end
+
 ---section:plot{file=, title=, ...} -> file name or nothing
 ---
 ---Draw the crossings, one colour an orbit; options as in dm.plot.

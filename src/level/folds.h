@@ -13,8 +13,7 @@ typedef struct {
      * inside between left[0] and left[1] and comes back between a and b. 0: enough of them. */
     int (*found)(void *ud, const double *a, const double *b, const double *const left[2]);
     void *ud;
-    uint32_t
-        most; /* nodes along curves, towards lesser angles, and three times as many at switches */
+    uint32_t most; /* nodes along curves; as many downhill, three times as many at switches */
 } dm_folds;
 
 /* x[count n]: where to start, brought to the set within step[count]. DM_NO_MEMORY. */
