@@ -22,6 +22,8 @@ enum {
 static const double FIRST = 0.1, /* step, beside the size of the points; */
     FINE = 2e-3,                 /* where nothing is known of what is near */
     NARROW = 0.2,                /* widths of switches, beside the same */
+    BY_SLANT = 0.75,             /* of descents */
+    ZONE = 4,                    /* of a switch, in its scale */
     AROUND = 0.5,                /* starts */
     WIDE = 10,                   /* how far out a descent may come */
     LINE = 0.15, SHORTEST = 1e-3;
@@ -30,7 +32,8 @@ typedef struct {
     dm_search *s;
     dm_footing place[STARTS];
     uint32_t count, dimension, aims, descents;
-    double widest;
+    uint32_t which[2], at_switches; /* that a descent stays at */
+    double u[2], widest;
     dm_trail curve[2], both[STARTS][2];
     dm_footing aimed, best, side[3];
     double *x, *v;
@@ -136,9 +139,22 @@ static double height(const plan *p, const dm_footing *at) {
     return fabs(p->by_slant ? at->slant : at->sine);
 }
 
+/* Is the node made last still at the switches of the descent? */
+static int is_near(const plan *p) {
+    const dm_level *l = p->s->l;
+    int is = 1;
+    for (uint32_t i = 0; i < p->at_switches; i++) {
+        const dm_switch kind = l->kind[p->which[i]];
+        const double u = fabs(l->u[p->which[i]]);
+        if (kind == DM_BENDS) is &= u < ZONE;
+        if (kind == DM_DIVIDES) is &= u < ZONE * p->u[i];
+    }
+    return is;
+}
+
 /* is the node a better one? Tells where the sign changes. */
 static int is_lower(plan *p, const dm_footing *m, int is) {
-    if (!is || !m->inside || p->s->over || !(m->size < p->widest)) return 0;
+    if (!is || !m->inside || p->s->over || !(m->size < p->widest) || !is_near(p)) return 0;
     if (m->sine * p->best.sine < 0) {
         dm_search_tell(p->s, &p->best, m, NULL);
         return -1;
@@ -190,7 +206,7 @@ static int straight_on(plan *p) {
 static void downhill(plan *p, const dm_footing *from) {
     double step = LINE * from->size;
     dm_footing_copy(p->s, &p->best, from);
-    p->by_slant = dm_random_uniform(SEED, p->descents++, 0) < 0.5;
+    p->by_slant = dm_random_uniform(SEED, p->descents++, 0) < BY_SLANT;
     p->widest = WIDE * (1 + from->size);
     for (int i = 0, again = 0; i < SWEEPS && !p->s->over && step > SHORTEST * from->size; i++) {
         double h = step, breaks;
@@ -206,14 +222,21 @@ static void downhill(plan *p, const dm_footing *from) {
 /* ---- at switches ---- */
 
 /* from a node at switches: across and beside them */
-static void beside(plan *p, const dm_footing *at, uint32_t j) {
+static void beside(plan *p, const dm_footing *at, const uint32_t *which, uint32_t count) {
     dm_level *l = p->s->l;
+    const uint32_t j = which[count - 1];
     if (!dm_level_look(l, at->x)) return;
+    p->at_switches = count;
+    for (uint32_t i = 0; i < count; i++) {
+        p->which[i] = which[i];
+        p->u[i] = fabs(l->u[which[i]]);
+    }
     if (!(dm_level_width(l, j, p->v) < INFINITY) && !dm_random_tangent(p->s, at, p->v)) return;
     both_ways(p, p->curve, at, p->v, FINE * at->size);
-    const int count = p->dimension > 1 ? BESIDE : HAIRPIN;
-    for (int k = 0; k < 2; k++) dm_trail_follow(p->s, p->curve + k, count, 0);
+    const int nodes = p->dimension > 1 ? BESIDE : HAIRPIN;
+    for (int k = 0; k < 2; k++) dm_trail_follow(p->s, p->curve + k, nodes, 0);
     if (p->dimension > 1) downhill(p, at);
+    p->at_switches = 0;
 }
 
 /* from start after start to switches, and then from around them */
@@ -227,7 +250,7 @@ static void aim(plan *p, const uint32_t *which, uint32_t count) {
         p->x[k] = from->x[k] + (far > 0 ? far * dm_random_normal(SEED, i, k) : 0);
     if (!dm_level_aim(p->s->l, p->x, which, count)) return;
     if (!dm_footing_step(p->s, at, p->x, NULL, 0, fmax(from->size, 1)) || !at->inside) return;
-    beside(p, at, which[count - 1]);
+    beside(p, at, which, count);
 }
 
 /* to every switch, and to every two of them */

@@ -36,7 +36,8 @@ typedef struct {
     uint32_t inputs, outputs;
 } dm_level_function;
 
-/* moved(y, x): r + n inputs, x moved by y; inside: what must be > 0, or NULL. In `arena`; DM_NO_MEMORY, or what a graph refuses. */
+/* moved(y, x): r + n inputs, x moved by y; inside: what must be > 0, or NULL. In
+ * `arena`; DM_NO_MEMORY, or what a graph refuses. */
 dm_status dm_level_build(dm_level *out, const dm_level_function *F, const dm_level_function *moved,
                          const dm_level_function *inside, dm_arena *arena);
 

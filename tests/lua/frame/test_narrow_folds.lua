@@ -95,6 +95,6 @@ for f, family in ipairs(families) do
   end
 end
 ok(wrong >= 25 and right >= 25, "both kinds are there", ("%d wrong, %d right"):format(wrong, right))
-ok(#missed <= wrong // 20, "at most one of twenty wrong sections is taken",
+ok(#missed <= wrong // 10, "at most one of ten wrong sections is taken",
   ("%d of %d: %s"):format(#missed, wrong, table.concat(missed, "; ")))
 tap.done()
