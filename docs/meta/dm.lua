@@ -1920,7 +1920,7 @@ function dm_group_lagrangian_class:momentum(group, g0, g1, options) end
 ---Ld:solver{newton=, backend=} -> dm.solver
 ---
 ---Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
----they have no energy: the one of a path is that of |xi|^2/2.
+---they have no energy and no velocity.
 ---@param options? table
 ---@return dm.solver
 function dm_group_lagrangian_class:solver(options) end

@@ -207,7 +207,7 @@ method("solver", function(Ld, given)
 end, [[
 Ld:solver{newton=, backend=} -> dm.solver
 Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
-they have no energy: the one of a path is that of |xi|^2/2.]])
+they have no energy and no velocity.]])
 
 local function check_left(Q, given)
   if given and given.right then
@@ -224,7 +224,7 @@ local function of_formula(given)
   options.callable(given, "Ld", WHERE, "(g0, g1 [, h])")
   local Ld = setmetatable({ Q = given.Q, h = given.h, Ld = given.Ld, name = given.name,
     place = check_left(given.Q) }, Class)
-  Ld.frame = core.system { Q = given.Q, name = given.name,
+  Ld.frame = core.stand_in { Q = given.Q, name = given.name,
     L = function(_, xi) return xi:dot(xi) / 2 end }
   Ld.way = by_formula(Ld)
   return Ld

@@ -290,7 +290,11 @@ static const dml_row methods[] =
       "The expression graph of L, one assignment a line; coordinates and their rates by name."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
-    {{"system", dml_system_new,
+    {{"stand_in", dml_stand_in_new,
+      "core.stand_in{Q=, L=, name=} -> dm.system\n"
+      "A system on a group that steps of a discrete Lagrangian are run with: L only says how they "
+      "begin, and paths have no energy and no velocity."},
+     {"system", dml_system_new,
       "dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, "
       "coordinates=, units=, params=, derivatives=} -> dm.system\n"
       "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, with params, "

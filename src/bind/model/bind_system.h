@@ -18,6 +18,7 @@ typedef struct {
     int hyperdual;    /* 1: derivatives = "hyperdual" */
     int solved;       /* 1: its map solves equations of its own, and is not compared with Ld */
     int hamiltonian;  /* 1: H(q, p, t) is stepped, there is no L (mech/hamiltonian.c) */
+    int stand_in;     /* 1: of a discrete Lagrangian on a group; its L is none of the motion's */
     int field;        /* 1: of cells of a mesh; L gets no symbols for q and v, its sums read them */
     double h;         /* step of a discrete Lagrangian, else 0 */
     int constrained;  /* 1: it has one of the functions below; known once `asked` */
@@ -35,6 +36,10 @@ void dml_push_rn(lua_State *L, uint32_t n);
 
 /* dm.system{ Q =, L = }, as a C function. */
 int dml_system_new(lua_State *L);
+
+/* core.stand_in{ Q =, L =, name = }: a system that a discrete Lagrangian on a group is stepped with,
+ * whose runs have no energy and no velocity. */
+int dml_stand_in_new(lua_State *L);
 
 /* The system or discrete Lagrangian at `arg`; raises when it is neither. */
 dml_system *dml_checksystem(lua_State *L, int arg);

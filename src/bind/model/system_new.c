@@ -198,7 +198,8 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     dml_check_functions(L, wants_hyperdual(L), pair);
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     const int field = lua_getfield(L, 1, "field") != LUA_TNIL;
-    lua_pop(L, 1);
+    const int stand_in = lua_getfield(L, 1, "stand_in") != LUA_TNIL;
+    lua_pop(L, 2);
     lua_pushvalue(L, place);
     const uint32_t momenta = dml_place_dimension(L, n);
     lua_pop(L, 1);
@@ -209,6 +210,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                       .pair = pair,
                       .hamiltonian = hamiltonian,
                       .hyperdual = wants_hyperdual(L),
+                      .stand_in = stand_in,
                       .field = field,
                       .h = h};
     keep_fields(L, known);
@@ -228,6 +230,15 @@ int dml_system_new(lua_State *L) {
                                         "rolling",  "control",     "force",
                                         "reaction", "columns",     "trivialization",
                                         NULL};
+    dml_newsystem(L, known, 0);
+    return 1;
+}
+
+int dml_stand_in_new(lua_State *L) {
+    static const char *const known[] = {"Q", "L", "name", "stand_in", NULL};
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_pushboolean(L, 1);
+    lua_setfield(L, 1, "stand_in");
     dml_newsystem(L, known, 0);
     return 1;
 }

@@ -241,8 +241,8 @@ static int path_tostring(lua_State *L) {
     luaL_Buffer b;
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     const int system = lua_gettop(L);
-    const int pair = dml_checksystem(L, system)->pair;
-    const double *E = pair ? NULL : try_energy(L, p);
+    const dml_system *s = dml_checksystem(L, system);
+    const double *E = s->pair || s->stand_in ? NULL : try_energy(L, p);
     const int keeps = E && try_keeps(L, system);
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "path of ");

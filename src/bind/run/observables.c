@@ -41,7 +41,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
     if (!lua_isfunction(L, fn))
         luaL_error(L, "%s must be a function of (q, v, t, p) (got %s)", what, luaL_typename(L, fn));
     dml_place_function(L, r->system, "observable");
-    if (r->solver->pair)
+    if (r->solver->pair || dml_checksystem(L, r->system)->stand_in)
         luaL_error(L,
                    "%s: a discrete Lagrangian knows no velocity: only columns of the path can be "
                    "watched",
@@ -66,7 +66,8 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
 
 /* E = p . v - L, which needs no trace of its own. */
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r) {
-    if (r->solver->pair) luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
+    if (r->solver->pair || dml_checksystem(L, r->system)->stand_in)
+        luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
     dml_model *m = model_of(r);
     dml_want(L, m, DM_WANT_ENERGY | dml_legendre_wants(m, 0), NULL);
     *next(L, o) = (dm_observable){.kernel = &m->model.energy, .of_model = 1};

@@ -23,7 +23,8 @@ static dml_model *model_for(lua_State *L, unsigned want) {
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
     dml_model *m = dml_standin(L, -1, want); /* kept by the path */
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    if (dml_checksystem(L, -1)->pair)
+    const dml_system *s = dml_checksystem(L, -1);
+    if (s->pair || s->stand_in)
         luaL_error(L, "a discrete Lagrangian alone has no energy and no velocity: make the path "
                       "from a dm.system, or compute them from path.q and path.p");
     lua_pop(L, 2);

@@ -79,6 +79,21 @@ local form = mine:two_form(G:identity(), G:identity())
 near(form[1][1], (J[2] + J[3]) / 0.02, 1e-10, "the two-form at rest is the inertia over h")
 ok(tostring(mine):find "SO%(3%), h = 0.02", "what it is")
 
+---- of a formula there is no energy: |p|^2/2 of this run moves by 0.3, which is none of its motion's ----
+
+ok(not tostring(path):find "energy", "a run does not speak of one", tostring(path))
+raises("has no energy", function() return path:energy() end)
+raises("no velocity", function() return path:velocity(2) end)
+raises("has no energy", function() return path:drift "energy" end)
+raises("no energy to watch", function()
+  return mine:solver():run { q = start.q, p = start.p, steps = 2, watch = { "energy" } }
+end)
+raises("knows no velocity", function()
+  return mine:solver():run { q = start.q, p = start.p, steps = 2, watch = { spin = function(_, w) return w[1] end } }
+end)
+local of_system = Ld:solver():run { q = start.q, p = start.p, steps = 2 }
+ok(tostring(of_system):find "energy off by", "that of a system has its own", tostring(of_system))
+
 ---- refusals ----
 
 raises("rule must be lie(s", dm.discrete_lagrangian, heavy, { rule = "gauss(2)", h = 0.1 })

@@ -109,6 +109,13 @@ M["core.nap"] = [=[
 > dm.clock() - a >= 0.01
 true]=]
 
+M["core.stand_in"] = [=[
+> core = require "dm.core"
+> s = core.stand_in { Q = dm.SO(2), L = function(g, xi) return xi[1]^2/2 end }
+> path = s:solver({ rule = "lie(1)", h = 0.1 }):run { q = 0, p = { 1 }, steps = 2 }
+> tostring(path):find "energy" == nil
+true]=]
+
 M["core.nearest"] = [=[
 > core = require "dm.core"
 > core.nearest("stpes", { "steps", "every", "rule" })
