@@ -172,16 +172,22 @@ static void find_way(equation *e, double *d) {
     if (!all_finite(d, n)) memcpy(d, e->p, n * sizeof *d);
 }
 
-/* (L_v(unit d) - L_v(0)) . d over |d|^2, by way of v[n] */
-static double growth(equation *e, const double *d, double unit, double *v) {
-    const uint32_t n = e->m->n;
+/* Coordinates from `first` on. */
+typedef struct {
+    uint32_t first, count;
+} span;
+
+/* (L_v(unit d) - L_v(0)) . d over |d|^2 of these, at rest in all others, by way of v[n] */
+static double growth(equation *e, const double *d, span s, double unit, double *v) {
+    const uint32_t end = s.first + s.count;
     double along = 0.0, squares = 0.0, size = 0.0;
-    for (uint32_t i = 0; i < n; i++) {
+    memset(v, 0, e->m->n * sizeof *v);
+    for (uint32_t i = s.first; i < end; i++) {
         v[i] = unit * d[i];
         size = fmax(size, fabs(d[i]));
     }
     evaluate(e->m, e->x, e->out, v);
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = s.first; i < end; i++) {
         const double part = d[i] / size;
         along += (e->out[i] - e->p[i] + d[i]) / size * part;
         squares += part * part;
@@ -192,32 +198,42 @@ static double growth(equation *e, const double *d, double unit, double *v) {
 /* The power of 2 by which d is a velocity of about the momentum p, in whatever units: what it makes
  * of the momentum grows along d where L is convex, and against d, where the power has a minus,
  * where -L is. */
-static double velocity_along(equation *e, const double *d, double *v) {
+static double velocity_along(equation *e, const double *d, span s, double *v) {
     int low = -256, high = 256;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        if (fabs(growth(e, d, ldexp(1.0, middle), v)) <= 1.0)
+        if (fabs(growth(e, d, s, ldexp(1.0, middle), v)) <= 1.0)
             low = middle;
         else
             high = middle; /* also where there is no value */
     }
     const double unit = ldexp(1.0, low);
-    return copysign(unit, growth(e, d, unit, v));
+    return copysign(unit, growth(e, d, s, unit, v));
+}
+
+/* v[n] = so far along d, in units of that: of all coordinates together, or of `each` by its own,
+ * where some have hardly a momentum, as v1^4 + v2^2 at v1 = 1e-4 */
+static void guess(equation *e, double *v, const double *d, int each, double far, double *room) {
+    const uint32_t n = e->m->n, count = each ? 1 : n;
+    for (uint32_t i = 0; i < n; i += count) {
+        const double unit = velocity_along(e, d, (span){i, count}, room);
+        for (uint32_t k = i; k < i + count; k++) v[k] = far * unit * d[k];
+    }
 }
 
 /* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0, or it
- * leads nowhere: so far along d, in units of that. */
+ * leads nowhere. */
 static const double along[] = {1.0, 0.125, 8.0};
 
 /* from these, by way of d[n] */
 static dm_status solve_along(const dm_model *m, equation *e, double *root, double *d,
                              double *work) {
+    static const size_t ways = sizeof along / sizeof *along;
+    const size_t all = m->n > 1 ? 2 * ways : ways;
     dm_status status = DM_SINGULAR;
     find_way(e, d);
-    const double unit = velocity_along(e, d, root);
-    for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < sizeof along / sizeof *along;
-         k++) {
-        for (uint32_t i = 0; i < m->n; i++) root[i] = along[k] * unit * d[i];
+    for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < all; k++) {
+        guess(e, root, d, k >= ways, along[k % ways], work);
         status = solve(m, e, root, work);
     }
     return status;
