@@ -3,6 +3,11 @@
 #include <math.h>
 #include <stddef.h>
 
+#define W 1
+#define HOW
+#define DM_LANES_FUSED 0
+#include "linalg/pivots_text.h"
+
 /* What is left of A: rows and columns from `first` on. */
 typedef struct {
     double *A;
@@ -53,19 +58,9 @@ static void find_beside(const rest *r, uint32_t *row, uint32_t *column) {
             if (fabs(*at(r, i, j)) > beside) beside = fabs(*at(r, i, j)), *row = i, *column = j;
 }
 
-/* A -= a a^T / pivot behind column k, in the lower triangle of A[n*n] */
-static void eliminate_below(double *A, size_t n, size_t k) {
-    const double inverse = 1.0 / A[k * n + k];
-    for (size_t i = k + 1; i < n; i++) {
-        double *row = A + i * n;
-        const double factor = row[k] * inverse;
-        for (size_t j = k + 1; j <= i; j++) row[j] -= factor * A[j * n + k];
-    }
-}
-
-/* the same behind the first row of what is left, in both */
+/* A -= a a^T / pivot behind the first row of what is left */
 static void eliminate_one(const rest *r) {
-    eliminate_below(r->A, r->n, r->first);
+    eliminate_by_pivot(r->A, r->n, r->first, *at(r, r->first, r->first));
     for (uint32_t i = r->first + 1; i < r->n; i++)
         for (uint32_t j = r->first + 1; j < i; j++) *at(r, j, i) = *at(r, i, j);
 }
@@ -113,31 +108,20 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
     return negative;
 }
 
-/* Row and column a < b change places in the lower triangle of A[n*n]. */
-static void exchange_below(double *A, size_t n, size_t a, size_t b) {
-    const double pivot = A[b * n + b];
-    A[b * n + b] = A[a * n + a], A[a * n + a] = pivot;
-    for (size_t i = a + 1; i < n; i++) {
-        double *one = A + i * n + a, *other = i < b ? A + b * n + i : A + i * n + b;
-        const double x = *one;
-        if (i == b) continue;
-        *one = *other, *other = x;
-    }
-}
-
 int dm_all_positive(double *A, uint32_t n, double far, double *least) {
-    *least = INFINITY;
-    for (size_t k = 0; k < n; k++) {
-        size_t found = k;
-        for (size_t i = k + 1; i < n; i++)
-            if (A[i * n + i] > A[found * n + found]) found = i;
-        const double pivot = A[found * n + found];
-        if (!(pivot > far)) return 0;
-        if (pivot < *least) *least = pivot;
-        if (found > k) exchange_below(A, n, k, found);
-        eliminate_below(A, n, k);
+    double all;
+    switch (n) {
+    case 1:
+        return find_pivots(A, 1, far, 1, least, &all);
+    case 2:
+        return find_pivots(A, 2, far, 1, least, &all);
+    case 3:
+        return find_pivots(A, 3, far, 1, least, &all);
+    case 4:
+        return find_pivots(A, 4, far, 1, least, &all);
+    default:
+        return find_pivots(A, n, far, 1, least, &all);
     }
-    return *least < INFINITY;
 }
 
 static const double FAR = 1e-6; /* of ones on the diagonal, far above round-off */

@@ -3,6 +3,7 @@
 
 #include "base/largest.h"
 #include "mech/group.h"
+#include "run/inertia/inertia_look.h"
 #include "run/interpolate.h"
 
 #include <limits.h>

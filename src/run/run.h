@@ -6,7 +6,7 @@
 #include "run/control.h"
 #include "run/departure.h"
 #include "run/events.h"
-#include "run/inertia.h"
+#include "run/inertia/inertia.h"
 #include "run/observe.h"
 
 #include <signal.h>

@@ -15,7 +15,7 @@ floors.src = {
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
   "integ/multiscale", "integ/trial", "integ/sem", "integ/lie", "integ",
   "wave", "fft",
-  "run", "run/ensemble",
+  "run/inertia", "run", "run/ensemble",
   "mpi",
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/field", "bind/line", "bind/rule",
   "bind/trial", "bind/wave", "bind/run", "bind/ensemble", "bind/avi", "bind/sem", "bind/sweep",

@@ -5,7 +5,7 @@
 #include "bind/run/bind_path.h"
 #include "integ/method/method.h"
 #include "run/control.h"
-#include "run/inertia.h"
+#include "run/inertia/inertia.h"
 
 /* what the last run of a solver cost */
 typedef struct {

@@ -164,12 +164,11 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int
     for (long i = 0; i < e->members; i++) e->member[i] = (dm_member){.status = DM_STOPPED};
     for (int i = 0; i < threads; i++) {
         dm_inertia *inertia = e->inertia ? e->inertia + i : NULL;
-        const int wide = dm_block_open(blocks + i, steppers[i]);
+        const int wide = dm_block_open(blocks + i, steppers[i], inertia);
         blocks[i].watch = e->watch ? e->watch + i : NULL;
         blocks[i].aside = e->aside ? e->aside + i : NULL;
         blocks[i].count = count_steps;
         blocks[i].ud = workers + i;
-        blocks[i].inertia = inertia;
         workers[i] = (worker){.common = &common,
                               .stepper = steppers[i],
                               .block = wide ? blocks + i : NULL,

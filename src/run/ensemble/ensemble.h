@@ -6,7 +6,7 @@
 #include "integ/method/method.h"
 #include "run/departure.h"
 #include "run/ensemble/ensemble_rows.h"
-#include "run/inertia.h"
+#include "run/inertia/inertia.h"
 
 #include <signal.h>
 

@@ -4,6 +4,7 @@
 
 #include "integ/method/lanes.h"
 #include "run/ensemble/ensemble.h"
+#include "run/ensemble/mass_lanes.h"
 
 typedef struct {
     dm_stepper *stepper;
@@ -13,14 +14,16 @@ typedef struct {
     dm_observer *watch;  /* what rows hold; NULL: q, p */
     dm_observer *aside;  /* what is looked at beside flows; NULL: nothing */
     dm_inertia *inertia; /* NULL: it cannot change */
+    dm_mass_lanes *mass; /* what is looked at there; NULL: members are looked at one by one */
     dm_stencil at;       /* of the last look beside a flow */
     void (*count)(void *ud, long steps); /* told of steps that members have made */
     void *ud;
     double h[DM_LANES_GROUPS * 8]; /* steps of the members */
 } dm_block;
 
-/* Kernels for an opened stepper, in the arena of its model. 0: members go one by one. */
-int dm_block_open(dm_block *b, dm_stepper *s);
+/* Kernels for an opened stepper, in the arena of its model; inertia: NULL, or what looks at that.
+ * 0: members go one by one. */
+int dm_block_open(dm_block *b, dm_stepper *s, dm_inertia *inertia);
 
 /* May members with steps of their own go side by side? */
 int dm_block_is_paced(const dm_block *b);

@@ -19,6 +19,8 @@ typedef struct {
     long row[DM_HAND_MOST];             /* steps of their next rows, where rows are kept */
     char ended[DM_HAND_MOST];           /* members that have done all of their steps */
     dm_inertia_seen seen[DM_HAND_MOST]; /* of members, where the inertia may change */
+    uint64_t told; /* members whose mass lanes found to be positive, and that are not quiet */
+    dm_inertia_there there[DM_HAND_MOST]; /* of these */
 } dm_hand;
 
 static inline uint32_t dm_hand_dim(const dm_hand *x) {
@@ -72,6 +74,12 @@ void dm_hand_pad(dm_hand *x);
 
 /* Was member i looked at beside its flow after so many steps? */
 int dm_hand_has_seen(const dm_hand *x, long i, long steps);
+
+/* Is member i to be looked at now, since that is due or since it ends here? */
+int dm_hand_is_looked_at(const dm_hand *x, long i);
+
+/* x->told and x->there of these members, as far as lanes tell. */
+void dm_hand_find_inertia(dm_hand *x);
 
 /* Fills in x->next and its kin, of members that still run. */
 void dm_hand_find_next(dm_hand *x);

@@ -2,6 +2,7 @@
  * Speed: ensembles, J2 satellite by gauss(3): 4.0x, against a run of its own. */
 #include "base/largest.h"
 #include "run/ensemble/ensemble_hand.h"
+#include "run/inertia/inertia_look.h"
 
 #include <math.h>
 #include <string.h>
@@ -82,6 +83,7 @@ static void begin(dm_hand *x) {
             x->seen[i] = x->b->inertia->seen;
             m->fading = m->status != DM_OK;
             if (m->fading) continue;
+            if (x->b->mass) dm_mass_lanes_put_scale(x->b->mass, (uint32_t)i, x->b->inertia->scale);
         }
         dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
         put_params(x, i, (uint32_t)i);
@@ -119,7 +121,8 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     int steep = one && dm_inertia_is_steep(&inertia->seen);
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
     const double t = dm_hand_time(x, i, now, done);
-    const int seen = dm_inertia_look(inertia, now, t, done);
+    const int told = !failed && (x->told >> i & 1);
+    const int seen = dm_inertia_look_aside(inertia, now, t, done, told ? &x->there[i] : NULL);
     int over = seen == DM_INERTIA_CHANGED;
     steep |= one && seen == DM_INERTIA_TURNED;
     dm_hand_choose(x, i);
@@ -234,7 +237,6 @@ static void advance(dm_hand *x, long count, int last) {
 
 /* member i goes no further */
 static void end(dm_hand *x, long i, dm_status status) {
-    if (status == DM_OK && has_crossed(x, i, x->done, 0)) return;
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     *dm_hand_member(x, i) = (dm_member){.status = status, .steps = x->done};
     if (status == DM_OK) dm_hand_look_beside(x, i, dm_hand_state(x, i), x->done);
@@ -244,9 +246,11 @@ static void end(dm_hand *x, long i, dm_status status) {
 /* members that have gone over a change of inertia leave */
 static void end_crossed(dm_hand *x) {
     const long before = x->alive;
-    for (long i = 0; i < x->count && x->b->inertia; i++)
-        if (dm_hand_runs(x, i) && x->done >= x->seen[i].due && has_crossed(x, i, x->done, 0))
-            x->alive--;
+    if (!x->b->inertia) return;
+    dm_hand_find_inertia(x);
+    for (long i = 0; i < x->count; i++)
+        if (dm_hand_is_looked_at(x, i) && has_crossed(x, i, x->done, 0)) x->alive--;
+    x->told = 0;
     if (x->alive < before) dm_hand_pad(x);
 }
 
@@ -320,9 +324,10 @@ int dm_block_is_paced(const dm_block *b) {
 }
 
 /* Bursts begin short: how long a step takes is not known yet. */
-int dm_block_open(dm_block *b, dm_stepper *s) {
-    *b = (dm_block){.stepper = s, .burst = FIRST};
+int dm_block_open(dm_block *b, dm_stepper *s, dm_inertia *inertia) {
+    *b = (dm_block){.stepper = s, .burst = FIRST, .inertia = inertia};
     if (!s->engine->widen || !s->engine->widen(s, &b->lanes)) return 0;
+    b->mass = inertia ? dm_mass_lanes_open(s->model, &b->lanes) : NULL;
     b->most = b->lanes.groups;
     return 1;
 }

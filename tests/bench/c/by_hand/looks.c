@@ -2,7 +2,7 @@
  * double spherical pendulum in angles (newton_models.c) with Newton's method to round-off: without
  * looks; with one at every state; with one when a value could have vanished by how fast the least
  * one fell; and so with steps made again, one by one with a look at each, where the least value
- * moved so far between two looks that it may have been behind zero (src/run/inertia.c).
+ * moved so far between two looks that it may have been behind zero (src/run/inertia/inertia_look.c).
  *   cc -O2 -Itests/bench/c -o looks tests/bench/c/by_hand/looks.c tests/bench/c/newton.c \
  *      tests/bench/c/newton_models.c -lm */
 #define _POSIX_C_SOURCE 199309L

@@ -1,5 +1,5 @@
 /* inertia_start.c - is d2L/dv2 singular to round-off at a start, and along which velocity? */
-#include "run/inertia.h"
+#include "run/inertia/inertia.h"
 
 #include "linalg/lu.h"
 #include "mech/constraints.h"

@@ -1,5 +1,6 @@
-#include "run/inertia.h"
+#include "run/inertia/inertia_look.h"
 
+#include "linalg/lu.h"
 #include "linalg/signature.h"
 #include "mech/constraints.h"
 #include "mech/group.h"
@@ -7,18 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST = 512 }; /* steps between looks */
-/* Of the steps until a value vanishes, the part that is not looked at: of a mass that depends on
- * positions alone, and of others. */
-static const double OF_POSITION = 0.5, OF_VELOCITY = 0.4;
-
 int dm_inertia_may_change(const dm_model *m) {
     const unsigned never = DM_CONSTANT_MASS | DM_DEFINITE_MASS | DM_LINEAR_IN_V | DM_LOOPS;
     return m->mass.eval != NULL && !(m->structure & never);
-}
-
-static int sees_velocity(const dm_model *m) {
-    return !(m->structure & DM_QUADRATIC_IN_V);
 }
 
 /* Rows of the constraints: those of the kernels that are there. */
@@ -80,6 +72,12 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
     x->seen = *seen;
 }
 
+void dm_inertia_keep_place_of(dm_inertia *x, size_t member, const double *q, size_t apart) {
+    const size_t n = x->model->n;
+    double *place = x->members + member * 3 * n + n;
+    for (size_t i = 0; i < n; i++) place[i] = q[i * apart];
+}
+
 /* `count` rows of a kernel, scaled, each of size 1, at G */
 static void place_rows(const dm_inertia *x, double *G, const double *rows, uint32_t count) {
     const size_t n = x->model->n;
@@ -123,7 +121,8 @@ static int find_mass(const dm_inertia *x, const double *state, double t) {
     memcpy(at, state, n * sizeof *at);
     memset(at + n, 0, n * sizeof *at);
     at[2 * n] = t;
-    if (sees_velocity(m) && dm_legendre_inverse(m, at + n, state, state + n, t, work) != DM_OK)
+    if (dm_inertia_sees_velocity(m) &&
+        dm_legendre_inverse(m, at + n, state, state + n, t, work) != DM_OK)
         return 0;
     evaluate(x);
     return 1;
@@ -205,7 +204,6 @@ dm_inertia_form dm_inertia_place(const dm_inertia *x) {
  * more as there are independent constraints. *all: the product of the values, zero where less work
  * did not tell. */
 static uint32_t count(const dm_inertia *x, double *least, double *all) {
-    static const double FAR = 1e-3;
     const dm_inertia_form f = dm_inertia_place(x);
     uint32_t N = f.n, negative = 0;
     if (f.rows) {
@@ -215,7 +213,7 @@ static uint32_t count(const dm_inertia *x, double *least, double *all) {
         N = dm_restrict(f.A, f.n, f.G, f.rows, f.border);
     }
     memcpy(f.copy, f.A, (size_t)N * N * sizeof *f.A);
-    const int told = dm_all_positive(f.A, N, FAR, least);
+    const int told = dm_all_positive(f.A, N, DM_INERTIA_FAR, least);
     *all = told ? 1.0 : 0.0;
     for (size_t i = 0; i < N && told; i++) *all *= f.A[i * N + i];
     if (told) return negative;
@@ -223,11 +221,17 @@ static uint32_t count(const dm_inertia *x, double *least, double *all) {
     return f.rows ? negative : own;
 }
 
+int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out) {
+    if (!find_mass(x, state, t)) return 0;
+    out->negative = count(x, &out->least, &out->all);
+    return 1;
+}
+
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
                   double *least) {
-    if (!find_mass(x, state, t)) return 0;
-    double all;
-    *negative = count(x, least, &all);
+    dm_inertia_there there;
+    if (!dm_inertia_values(x, state, t, &there)) return 0;
+    *negative = there.negative, *least = there.least;
     return 1;
 }
 
@@ -261,38 +265,64 @@ const double *dm_inertia_velocity(const dm_inertia *x, const double *state, doub
     return dm_legendre_inverse(m, v, state, state + n, t, work) == DM_OK ? v : NULL;
 }
 
-/* The size of the value next to zero one step on, if no force acted; *changed: and beyond zero.
- * What depends on the velocity alone does not move. */
-static double look_ahead(const dm_inertia *x, const double *state, double t, double h,
-                         int *changed) {
+/* Of M(q) v = p - shift, with what find_mass found at the start: as in Newton's method, but not to
+ * round-off. */
+static const double *velocity_of_mass(const dm_inertia *x, const double *p) {
     const size_t n = x->model->n;
-    const double *v = dm_inertia_velocity(x, state, t);
-    double *ahead = x->aside, least = x->seen.least;
-    uint32_t negative = x->seen.negative;
-    *changed = 0;
+    double *shift = x->room + 2 * n + 1, *M = shift + n, *v = shift + outputs(x->model);
+    double *A = v + n;
+    uint32_t *pivot = (uint32_t *)(void *)(A + n * n);
+    for (size_t i = 0; i < n; i++) v[i] = p[i] - shift[i];
+    memcpy(A, M, n * n * sizeof *A);
+    if (dm_lu_factor(A, pivot, (uint32_t)n) != DM_OK) return NULL;
+    dm_lu_solve(v, A, pivot, (uint32_t)n);
+    return v;
+}
+
+/* Where a step of h leads if no force acted, as a state in x->end; 0: that is not known. Asked when
+ * the mass was found at the state. */
+static int go_ahead(const dm_inertia *x, const double *state, double t, double h) {
+    const size_t n = x->model->n;
+    const int alone = !dm_inertia_sees_velocity(x->model) && !x->model->constraints;
+    const double *v = alone ? velocity_of_mass(x, state + n) : dm_inertia_velocity(x, state, t);
     for (size_t i = 0; i < n && v; i++) {
-        ahead[i] = state[i] + h * v[i];
-        ahead[n + i] = state[n + i];
+        x->end[i] = state[i] + h * v[i];
+        x->end[n + i] = state[n + i];
     }
-    if (!v || !dm_inertia_at(x, ahead, t, &negative, &least)) return x->seen.least;
-    const dm_chord way = {.a = state, .b = ahead, .ta = t, .tb = t};
-    *changed = negative != x->seen.negative || dm_inertia_has_touched(x, &way);
-    return least;
+    return v != NULL;
+}
+
+/* The size of the value next to zero there; *changed: and beyond zero. What depends on the velocity
+ * alone does not move. */
+static double look_ahead(const dm_inertia *x, const double *state, double t, int *changed) {
+    dm_inertia_there there;
+    *changed = 0;
+    if (!dm_inertia_values(x, x->end, t, &there)) return x->seen.least;
+    const dm_chord way = {.a = state, .b = x->end, .ta = t, .tb = t, x->seen.all, there.all};
+    *changed = there.negative != x->seen.negative || dm_inertia_has_touched(x, &way);
+    return there.least;
+}
+
+/* What is next to zero falls at the start as it would without forces. */
+static void expect_fall(dm_inertia *x, const double *state, double t) {
+    dm_inertia_seen *s = &x->seen;
+    int changed = 0;
+    const double ahead = look_ahead(x, state, t, &changed), falls = s->least - ahead;
+    s->left = changed ? 0.0 : falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
 }
 
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
     dm_inertia_seen *s = &x->seen;
     const size_t n = x->model->n;
-    const double *M = x->room + 2 * n + 1 + n;
     *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t)};
     if (!s->known) return DM_OK;
-    find_scales(x, M);
+    const int ahead = go_ahead(x, state, t, h);
+    find_scales(x, x->room + 2 * n + 1 + n);
     s->negative = count(x, &s->least, &s->all);
     s->degenerate = dm_inertia_is_degenerate(x, state, t);
     if (s->degenerate) return DM_SINGULAR;
-    int changed = 0;
-    const double ahead = look_ahead(x, state, t, h, &changed), falls = s->least - ahead;
-    s->left = changed ? 0.0 : falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
+    s->left = INFINITY;
+    if (ahead) expect_fall(x, state, t);
     s->at = t;
     s->nearest = s->left;
     dm_inertia_keep_place(x, state);
@@ -300,98 +330,4 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     dm_inertia_expect(x);
     dm_inertia_foresee(x, state, t, 0);
     return DM_OK;
-}
-
-/* Like (t0 - t)^(2/3) where the mass depends on positions alone, since M v^2 stays finite; else
- * like the root of t0 - t, as at a fold of the momentum. */
-double dm_inertia_left(const dm_inertia *x, double before, double now, double since) {
-    const double ratio = before / now;
-    if (!(ratio > 1.0)) return INFINITY;
-    return since / (ratio * (sees_velocity(x->model) ? ratio : sqrt(ratio)) - 1.0);
-}
-
-/* Did a value fall by more than a part of the way to zero leaves of it, or rise from less? What was
- * behind zero in between came back. */
-static int is_strange(double before, double now) {
-    static const double PART = 0.63; /* (1/2)^(2/3): after half of the way */
-    return now < PART * before || before < PART * now;
-}
-
-/* Steps until a value may vanish, so few that one which does not go on falling may have been thrown
- * back: by what it kept in one step. */
-static const double NEAR = 4.0, KEPT = 0.9;
-
-/* Steps that may come before the next look, so that the value moves by little meanwhile, since to
- * go back costs more than to look: by how fast its logarithm moved, and how that changed, as that
- * of a value that is about to turn does. Ways grow slowly, but for a value that hardly moves. */
-static double still_steps(dm_inertia_seen *s, double ratio, double since) {
-    static const double LITTLE = 0.3, SURELY = 0.25;
-    const double rate = log(ratio) / since;
-    const double bend = s->way > 0.0 ? 2.0 * (rate - s->rate) / (since + s->way) : 0.0;
-    const double now = fabs(rate + 0.5 * bend * since);
-    const double steps = 2.0 * LITTLE / (now + sqrt(now * now + 2.0 * LITTLE * fabs(bend)));
-    s->rate = rate, s->way = since;
-    return fmin(steps, fmax(since + 1.0, fmin(2.0 * since, SURELY * steps)));
-}
-
-int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
-    dm_inertia_seen *s = &x->seen;
-    double least = s->least, all = 0.0;
-    const int found = s->known && find_mass(x, state, t);
-    const int changed = found && count(x, &least, &all) != s->negative;
-    if (!found) least = 0.0; /* so near to a fold that no velocity is found */
-    if (done == s->looked) return changed ? DM_INERTIA_CHANGED : 0; /* a step from here failed */
-    x->before = s->left;
-    const long since = done > s->looked ? done - s->looked : 1;
-    const int strange = found && since > 1 && is_strange(s->least, least);
-    const double part = sees_velocity(x->model) ? OF_VELOCITY : OF_POSITION;
-    s->left = dm_inertia_left(x, s->least, least, (double)since);
-    const dm_inertia_way way = dm_inertia_way_since(x, least, all, since);
-    const double nearest = fmin(s->left, way.left), safe = part * nearest;
-    const int touched = found && !changed && dm_inertia_touches_since(x, state, t, &way);
-    const int turned = since == 1 && x->before <= NEAR && least > KEPT * s->least;
-    const double still = still_steps(s, fmin(way.is / way.was, least / s->least), (double)since);
-    const double far = s->left <= NEAR ? 1.0 : fmin(fmin(safe, MOST), still);
-    s->due = done + (found && far >= 1.0 ? (long)far : 1);
-    s->least = least, s->all = all, s->nearest = nearest, s->fell = way.is < way.was;
-    s->open = 0;
-    if (found && !changed) dm_inertia_foresee(x, state, t, done);
-    s->looked = done;
-    s->at = t;
-    dm_inertia_keep_place(x, state);
-    if (changed || touched) return DM_INERTIA_CHANGED;
-    return strange ? DM_INERTIA_STRANGE : found && turned ? DM_INERTIA_TURNED : 0;
-}
-
-void dm_inertia_begin_closely(dm_inertia *x) {
-    uint32_t negative;
-    x->close_left = x->kept_left;
-    if (!dm_inertia_at(x, x->state, x->t, &negative, &x->close_least)) x->close_least = 0.0;
-}
-
-int dm_inertia_look_closely(dm_inertia *x, const double *state, double t, int *steep) {
-    const dm_chord way = {.a = x->state, .b = state, .ta = x->t, .tb = t};
-    const double before = x->close_least;
-    uint32_t negative;
-    double least;
-    *steep = 0;
-    x->before = x->close_left;
-    if (!x->seen.known || !dm_inertia_at(x, state, t, &negative, &least)) return 0;
-    x->close_least = least, x->close_left = dm_inertia_left(x, before, least, 1.0);
-    *steep = x->before <= (least > KEPT * before ? NEAR : DM_INERTIA_STEEP);
-    const int changed = negative != x->seen.negative || dm_inertia_has_touched(x, &way);
-    return changed ? DM_INERTIA_CHANGED : 0;
-}
-
-int dm_inertia_is_fading(const dm_inertia *x) {
-    static const double STEPS = 2.5;
-    return x->seen.known && x->seen.left <= STEPS;
-}
-
-int dm_inertia_is_steep(const dm_inertia_seen *s) {
-    return s->known && s->left <= DM_INERTIA_STEEP;
-}
-
-int dm_inertia_is_near(const dm_inertia_seen *s) {
-    return s->known && s->left <= NEAR;
 }

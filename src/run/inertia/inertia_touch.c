@@ -5,7 +5,7 @@
  * keep, as v^4 does, is none: momenta still determine them. */
 #include "linalg/signature.h"
 #include "mech/group.h"
-#include "run/inertia.h"
+#include "run/inertia/inertia_look.h"
 
 #include <float.h>
 #include <math.h>
@@ -213,36 +213,6 @@ int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way) {
         v = memcpy(room + 5 * n, found, n * sizeof *v);
     }
     return dm_inertia_touches(x, way, way, v, room);
-}
-
-/* One that grew may fall as fast. */
-dm_inertia_way dm_inertia_way_since(const dm_inertia *x, double least, double all, long since) {
-    const dm_inertia_seen *s = &x->seen;
-    const int whole = !x->model->mass_bounds && s->all * all > 0.0;
-    dm_inertia_way w = {.since = since, .whole = whole};
-    w.was = whole ? s->all : s->least, w.is = whole ? all : least;
-    w.left = fmin(dm_inertia_left(x, w.was, w.is, (double)since),
-                  dm_inertia_left(x, w.is, w.was, (double)since) + (double)since);
-    return w;
-}
-
-/* Is that line looked at? Where bounds do not tell how M moves, and the product of all values moved
- * by more than it was let, or does not go on falling, or was so few steps from its end that one
- * step may go over it. */
-static int sees_line(const dm_inertia *x, const dm_inertia_way *w) {
-    static const double MOVED = 1.4, FEW = 4.0;
-    const double ratio = w->is / w->was;
-    if (x->model->mass_bounds) return 0;
-    return (x->seen.fell && ratio > 1.0) || !(ratio < MOVED && ratio * MOVED > 1.0) ||
-           (w->since == 1 && fmin(x->seen.nearest, w->left) < FEW);
-}
-
-int dm_inertia_touches_since(const dm_inertia *x, const double *state, double t,
-                             const dm_inertia_way *w) {
-    const int told = w->whole && (x->model->structure & DM_QUADRATIC_IN_V); /* of any velocity */
-    const double first = told ? w->was : 0.0, last = told ? w->is : 0.0;
-    const dm_chord way = {x->region, state, x->seen.at, t, first, last};
-    return sees_line(x, w) && dm_inertia_has_touched(x, &way);
 }
 
 void dm_inertia_keep_place(dm_inertia *x, const double *state) {

@@ -18,6 +18,7 @@ typedef struct {
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
     double rate, way;  /* how fast the logarithm of that size moved, a step, and in how many */
+    double reach;      /* steps that could come before the next look */
     /* How much M can bend in a unit of time squared, over what it was at the start: for unit
      * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
     double anywhere, bend, speed, until;
@@ -54,6 +55,16 @@ typedef struct {
     double *boxes; /* what inertia_step.c works on */
 } dm_inertia;
 
+/* Values that are positive by far, with ones on the diagonal of the mass at the start. */
+#define DM_INERTIA_FAR 1e-3
+
+/* What is there at a state: how many values are negative, the size of the one next to zero, the
+ * product of all, zero where they are not all positive by far. */
+typedef struct {
+    uint32_t negative;
+    double least, all;
+} dm_inertia_there;
+
 /* Can the inertia of a model change? Not where its mass is constant, or definite
  * anywhere. */
 int dm_inertia_may_change(const dm_model *m);
@@ -69,33 +80,20 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
  * round-off there, and a value is about to vanish. */
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h);
 
-/* The same after so many steps, or may it have changed and come back? A run on its own goes back to
- * see; a member in lanes does not, since it would begin anew. Or did a value that fell not go on
- * falling in the one step since the last look, so that it may have vanished inside? And when to
- * look again. */
-enum { DM_INERTIA_CHANGED = 1, DM_INERTIA_STRANGE = 2, DM_INERTIA_TURNED = 3 };
-int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
-
-/* From the kept state on again, after every step: 0 or DM_INERTIA_CHANGED; *steep: or a value may
- * have vanished inside. Leaves `seen` as it is. */
-void dm_inertia_begin_closely(dm_inertia *x);
-int dm_inertia_look_closely(dm_inertia *x, const double *state, double t, int *steep);
-
 /* Was a value about to vanish within a few steps of the last look? */
 int dm_inertia_is_fading(const dm_inertia *x);
 
-/* Steps until a value vanishes that was `before` so many steps ago; infinite: it does not fall. */
-double dm_inertia_left(const dm_inertia *x, double before, double now, double since);
+/* What is there; 0: no velocity is known. */
+int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out);
 
-/* May it vanish in the next step, or be so near that DM_INERTIA_TURNED may come of it? */
-#define DM_INERTIA_STEEP 1.25
-int dm_inertia_is_steep(const dm_inertia_seen *s);
-int dm_inertia_is_near(const dm_inertia_seen *s);
-
-/* How many values are negative at a state, and the size of the one next to zero; 0: no velocity is
- * known there. */
+/* How many values are negative, and the size of the one next to zero. */
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
                   double *least);
+
+/* Does the mass depend on v? */
+static inline int dm_inertia_sees_velocity(const dm_model *m) {
+    return !(m->structure & DM_QUADRATIC_IN_V);
+}
 
 /* The velocity v[n] there, until something else is asked; NULL: none is known. */
 const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t);
@@ -184,21 +182,6 @@ int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *w
 
 /* Does one on a line between two places, the second one that of a state? */
 int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way);
-
-/* How values moved in `since` steps: the product of all (`whole`), where bounds do not tell how
- * those move that are not the least, or the one next to zero; and steps until it could vanish. */
-typedef struct {
-    double was, is, left;
-    long since;
-    int whole;
-} dm_inertia_way;
-
-dm_inertia_way dm_inertia_way_since(const dm_inertia *x, double least, double all, long since);
-
-/* Did one touch zero on the line from the last look? The next line begins at this state. */
-int dm_inertia_touches_since(const dm_inertia *x, const double *state, double t,
-                             const dm_inertia_way *w);
-void dm_inertia_keep_place(dm_inertia *x, const double *state);
 
 /* Keep a state, and go back to it. */
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state);

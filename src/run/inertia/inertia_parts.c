@@ -3,7 +3,7 @@
  * is reached in no time, but a long step is thrown back by it or jumps over it. So a step before
  * which a value fell steeply is made again in parts, shorter ones as the value nears zero, and so
  * is an open one (inertia_step.c) with a place beside its way. */
-#include "run/inertia.h"
+#include "run/inertia/inertia_look.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
  * Where that does not tell, M itself is enclosed along the step. */
 #include "linalg/lu.h"
 #include "mech/mass_bounds.h"
-#include "run/inertia.h"
+#include "run/inertia/inertia.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,0 +1,93 @@
+#include "run/ensemble/mass_lanes.h"
+
+#include "algebra/implicit.h"
+#include "code/native/jit.h"
+#include "integ/method/cache.h"
+#include "integ/method/lanes.h"
+#include "mech/group.h"
+#include "run/inertia/inertia.h"
+
+#include <string.h>
+
+#ifdef __x86_64__
+static dm_mass_lanes_pivots *choose_pivots(uint32_t lanes) {
+    return lanes == 8 ? dm_mass_pivots_avx512 : dm_mass_pivots_avx;
+}
+#else
+static dm_mass_lanes_pivots *choose_pivots(uint32_t lanes) {
+    (void)lanes;
+    return NULL;
+}
+#endif
+
+/* What lanes tell of: the mass of a model with a stage kernel is made of the graph of that
+ * (mech/model.c). */
+static int fits(const dm_model *m, uint32_t lanes) {
+    const dm_source *s = &m->source;
+    const uint32_t n = m->n, momenta = n, mass = 2 * n + 2 * n * n;
+    return (lanes == 4 || lanes == 8) && dm_inertia_may_change(m) && !dm_inertia_sees_velocity(m) &&
+           !m->constraints && !m->params && dm_momenta(m) == n && s->stage_graph &&
+           s->compile == dm_native_build && !m->mass.memory &&
+           !dm_has_roots(s->stage_graph, s->stage + momenta, n) &&
+           !dm_has_roots(s->stage_graph, s->stage + mass, n * n);
+}
+
+/* the lower triangle of L_vv, from the graph as it stands */
+static int build(dm_mass_lanes *w, const dm_model *m) {
+    const dm_source *s = &m->source;
+    const uint32_t n = m->n, count = n * (n + 1) / 2;
+    dm_node *roots = dm_arena_take(s->arena, count * sizeof *roots), *next = roots;
+    if (!roots) return 0;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j <= i; j++) *next++ = s->stage[2 * n + 2 * n * n + i * n + j];
+    dm_graph_verbatim(s->stage_graph, 1);
+    const dm_status status =
+        dm_jit_build_lanes(&w->mass, s->stage_graph, roots, count, w->lanes, s->arena);
+    dm_graph_verbatim(s->stage_graph, 0);
+    return status == DM_OK;
+}
+
+static int lay_out(dm_mass_lanes *w, const dm_model *m) {
+    const size_t n = m->n, in = 2 * n + 1, triangle = n * (n + 1) / 2;
+    const size_t all = (in + triangle + n * n + DM_LANES_GROUPS * n + 2) * w->lanes;
+    w->in = dm_arena_take(m->source.arena, all * sizeof *w->in);
+    if (!w->in) return 0;
+    memset(w->in, 0, all * sizeof *w->in);
+    w->M = w->in + in * w->lanes;
+    w->A = w->M + triangle * w->lanes;
+    w->scale = w->A + n * n * w->lanes;
+    w->least = w->scale + DM_LANES_GROUPS * n * w->lanes;
+    w->all = w->least + w->lanes;
+    w->t = w->in + 2 * n * w->lanes;
+    dm_kernel_prepare_lanes(&w->mass, w->lanes, w->M);
+    return 1;
+}
+
+static dm_mass_lanes *make(const dm_model *m, uint32_t lanes) {
+    dm_mass_lanes *w = dm_arena_take(m->source.arena, sizeof *w);
+    if (!w) return NULL;
+    *w = (dm_mass_lanes){.n = m->n, .lanes = lanes, .pivots = choose_pivots(lanes)};
+    return w->pivots && build(w, m) && lay_out(w, m) ? w : NULL;
+}
+
+dm_mass_lanes *dm_mass_lanes_open(const dm_model *m, const dm_lanes *x) {
+    static const char maker;
+    dm_kernel kept;
+    if (!fits(m, x->lanes)) return NULL;
+    if (dm_cache_find(&kept, m, &maker, x->lanes)) return (dm_mass_lanes *)(uintptr_t)kept.pool;
+    dm_mass_lanes *w = make(m, x->lanes);
+    if (w) dm_cache_add(m, &maker, x->lanes, &(dm_kernel){.pool = w}, x->lanes);
+    return w;
+}
+
+void dm_mass_lanes_put_scale(dm_mass_lanes *w, uint32_t i, const double *scale) {
+    double *to = w->scale + (size_t)(i / w->lanes) * w->n * w->lanes + i % w->lanes;
+    for (uint32_t k = 0; k < w->n; k++) to[k * w->lanes] = scale[k];
+}
+
+uint32_t dm_mass_lanes_look(dm_mass_lanes *w, uint32_t group, const double *q, uint32_t asked) {
+    const size_t row = (size_t)w->n * w->lanes;
+    memcpy(w->in, q, row * sizeof *q);
+    dm_kernel_eval(&w->mass, w->in, w->M);
+    return w->pivots(w, w->scale + group * row, DM_INERTIA_FAR, asked);
+}

@@ -1,0 +1,45 @@
+/* mass_lanes_text.h - pivots of d2L/dv2 for W members; a text for the files of mass_lanes.h. */
+#ifndef DM_MASS_LANES_TEXT_H
+#define DM_MASS_LANES_TEXT_H
+
+#include "linalg/pivots_text.h"
+#include "run/ensemble/mass_lanes.h"
+
+/* A = the mass, scaled: its lower triangle */
+INLINE void scale_mass(double *A, const double *M, const double *scale, uint32_t n) {
+#pragma GCC unroll 4
+    for (uint32_t i = 0; i < n; i++)
+#pragma GCC unroll 4
+        for (uint32_t j = 0; j <= i; j++, M += W)
+            store(A + (i * n + j) * (size_t)W, load(scale + i * W) * load(M) * load(scale + j * W));
+}
+
+/* n is that of w */
+INLINE uint32_t find_with_rows(const dm_mass_lanes *w, uint32_t n, const double *scale, double far,
+                               uint32_t asked) {
+    V small[PIVOTS_WRITTEN_OUT * PIVOTS_WRITTEN_OUT], least, all;
+    double *A = n <= PIVOTS_WRITTEN_OUT ? (double *)small : w->A;
+    scale_mass(A, w->M, scale, n);
+    const I fine = find_pivots(A, n, far, mask_of(asked), &least, &all);
+    store(w->least, least);
+    store(w->all, all);
+    return bits_of(fine);
+}
+
+INLINE uint32_t find_pivots_of_mass(const dm_mass_lanes *w, const double *scale, double far,
+                                    uint32_t asked) {
+    switch (w->n) {
+    case 1:
+        return find_with_rows(w, 1, scale, far, asked);
+    case 2:
+        return find_with_rows(w, 2, scale, far, asked);
+    case 3:
+        return find_with_rows(w, 3, scale, far, asked);
+    case 4:
+        return find_with_rows(w, 4, scale, far, asked);
+    default:
+        return find_with_rows(w, w->n, scale, far, asked);
+    }
+}
+
+#endif

@@ -1,0 +1,43 @@
+/* inertia_look.h - looks along a run, when the next one is due, and what they leave. */
+#ifndef DM_INERTIA_LOOK_H
+#define DM_INERTIA_LOOK_H
+
+#include "run/inertia/inertia.h"
+
+/* Is the number of negative values another one after so many steps than at the start, or may it have changed and come back? A run on its own goes back to
+ * see; a member in lanes does not, since it would begin anew. Or did a value that fell not go on
+ * falling in the one step since the last look, so that it may have vanished inside? And when to
+ * look again. */
+enum { DM_INERTIA_CHANGED = 1, DM_INERTIA_STRANGE = 2, DM_INERTIA_TURNED = 3 };
+int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
+
+/* The same of a member in lanes, whose looks come at steps at which others come, too; told: what is
+ * there, where the caller knows. */
+int dm_inertia_look_aside(dm_inertia *x, const double *state, double t, long done,
+                          const dm_inertia_there *told);
+
+/* The same where nothing but the next look comes of what it is told, at time t; 0: leaves *s to
+ * dm_inertia_look_aside. The caller keeps the place. */
+int dm_inertia_is_quiet(const dm_model *m, dm_inertia_seen *s, double t, long done,
+                        const dm_inertia_there *told);
+
+/* From the kept state on again, after every step: 0 or DM_INERTIA_CHANGED; *steep: or a value may
+ * have vanished inside. Leaves `seen` as it is. */
+void dm_inertia_begin_closely(dm_inertia *x);
+int dm_inertia_look_closely(dm_inertia *x, const double *state, double t, int *steep);
+
+/* Steps until a value vanishes that was `before` so many steps ago; infinite: it does not fall. */
+double dm_inertia_left(const dm_inertia *x, double before, double now, double since);
+
+/* May it vanish in the next step, or be so near that DM_INERTIA_TURNED may come of it? */
+#define DM_INERTIA_STEEP 1.25
+int dm_inertia_is_steep(const dm_inertia_seen *s);
+int dm_inertia_is_near(const dm_inertia_seen *s);
+
+/* The next line between states begins at this one. */
+void dm_inertia_keep_place(dm_inertia *x, const double *state);
+
+/* That of a member, whose q[n] lie so far apart; without mass_bounds. */
+void dm_inertia_keep_place_of(dm_inertia *x, size_t member, const double *q, size_t apart);
+
+#endif
