@@ -20,7 +20,8 @@ void dml_observables_start(dml_observables *o, const dml_stepping *r) {
 static dm_observable *next(lua_State *L, dml_observables *o) {
     if (o->observer.count == DML_OBSERVABLES)
         luaL_error(L, "a run observes at most %d functions and columns", DML_OBSERVABLES);
-    return o->list + o->observer.count++;
+    dm_observable *out = o->list + o->observer.count++;
+    return *out = (dm_observable){0}, out;
 }
 
 /* the backend that the model uses, or the default */

@@ -17,9 +17,8 @@
 
 typedef dml_solver solver;
 
-enum {
-    LONGEST_OWN_TIME = 2000000000
-}; /* steps of a rule whose number of steps is not known beforehand */
+/* steps of a rule whose number of steps is not known beforehand */
+enum { LONGEST_OWN_TIME = 2000000000 };
 
 /* The solver at stack index 1. */
 static solver *check(lua_State *L) {
@@ -73,9 +72,7 @@ typedef struct {
     dm_run_plan plan;
     lua_State *L;
     double began; /* s */
-    dml_observables watch;
     dm_impulses impulses;
-    dml_run_events events;
     dml_run_file file;
     dm_resumption resume;
     dm_inertia inertia;
@@ -83,9 +80,10 @@ typedef struct {
     dml_checkpoint *end;        /* where it ends, or is */
     const dml_checkpoint *from; /* where it goes on; NULL: a start */
     const char *rule, *saving;  /* file of checkpoints; NULL: none */
-    int names, path;            /* stack indices */
-    int unwritten;              /* errno of the checkpoint that could not be written, or 0 */
+    int names, path, unwritten; /* stack indices; errno of a checkpoint not written, or 0 */
     double energy;              /* that steps are to have, of rules that choose them by it */
+    dml_observables watch;      /* from its lists on nothing is zero unless it is asked for */
+    dml_run_events events;
 } run;
 
 /* About ten times a second; the time that is left is that of the rate so far. */
@@ -362,7 +360,9 @@ int dml_solver_run(lua_State *L) {
                                         "at",         "watch",   "record", "events",  "file",
                                         "checkpoint", "project", "a",      "control", "seconds",
                                         "energy",     "gaps",    NULL};
-    run u = {.r.solver = check(L), .L = L};
+    run u;
+    memset(&u, 0, offsetof(run, watch.list));
+    u.r.solver = check(L), u.L = L;
     long done = 0, rows = 0;
     lua_settop(L, 2);
     if (!lua_istable(L, 2))

@@ -75,11 +75,9 @@ void dm_hand_pad(dm_hand *x);
 /* Was member i looked at beside its flow after so many steps? */
 int dm_hand_has_seen(const dm_hand *x, long i, long steps);
 
-/* Is member i to be looked at now, since that is due or since it ends here? */
-int dm_hand_is_looked_at(const dm_hand *x, long i);
-
-/* x->told and x->there of these members, as far as lanes tell. */
-void dm_hand_find_inertia(dm_hand *x);
+/* The members that are to be looked at now, since that is due or since they end here, but for those
+ * that lanes are done with; x->told and x->there of those of them of which lanes tell. */
+uint64_t dm_hand_find_inertia(dm_hand *x);
 
 /* Fills in x->next and its kin, of members that still run. */
 void dm_hand_find_next(dm_hand *x);

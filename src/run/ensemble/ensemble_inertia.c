@@ -22,7 +22,8 @@ int dm_block_vanishes(dm_block *b, uint32_t i, double t, int steep, int open) {
                                     steep, open);
 }
 
-int dm_hand_is_looked_at(const dm_hand *x, long i) {
+/* Is member i to be looked at now, since that is due or since it ends here? */
+static int is_looked_at(const dm_hand *x, long i) {
     const dm_inertia_seen *s = &x->seen[i];
     return (x->done >= s->due || x->done >= dm_hand_steps(x, i)) && x->done > s->looked &&
            dm_hand_runs(x, i);
@@ -46,8 +47,8 @@ static int is_quiet(dm_hand *x, uint32_t i, double t) {
     return 1;
 }
 
-/* The lanes of a group that are asked, member by member. */
-static void look_at_group(dm_hand *x, dm_mass_lanes *w, uint32_t first, uint32_t asked) {
+/* The lanes of a group that are asked; those that are not done with. */
+static uint32_t look_at_group(dm_hand *x, dm_mass_lanes *w, uint32_t first, uint32_t asked) {
     const dm_lanes *lanes = &x->b->lanes;
     find_times(x, first, w->t);
     const double *q = dm_lanes_member(lanes, dm_hand_dim(x), first);
@@ -55,18 +56,22 @@ static void look_at_group(dm_hand *x, dm_mass_lanes *w, uint32_t first, uint32_t
     for (uint32_t l = 0; l < lanes->lanes; l++) {
         if (!(told >> l & 1)) continue;
         x->there[first + l] = (dm_inertia_there){.least = w->least[l], .all = w->all[l]};
-        if (!is_quiet(x, first + l, w->t[l])) x->told |= 1ull << (first + l);
+        if (is_quiet(x, first + l, w->t[l])) asked &= ~(1u << l);
     }
+    x->told |= (uint64_t)(told & asked) << first;
+    return asked;
 }
 
-void dm_hand_find_inertia(dm_hand *x) {
+uint64_t dm_hand_find_inertia(dm_hand *x) {
     const uint32_t lanes = x->b->lanes.lanes;
+    uint64_t out = 0;
     x->told = 0;
-    if (!x->b->mass) return;
     for (uint32_t first = 0; first < x->count; first += lanes) {
         uint32_t asked = 0;
         for (uint32_t l = 0; l < lanes && first + l < x->count; l++)
-            if (dm_hand_is_looked_at(x, first + l)) asked |= 1u << l;
-        if (asked) look_at_group(x, x->b->mass, first, asked);
+            if (is_looked_at(x, first + l)) asked |= 1u << l;
+        if (asked && x->b->mass) asked = look_at_group(x, x->b->mass, first, asked);
+        out |= (uint64_t)asked << first;
     }
+    return out;
 }

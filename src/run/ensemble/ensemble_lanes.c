@@ -247,9 +247,9 @@ static void end(dm_hand *x, long i, dm_status status) {
 static void end_crossed(dm_hand *x) {
     const long before = x->alive;
     if (!x->b->inertia) return;
-    dm_hand_find_inertia(x);
-    for (long i = 0; i < x->count; i++)
-        if (dm_hand_is_looked_at(x, i) && has_crossed(x, i, x->done, 0)) x->alive--;
+    const uint64_t seen = dm_hand_find_inertia(x);
+    for (long i = 0; i < x->count && seen >> i; i++)
+        if ((seen >> i & 1) && has_crossed(x, i, x->done, 0)) x->alive--;
     x->told = 0;
     if (x->alive < before) dm_hand_pad(x);
 }

@@ -141,13 +141,18 @@ static void place_mass(const dm_inertia *x, double *A, const double *M) {
 static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n) {
     static const double FAR = 1e6;
     enum { PASSES = 6 };
-    for (uint32_t k = 0; k < PASSES * n; k++) {
+    for (uint32_t k = 0, left = n; k < PASSES * n && left; k++) { /* rows that may be changed */
         const uint32_t i = k % n;
         double largest = 0.0;
-        for (uint32_t j = 0; j < n; j++)
-            largest = fmax(largest, fabs(scale[i] * M[i * pitch + j] * scale[j]));
+        left--;
+        for (uint32_t j = 0; j < n; j++) {
+            const double size = fabs(scale[i] * M[i * pitch + j] * scale[j]);
+            if (size > largest) largest = size;
+        }
         const int alone = M[i * pitch + i] == 0.0 && largest > 0.0;
-        if ((alone || largest > FAR) && largest < INFINITY) scale[i] /= sqrt(largest);
+        if (!((alone || largest > FAR) && largest < INFINITY)) continue;
+        scale[i] /= sqrt(largest);
+        left = n;
     }
 }
 
