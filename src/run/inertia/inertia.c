@@ -303,7 +303,8 @@ static double look_ahead(const dm_inertia *x, const double *state, double t, int
     dm_inertia_there there;
     *changed = 0;
     if (!dm_inertia_values(x, x->end, t, &there)) return x->seen.least;
-    const dm_chord way = {.a = state, .b = x->end, .ta = t, .tb = t, x->seen.all, there.all};
+    dm_chord way = {.a = state, .b = x->end, .ta = t, .tb = t};
+    if (!dm_inertia_sees_velocity(x->model)) way.first = x->seen.all, way.last = there.all;
     *changed = there.negative != x->seen.negative || dm_inertia_has_touched(x, &way);
     return there.least;
 }

@@ -97,18 +97,20 @@ static long meet(long done, long far) {
     return (done + far) & -unit;
 }
 
-/* What is kept of a look, and when the next one is due; `aside`: of a member in lanes. */
+/* What is kept of a look, and when the next one is due; `aside`: of a member in lanes. Where bounds
+ * tell how M moves looks have an account of their own, and do not come for company. */
 static void note(const dm_model *m, dm_inertia_seen *s, const dm_inertia_there *there, int found,
                  const way *w, long done, double t, int aside) {
     const double part = dm_inertia_sees_velocity(m) ? OF_VELOCITY : OF_POSITION;
-    const double since = (double)w->since, let = aside ? larger(s->reach, since) : since;
+    const int meets = aside && !m->mass_bounds;
+    const double since = (double)w->since, let = meets ? larger(s->reach, since) : since;
     s->left = left_of(m, s->least, there->least, since);
     s->nearest = lesser(s->left, w->left);
     const double still = still_steps(s, fmin(w->is / w->was, there->least / s->least), since, let);
     const double safe = lesser(part * s->nearest, MOST);
     const double far = s->left <= NEAR ? 1.0 : fmin(safe, still);
     s->reach = found && far >= 1.0 ? far : 1.0;
-    s->due = aside ? meet(done, (long)s->reach) : done + (long)s->reach;
+    s->due = meets ? meet(done, (long)s->reach) : done + (long)s->reach;
     s->least = there->least, s->all = there->all, s->fell = w->is < w->was;
     s->open = 0;
     s->looked = done, s->at = t;
