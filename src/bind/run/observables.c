@@ -42,7 +42,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
     if (!lua_isfunction(L, fn))
         luaL_error(L, "%s must be a function of (q, v, t, p) (got %s)", what, luaL_typename(L, fn));
     dml_place_function(L, r->system, "observable");
-    if (r->solver->pair || dml_checksystem(L, r->system)->stand_in)
+    if (r->solver->alone)
         luaL_error(L,
                    "%s: a discrete Lagrangian knows no velocity: only columns of the path can be "
                    "watched",
@@ -67,7 +67,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
 
 /* E = p . v - L, which needs no trace of its own. */
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r) {
-    if (r->solver->pair || dml_checksystem(L, r->system)->stand_in)
+    if (r->solver->alone)
         luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
     dml_model *m = model_of(r);
     dml_want(L, m, DM_WANT_ENERGY | dml_legendre_wants(m, 0), NULL);

@@ -114,7 +114,7 @@ dm_control *dml_control_read(lua_State *L, dml_run_control *c, const dml_steppin
         luaL_error(L, "field 'control' must be a table { tolerance =, largest =, ends = } (got %s)",
                    luaL_typename(L, at));
     dml_options(L, at, known);
-    if (r->solver->pair || r->solver->method->traits & DM_OWN_TIME)
+    if (r->solver->alone || r->solver->method->traits & DM_OWN_TIME)
         luaL_error(L, "field 'control': steps of rule '%s' on this system cannot be chosen",
                    r->solver->nodes[0].name);
     if (!isfinite(until))

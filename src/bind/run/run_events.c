@@ -71,7 +71,7 @@ static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
 
 /* Names are in alphabetic order, as columns are; the list stands at e->names. */
 void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
-    if (r->solver->pair || dml_checksystem(L, r->system)->stand_in)
+    if (r->solver->alone)
         luaL_error(L, "a discrete Lagrangian has a fixed step: no state between two steps is "
                       "known, so no events");
     lua_getfield(L, 2, "events");

@@ -134,6 +134,7 @@ static int new_solver(lua_State *L) {
     memset(s, 0, sizeof *s);
     s->n = system->n;
     s->pair = system->pair;
+    s->alone = system->pair || system->stand_in;
     lua_getfield(L, 1, "rule");
     if (lua_isnil(L, -1) && s->pair) lua_pop(L, 1), lua_pushstring(L, has_map(L) ? "map" : "del");
     read_rule(L, s);

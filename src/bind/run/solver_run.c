@@ -34,7 +34,7 @@ static double now(void) {
 
 /* at = { t1, t2, ... }: growing times from t0 on; the block stays on the stack */
 static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
-    if (s->pair)
+    if (s->alone)
         luaL_error(L, "a discrete Lagrangian has a fixed step: take 'every' instead of 'at'");
     lua_getfield(L, 2, "at");
     const long count = dml_length(L, -1);

@@ -25,6 +25,7 @@ typedef struct {
     int threads; /* of a step */
     uint32_t n;
     int pair;   /* steps a discrete Lagrangian */
+    int alone;  /* ... or one on a group: h is fixed, there is no energy and no velocity */
     double own; /* what tells its rule from others of that name, once it has run */
     dml_last_run last;
 } dml_solver;

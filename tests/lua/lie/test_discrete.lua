@@ -91,6 +91,14 @@ end)
 raises("knows no velocity", function()
   return mine:solver():run { q = start.q, p = start.p, steps = 2, watch = { spin = function(_, w) return w[1] end } }
 end)
+-- nor a step of another length: a row at 0.01 had the state of 0.02
+raises("has a fixed step", function() return mine:solver():run { q = start.q, p = start.p, at = { 0.01 } } end)
+raises("cannot be chosen", function()
+  return mine:solver():run { q = start.q, p = start.p, t = 0.1, control = { tolerance = 1e-6 } }
+end)
+raises("has a fixed step", function()
+  return mine:solver():run { q = start.q, p = start.p, steps = 2, events = { up = function(q) return q[3][3] end } }
+end)
 local of_system = Ld:solver():run { q = start.q, p = start.p, steps = 2 }
 ok(tostring(of_system):find "energy off by", "that of a system has its own", tostring(of_system))
 
