@@ -631,7 +631,7 @@ function dm_chart_class:plot(options) end
 function dm_chart_class:table() end
 
 ---dm.columns: path.t, path.q, path.p
----columns[i] is row i, #columns the number of rows
+---columns[i] is row i, #columns the number of rows; path.t is taken wherever a list of numbers is
 ---@class dm.columns
 local dm_columns_class = {}
 

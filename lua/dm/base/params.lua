@@ -6,7 +6,8 @@ local M = {}
 
 local ALL = {} -- a key that is no name
 
--- a metatable by which `params` are read, which notes the names, and by ALL that they are enumerated
+-- a metatable by which `params` are read, which notes the names, and by ALL that they are
+-- enumerated
 local function watching(params, seen)
   local function whole(f)
     return function()

@@ -105,7 +105,8 @@ local function check_first(fields, line, comma, at, fail)
   end
   if word and number then
     fail("line %d: %q is no number, and %s no name: mend the row, or, where the line holds names, "
-      .. "put them in quotes or leave it out by skip = %d, names = { ... }", at, shown(word), shown(number), at)
+      .. "put them in quotes or leave it out by skip = %d, names = { ... }", at, shown(word),
+      shown(number), at)
   end
 end
 

@@ -15,8 +15,8 @@ return {
     "A value of d2L/dv2 passes through zero: the momentum no longer determines the velocity there, "
       .. "and the motion ends. solver:singularities shows how it comes near." },
   { "callback", "a function of the script failed",
-    "L, an event or a watched quantity raised, and the message is that of the function; or `next` of "
-      .. "dm.step gave what cannot be a state, and the message says why." },
+    "L, an event or a watched quantity raised, and the message is that of the function; or `next` "
+      .. "of dm.step gave what cannot be a state, and the message says why." },
   { "stopped", "stopped on request", "Ctrl-C: what was computed is in failure.path." },
   { "no_memory", "not enough memory",
     "Record fewer rows: every =, rows =, watch = or file = of solver:run." },

@@ -69,7 +69,8 @@ dm_arena *dml_pusharena(lua_State *L);
  * options: the keys that may occur, NULL at the end; another one: "did you mean".
  * number: finite, required when fallback is NaN. positive: > 0 and finite, required when
  * fallback is 0. count: whole and >= least, required when fallback < least.
- * numbers: a table or vector of n finite numbers. flag: true or false. text: a string or nothing. */
+ * numbers: a table or vector of n finite numbers. flag: true or false. text: a string or
+ * nothing. */
 void dml_options(lua_State *L, int arg, const char *const *known);
 double dml_number(lua_State *L, int arg, const char *key, double fallback);
 double dml_positive(lua_State *L, int arg, const char *key, double fallback);

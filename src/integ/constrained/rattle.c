@@ -44,8 +44,8 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                "take verlet";
     if ((m->structure & simple) != simple || !m->inverse_mass)
         return "it needs L = T(v) - V(q, t) with a constant mass; for any other L take a rule that "
-               "solves for the multipliers in every stage, for instance midpoint or lobatto(3), or, "
-               "on a group, lie(1)";
+               "solves for the multipliers in every stage, for instance midpoint or lobatto(3), or "
+               "lie(1) on a group";
     if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
     if (m->constraints && m->constraints->controls)
         return "it knows no controls; take midpoint or gauss";
