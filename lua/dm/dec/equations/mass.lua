@@ -31,8 +31,9 @@ end
 --- What a report says of the mesh, or nothing.
 function M.note(K)
   local folds, first = K:folds()
-  local folded = folds > 0 and ("the mesh is folded at %d facets, the first %s: cells are turned "
-    .. "inside out, and the solution is not that of what it covers"):format(folds, first) or nil
+  local folded = folds > 0 and ("the mesh is folded at %d facet%s, the first %s: cells are "
+    .. "turned inside out, and the solution is not that of what it covers"):format(folds,
+      folds == 1 and "" or "s", first) or nil
   return M.joined(folded, barycentric_note(K))
 end
 
