@@ -133,16 +133,37 @@ local function try_pair(frame, a, b, tried)
   end
 end
 
--- orbits beside a fold between nodes a and b; where the section has a corner the sine jumps
+-- half turns about every axis: where orbits have fewer dimensions, as those of points that meet,
+-- the section passes through to their other side
+local function half_turns(frame)
+  local kit, out = groups.kit(frame.group), {}
+  for i = 1, frame.r do
+    local y = core.zeros(frame.r)
+    y[i] = math.pi
+    out[i] = kit.exp(tangent.along_basis(frame, y))
+  end
+  return out
+end
+
+-- where the sine jumps between nodes a and b, at a corner of the section, or where orbits have
+-- fewer dimensions; far: nodes further away on both sides
+local function try_jump(frame, a, b, far, tried)
+  try_pair(frame, a, b, tried)
+  for _, at in ipairs(far) do
+    tried(points.split(at.x, frame.k, frame.m), half_turns(frame))
+  end
+end
+
+-- orbits beside a fold between nodes a and b
 local function try_orbits(frame, level, a, b, tried)
-  local least = min(abs(a.sine), abs(b.sine))
+  local least, far = min(abs(a.sine), abs(b.sine)), { a, b }
   for i = 1, HALVINGS do
     local m = node(level, (a.x + b.x) / 2, (b.x - a.x):norm())
     if not m then return end
     if m.sine * a.sine < 0 then b = m else a = m end
     local jumps = i >= SEEN and min(abs(a.sine), abs(b.sine)) > JUMP * least
-    if jumps then try_pair(frame, a, b, tried) end
-    for _, at in ipairs(i % 2 == 0 and not jumps and { a, b } or {}) do
+    if jumps then return try_jump(frame, a, b, far, tried) end
+    for _, at in ipairs(i % 2 == 0 and { a, b } or {}) do
       local fine, elements = blame.try(across, frame, at)
       if fine then tried(points.split(at.x, frame.k, frame.m), elements) end
     end
