@@ -92,12 +92,13 @@ static double motion(const double *p, const double *v, size_t n) {
     return out;
 }
 
-/* Size of velocity i since the step began: there, or on the way where it is known, since one that
- * passes zero there grows by any factor. */
+/* Size of velocity i since the step began: there, or of an M that depends on v on the way, since one
+ * that passes zero there grows by any factor. */
 static double since_start(const parts *w, uint32_t i) {
     const double gone = w->state[i] - w->x->state[i], took = time_of(w) - w->t;
     const double there = fabs(w->velocity[i]);
-    return took != 0.0 && !w->x->model->group ? fmax(there, fabs(gone / took)) : there;
+    const int counts = took != 0.0 && !w->by_position && !w->x->model->group;
+    return counts ? fmax(there, fabs(gone / took)) : there;
 }
 
 /* How much faster the velocity that grew most is than before, of those that move something now and
