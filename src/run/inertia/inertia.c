@@ -141,10 +141,9 @@ static void place_mass(const dm_inertia *x, double *A, const double *M) {
 static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n) {
     static const double FAR = 1e6;
     enum { PASSES = 6 };
-    for (uint32_t k = 0, left = n; k < PASSES * n && left; k++) { /* rows that may be changed */
+    for (uint32_t k = 0, end = n; k < PASSES * n && k < end; k++) { /* to n that stay */
         const uint32_t i = k % n;
         double largest = 0.0;
-        left--;
         for (uint32_t j = 0; j < n; j++) {
             const double size = fabs(scale[i] * M[i * pitch + j] * scale[j]);
             if (size > largest) largest = size;
@@ -152,7 +151,7 @@ static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n)
         const int alone = M[i * pitch + i] == 0.0 && largest > 0.0;
         if (!((alone || largest > FAR) && largest < INFINITY)) continue;
         scale[i] /= sqrt(largest);
-        left = n;
+        end = k + 1 + n;
     }
 }
 
