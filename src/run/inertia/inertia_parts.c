@@ -92,18 +92,17 @@ static double motion(const double *p, const double *v, size_t n) {
     return out;
 }
 
-/* Size of velocity i since the step began: there, or of an M that depends on v on the way, since one
- * that passes zero there grows by any factor. */
-static double since_start(const parts *w, uint32_t i) {
+/* Size of velocity i since the step began: there, or on the way, if that counts. */
+static double since_start(const parts *w, int on_way, uint32_t i) {
     const double gone = w->state[i] - w->x->state[i], took = time_of(w) - w->t;
     const double there = fabs(w->velocity[i]);
-    const int counts = took != 0.0 && !w->by_position && !w->x->model->group;
+    const int counts = on_way && took != 0.0 && !w->x->model->group;
     return counts ? fmax(there, fabs(gone / took)) : there;
 }
 
 /* How much faster the velocity that grew most is than before, of those that move something now and
  * moved something then. */
-static double growth(parts *w) {
+static double growth(parts *w, int on_way) {
     const uint32_t n = w->x->model->n;
     const double *then = w->velocity, *p = w->state + n, *before = w->x->state + n;
     if (!find_velocity(w, w->x->state, w->t)) return 0.0;
@@ -113,13 +112,14 @@ static double growth(parts *w) {
     double out = 0.0;
     for (uint32_t i = 0; i < n; i++)
         if (fabs(p[i] * v[i]) > some && fabs(before[i] * then[i]) > once)
-            out = fmax(out, fabs(v[i] / since_start(w, i)));
+            out = fmax(out, fabs(v[i] / since_start(w, on_way, i)));
     return out;
 }
 
-/* Do velocities grow as they do where M vanishes? */
-static int is_vanishing(parts *w) {
-    const double loss = w->first / w->least, by = growth(w);
+/* Do velocities grow as they do where M vanishes? Since they began the step, or, `on_way`, over what
+ * they were in its course, too: one that passes zero at its start grows by any factor. */
+static int grow_so(parts *w, int on_way) {
+    const double loss = w->first / w->least, by = growth(w, on_way);
     return by > pow(loss, LEAST_POWER) && by < pow(loss, MOST_POWER);
 }
 
@@ -155,13 +155,13 @@ static int walk(parts *w) {
             copy_memory(w, NULL, w->memory);
             continue;
         }
-        if (found && near && is_vanishing(w)) return 1;
+        if (found && near && grow_so(w, 1)) return 1;
         if (!found && (w->done == 0 || w->ahead > DM_INERTIA_STEEP)) return 0;
         if (!found && is_fold(w, &least)) return 1;
         if (!found) left = INFINITY;
         const int seen = w->first > LOSS * w->least;
         go_on(w, least, left);
-        if (!seen && w->first > LOSS * least && w->by_position && !is_vanishing(w)) return 0;
+        if (!seen && w->first > LOSS * least && w->by_position && !grow_so(w, 1)) return 0;
     }
     return 0;
 }
@@ -221,7 +221,7 @@ static int is_astray(parts *w, const double *to) {
     uint32_t negative;
     double least;
     if (w->done < FINEST || !dm_inertia_at(w->x, to, w->t + w->h, &negative, &least)) return 0;
-    return (least > OFF * w->least || w->least > OFF * least) && is_vanishing(w);
+    return (least > OFF * w->least || w->least > OFF * least) && grow_so(w, 0);
 }
 
 static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
