@@ -219,6 +219,7 @@ dm_graph *dm_graph_copy(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *
     dm_node *copied = dm_arena_take(scratch, (end + 1) * sizeof *copied);
     if (!stack || !copied) return NULL;
     h->verbatim = g->verbatim;
+    h->exact = g->exact;
     h->implicits = g->implicits;
     memset(copied, 0, (end + 1) * sizeof *copied);
     for (uint32_t i = 0; i < m; i++) {
@@ -242,7 +243,7 @@ static dm_graph *compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm
 typedef struct dm_compacted {
     struct dm_compacted *next;
     uint32_t m;
-    int verbatim;
+    int verbatim, exact;
     dm_graph *to;
     const dm_node *roots, *out;
 } compacted;
@@ -250,7 +251,7 @@ typedef struct dm_compacted {
 /* by the roots, node by node */
 static const compacted *find_compacted(const dm_graph *g, const dm_node *roots, uint32_t m) {
     const compacted *c = g->compacted;
-    while (c && (c->m != m || c->verbatim != g->verbatim ||
+    while (c && (c->m != m || c->verbatim != g->verbatim || c->exact != g->exact ||
                  memcmp(c->roots, roots, m * sizeof *roots) != 0))
         c = c->next;
     return c;
@@ -276,7 +277,7 @@ dm_graph *dm_compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_nod
     compacted *c = h && both ? dm_arena_take(g->arena, sizeof *c) : NULL;
     if (!c) return h;
     memcpy(both + m, out, m * sizeof *out);
-    *c = (compacted){g->compacted, m, g->verbatim, h, both, both + m};
+    *c = (compacted){g->compacted, m, g->verbatim, g->exact, h, both, both + m};
     g->compacted = c;
     return h;
 }

@@ -221,16 +221,23 @@ static uint32_t count_other(const dm_part *p, uint32_t count, double c) {
     return other;
 }
 
+/* is every coefficient c times a double, exactly? */
+static int divides(const dm_part *p, uint32_t count, double c) {
+    for (uint32_t i = 0; i < count; i++)
+        if (fma(p[i].c / c, c, -p[i].c) != 0.0) return 0;
+    return 1;
+}
+
 /* the coefficient to pull out of a sum: one that saves a multiplication, with the sign of
  * the first term, so that x - y and y - x are one sum */
-static double common_coefficient(const dm_part *p, uint32_t count) {
+static double common_coefficient(const dm_part *p, uint32_t count, int exact) {
     double best = 1.0;
     uint32_t least = count_other(p, count, 1.0);
     for (uint32_t i = 0; i < count && i < 8; i++) {
         const double c = fabs(p[i].c);
         if (c == 1.0 || !isnormal(c)) continue;
         const uint32_t others = count_other(p, count, c) + 1;
-        if (others >= least) continue;
+        if (others >= least || (exact && !divides(p, count, c))) continue;
         least = others;
         best = c;
     }
@@ -246,7 +253,7 @@ dm_scaled dm_terms_sum(dm_terms *s, uint32_t count) {
     if (count == 0) return (dm_scaled){0.0, 0};
     if (count == 1) return (dm_scaled){p->c, p->t};
     for (uint32_t i = 0; i < count; i++) s->unfit |= !isnormal(p[i].c);
-    const double c = common_coefficient(p, count);
+    const double c = common_coefficient(p, count, s->g->exact);
     for (uint32_t i = 0; i < count; i++) {
         p[i].c = fabs(p[i].c) == fabs(c) ? copysign(1.0, p[i].c * c) : p[i].c / c;
         if (p[i].c < 0.0 || !s->entries[p[i].t].nonnegative) head.nonnegative = 0;

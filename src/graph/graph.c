@@ -42,6 +42,10 @@ void dm_graph_verbatim(dm_graph *g, int on) {
     g->verbatim = on;
 }
 
+void dm_graph_exact(dm_graph *g, int on) {
+    g->exact = on;
+}
+
 dm_status dm_graph_status(const dm_graph *g) {
     return g->status;
 }

@@ -63,6 +63,10 @@ dm_node dm_apply(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c);
  * sums whose rounding errors are meant. */
 void dm_graph_verbatim(dm_graph *g, int on);
 
+/* While on, dm_compact pulls no coefficient out of a sum that would round the others: for kernels
+ * that must have the same coefficients, to the last bit, as others of the same function. */
+void dm_graph_exact(dm_graph *g, int on);
+
 /* Shorthand for the arithmetic that builders write. dm_power expands whole and half exponents. */
 dm_node dm_neg(dm_graph *g, dm_node a);
 dm_node dm_add(dm_graph *g, dm_node a, dm_node b);

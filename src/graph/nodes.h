@@ -43,7 +43,7 @@ struct dm_graph {
     dm_node source[2];          /* the last function prepared for derivatives, and what it became */
     dm_gradient_cache gradient; /* the last one */
     struct dm_compacted *compacted; /* compact.c, newest first */
-    int verbatim;
+    int verbatim, exact;
 };
 
 /* A graph with room for so many nodes from the start. */

@@ -421,9 +421,12 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     return status;
 }
 
-/* a kernel of a pair; roundings that have a mean would make momentum maps drift */
+/* a kernel of a pair; roundings that have a mean, and coefficients that differ between kernels,
+ * would make momentum maps drift */
 static dm_status make_even(builder *b, dm_kernel *out, dm_node *roots, size_t count) {
+    dm_graph_exact(b->g, 1);
     dm_graph *g = dm_compact_graph(b->g, roots, (uint32_t)count, roots);
+    dm_graph_exact(b->g, 0);
     if (g) g = dm_even_graph(g, roots, (uint32_t)count, roots);
     if (!g) return dm_graph_status(b->g) != DM_OK ? dm_graph_status(b->g) : DM_NO_MEMORY;
     return make_verbatim(b, g, out, roots, count, DM_WANT_PAIR);

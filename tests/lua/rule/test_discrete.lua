@@ -166,4 +166,15 @@ local swing = dm.solver { dm.discrete_lagrangian { Q = dm.R(1), h = 0.1,
 swing:run { q = { 1 }, p = { 0 }, steps = 100 }
 local cost = swing:report()
 ok(cost.matrices >= 100 and cost.matrices <= cost.newton, "matrices of del are counted", cost.matrices, cost.newton)
+-- coefficients of D1 and of D1 + D2 are the same to the bit, or J drifts by their difference in every step: 0.002 and 0.1/3 would be
+-- taken out of sums in which the other has no exact quotient (6e-19 a step)
+local uneven = dm.solver { dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(a, b, h)
+  return (b - a):dot(b - a) * 4 - h * (2 * a:dot(a) + b:dot(b)) / 6 + 0.002 * a:dot(b) / a:norm()
+end } }
+local drift = 0
+for k = 1, 4 do
+  local turned = uneven:run { q = { 0.5 + 0.1 * k, 0.1 }, p = { -0.1, 0.7 + 0.05 * k }, steps = 1e5, every = 1e3 }
+  drift = drift + turned:drift(turned:momentum(dm.SO(2))).per_time * 0.1 / 4
+end
+tap.ok(math.abs(drift) < 1e-19, "an Ld with uneven coefficients keeps J", drift)
 tap.done()
