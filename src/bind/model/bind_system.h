@@ -37,8 +37,8 @@ void dml_push_rn(lua_State *L, uint32_t n);
 /* dm.system{ Q =, L = }, as a C function. */
 int dml_system_new(lua_State *L);
 
-/* core.stand_in{ Q =, L =, name = }: a system that a discrete Lagrangian on a group is stepped with,
- * whose runs have no energy and no velocity. */
+/* core.stand_in{ Q =, L =, name = }: a system that a discrete Lagrangian on a group is stepped
+ * with, whose runs have no energy and no velocity. */
 int dml_stand_in_new(lua_State *L);
 
 /* The system or discrete Lagrangian at `arg`; raises when it is neither. */

@@ -116,8 +116,8 @@ static double growth(parts *w, int on_way) {
     return out;
 }
 
-/* Do velocities grow as they do where M vanishes? Since they began the step, or, `on_way`, over what
- * they were in its course, too: one that passes zero at its start grows by any factor. */
+/* Do velocities grow as they do where M vanishes? Since they began the step, or, `on_way`, over
+ * what they were in its course, too: one that passes zero at its start grows by any factor. */
 static int grow_so(parts *w, int on_way) {
     const double loss = w->first / w->least, by = growth(w, on_way);
     return by > pow(loss, LEAST_POWER) && by < pow(loss, MOST_POWER);
