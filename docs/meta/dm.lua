@@ -6377,7 +6377,7 @@ function dm.remesh(K, M, options) end
 
 ---dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> dm.solver
 ---
----A solver that goes on where a run ended, from path:checkpoint(file) or from the path itself: solver:run{steps=} gives the bits of a run that never stopped. Rows of every = k are at every k-th step from there, the first where it goes on. Rule, h and Newton's tolerance are those of the checkpoint; rule: for a rule that is an object, which a file does not hold. Raises when the file is not a whole checkpoint or the system is another one.
+---A solver that goes on where a run ended, from path:checkpoint(file) or from the path itself: solver:run{steps=} gives the bits of a run that never stopped. Rows of every = k are at every k-th step from there, the first where it goes on. Rule, h and Newton's tolerance are those of the checkpoint; rule: for a rule that is an object, which a file does not hold. run{file =} adds its rows to those of the run that it goes on from, and raises where the file has another state at its time. Raises when the file is not a whole checkpoint or the system is another one.
 ---So do runs of fields on lines, of boxes, of waves and of flows: dm.resume(run), or dm.resume(file,
 ---field) with the dm.field, dm.multisymplectic, dm.schroedinger or K:euler that they are of; and runs
 ---of fields on meshes by rule "avi" (run{t=} goes on from there) and over the slices of dm.prismal

@@ -17,7 +17,8 @@ dml_path *dml_field_rows_open(lua_State *L, dml_field_rows *r, int system, uint3
     if (!r->is_filed) return r->path;
     const int at = lua_gettop(L);
     lua_getfield(L, at, "columns");
-    dml_file_open(L, &r->file, at + 1, 1, from, dml_count(L, 2, "missing", 0, 0));
+    const dml_file_start start = {.t = from, .missing = dml_count(L, 2, "missing", 0, 0)};
+    dml_file_open(L, &r->file, at + 1, 1, &start);
     lua_pushstring(L, r->file.name);
     lua_setiuservalue(L, at, DML_PATH_FILE);
     lua_pushvalue(L, at);

@@ -330,9 +330,11 @@ static const dml_row functions[] = {
      "A solver that goes on where a run ended, from path:checkpoint(file) or from the path "
      "itself: solver:run{steps=} gives the bits of a run that never stopped. Rows of every = k are "
      "at every k-th step from there, the first where it goes on. Rule, h and Newton's tolerance "
-     "are "
-     "those of the checkpoint; rule: for a rule that is an object, which a file "
-     "does not hold. Raises when the file is not a whole checkpoint or the system is another "
+     "are those of the checkpoint; rule: for a rule that is an object, which a file does not hold. "
+     "run{file =} adds its rows to those of the run that it goes on from, and raises where the "
+     "file "
+     "has another state at its time. Raises when the file is not a whole checkpoint or the system "
+     "is another "
      "one."},
     {"system_of", system_of,
      "core.system_of(x) -> dm.system or nil\n"

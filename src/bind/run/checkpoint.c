@@ -182,6 +182,11 @@ static dml_checkpoint *push_end(lua_State *L, const dml_solver *s) {
     return c;
 }
 
+double dml_checkpoint_time(const dml_checkpoint *c, const dml_solver *s) {
+    if (s->method->traits & DM_OWN_TIME) return c->state[4 * (size_t)c->n];
+    return c->t0 + (double)c->steps * s->h;
+}
+
 /* Only copies, so that it can be done between any two steps. */
 void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
     const size_t size = dm_state_size(c->n);

@@ -37,6 +37,9 @@ static inline double *dml_checkpoint_carried(dml_checkpoint *c) {
     return c->state + dm_state_size(c->n) + c->memory;
 }
 
+/* The time of its state, by the solver that goes on from it. */
+double dml_checkpoint_time(const dml_checkpoint *c, const dml_solver *s);
+
 /* Fill it with where the run is, `steps` steps after r->t0. */
 void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps);
 

@@ -138,9 +138,25 @@ static double time_of(const dml_run_file *f, long row) {
     return t;
 }
 
-/* Its rows before the time `from` stay, the rest is cut off. 0: it is not a file of these
+/* How far q in row `row`, from 0, is from that which a run of this file goes on from, beside the
+ * largest entry of both: 0 where its time is another one, or where it cannot be read. */
+static double row_apart(lua_State *L, const dml_run_file *f, long row, const dml_file_start *from) {
+    double apart = 0.0, size = 0.0;
+    if (!from->n || time_of(f, row) != from->t) return 0.0;
+    double *there = lua_newuserdatauv(L, from->n * sizeof *there, 0);
+    if (fread(there, sizeof *there, from->n, f->stream->f) == from->n)
+        for (size_t i = 0; i < from->n; i++) {
+            size = fmax(size, fmax(fabs(there[i]), fabs(from->state[i])));
+            apart = fmax(apart, fabs(there[i] - from->state[i]));
+        }
+    lua_pop(L, 1);
+    return apart > 0.0 ? apart / size : 0.0;
+}
+
+/* Its rows before the time of `from` stay, the rest is cut off. 0: it is not a file of these
  * columns; `header` is on top of the stack. */
-static int keep_rows(lua_State *L, dml_run_file *f, double from) {
+static int keep_rows(lua_State *L, dml_run_file *f, const dml_file_start *from) {
+    static const double OTHER = 1e-6; /* rows at times may be states in between, to an order */
     const size_t size = lua_rawlen(L, -1);
     const char *header = lua_tostring(L, -1);
     char *there = lua_newuserdatauv(L, size, 0);
@@ -154,12 +170,18 @@ static int keep_rows(lua_State *L, dml_run_file *f, double from) {
     long least = 0, most = strtol(there + behind, NULL, 10);
     while (least < most) { /* rows before `least` are earlier, those from `most` on are not */
         const long middle = least + (most - least) / 2;
-        if (time_of(f, middle) < from)
+        if (time_of(f, middle) < from->t)
             least = middle + 1;
         else
             most = middle;
     }
     f->before = least;
+    if (row_apart(L, f, least, from) > OTHER)
+        luaL_error(L,
+                   "field 'file': %s has rows of another run: the one at t = %f, where this run "
+                   "goes "
+                   "on, is another state; give a new name",
+                   f->name, from->t);
     return ftruncate(fileno(file), (off_t)size + least * (off_t)(f->width * sizeof(double))) == 0 &&
            count_rows(f, least);
 }
@@ -185,8 +207,8 @@ static int is_there(const char *name) {
 }
 
 /* The header is as long for any number of rows, so that it can be counted up in its place. */
-void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from,
-                   long missing) {
+void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays,
+                   const dml_file_start *from) {
     const int one = 1;
     lua_getfield(L, 2, "file");
     if (lua_type(L, -1) != LUA_TSTRING || !strstr(lua_tostring(L, -1), ".npy"))
@@ -200,12 +222,12 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double 
     f->rows = f->before = f->last = 0;
     f->why = 0;
     f->outlet = (dm_outlet){.room = DML_ROWS_IN_MEMORY, .flush = flush, .ud = f};
-    const int goes_on = !isnan(from) && is_there(f->name);
-    if (goes_on && missing)
+    const int goes_on = !isnan(from->t) && is_there(f->name);
+    if (goes_on && from->missing)
         luaL_error(L,
                    "field 'file': %d rows before t = %f are missing in %s, which its disk did not "
                    "take (they are in failure.path): give a new name",
-                   (int)missing, from, f->name);
+                   (int)from->missing, from->t, f->name);
     open_stream(L, f, !goes_on);
     push_header(L, names, arrays, 0, &f->behind);
     f->size = (long)lua_rawlen(L, -1);

@@ -24,13 +24,21 @@ typedef struct {
     int why;     /* errno of what could not be written */
 } dml_run_file;
 
+/* Where a run goes on. */
+typedef struct {
+    double t;            /* NaN: it does not, it starts */
+    long missing;        /* rows before it that the file did not take */
+    const double *state; /* its q, the first n, stands in a row behind the time */
+    size_t n;            /* 0: rows hold something else */
+} dml_file_start;
+
 /* Open the file that field 'file' of the options at 2 names, for the columns whose names are the
  * list at `names`; arrays: q1, q2, ... are one field q, as those of a field on a mesh. A run that
- * goes on (from: its time; NaN: a start) adds to a file of the same columns, whose rows from that
- * time on it replaces. Raises when that is not possible, as where `missing` rows before it are
- * not there. Leaves things on the stack that must
- * stay. */
-void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays, double from, long missing);
+ * goes on adds to a file of the same columns, whose rows from its time on it replaces. Raises when
+ * that is not possible, as where rows before it are missing, or where the row of its time is that
+ * of another state. Leaves things on the stack that must stay. */
+void dml_file_open(lua_State *L, dml_run_file *f, int names, int arrays,
+                   const dml_file_start *from);
 
 /* Close it. 0: it is not whole, f->why says why. */
 int dml_file_close(lua_State *L, dml_run_file *f);

@@ -1,5 +1,6 @@
 /* solver_fail.c - what a run ended with, as an error. */
 #include "bind/core/bind_failure.h"
+#include "bind/run/start_constraints.h"
 #include "bind/run/stepping.h"
 #include "graph/analyse.h"
 
@@ -105,6 +106,18 @@ int dml_stepping_reason(lua_State *L, const dml_stepping *r, dm_status status) {
     return 1;
 }
 
+/* constraints that lose rank, where only the straight line of the step says so */
+static void look_ahead(dml_failure *f, const dml_stepping *r) {
+    const int stuck = f->status == DM_NO_CONVERGENCE || f->status == DM_SINGULAR;
+    if (!stuck || f->root || f->constraint || f->rolling) return;
+    const int lost = (int)dml_lost_constraint(r, f->time);
+    if (!lost) return;
+    const int k = (int)r->model->model.constraints->holonomic;
+    f->status = DM_SINGULAR;
+    f->constraint = lost > k ? 0 : lost;
+    f->rolling = lost > k ? lost - k : 0;
+}
+
 /* An error of the user's own function comes before what it did to the numbers. */
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
     const dml_solver *s = r->solver;
@@ -124,5 +137,6 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     f.h = s->h;
     f.residual = r->stepper.report.residual;
     f.iterations = r->stepper.report.iterations;
+    look_ahead(&f, r);
     dml_fail(L, &f, path);
 }

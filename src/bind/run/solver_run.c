@@ -93,12 +93,6 @@ static void show_progress(void *ud, long done, long steps) {
     dml_progress(u->L, "run", (double)done / (double)steps, rate, (double)(steps - done) / rate);
 }
 
-/* where the checkpoint is that a run goes on from */
-static double find_time(const run *u) {
-    if (u->r.solver->method->traits & DM_OWN_TIME) return u->from->state[4 * (size_t)u->from->n];
-    return u->from->t0 + (double)u->from->steps * u->r.solver->h;
-}
-
 /* time of the first state, from the options or the checkpoint that the solver starts from */
 static double find_start(lua_State *L, run *u) {
     static const char *const starts[] = {"q", "v", "p", "q0", "q1", "t0", NULL};
@@ -116,7 +110,7 @@ static double find_start(lua_State *L, run *u) {
     u->resume = (dm_resumption){.steps = u->from->steps,
                                 .memory = u->from->state + dm_state_size(u->from->n)};
     u->plan.resume = &u->resume;
-    return find_time(u);
+    return dml_checkpoint_time(u->from, u->r.solver);
 }
 
 /* how long: steps = n, or t = duration, or up to the last of the times `at`, from the time
@@ -260,12 +254,16 @@ static dml_path *make_path(lua_State *L, run *u) {
 /* the file of rows, whose columns the path knows */
 static void open_file(lua_State *L, run *u) {
     lua_getfield(L, u->path, "columns");
-    const double from = u->from ? find_time(u) : NAN;
+    const uint32_t n = !u->plan.watch || u->plan.beside ? u->r.solver->n : 0;
+    dml_file_start from = {.t = NAN};
+    if (u->from)
+        from = (dml_file_start){dml_checkpoint_time(u->from, u->r.solver), u->from->unfiled,
+                                u->from->state, n};
     const int names = lua_gettop(L);
     lua_getfield(L, u->path, "system");
     const int is_field = lua_getfield(L, -1, "field") != LUA_TNIL;
     lua_settop(L, names);
-    dml_file_open(L, &u->file, names, is_field, from, u->from ? u->from->unfiled : 0);
+    dml_file_open(L, &u->file, names, is_field, &from);
     u->plan.outlet = &u->file.outlet;
     lua_pushstring(L, u->file.name);
     lua_setiuservalue(L, u->path, DML_PATH_FILE);

@@ -264,3 +264,30 @@ void dml_start_on_constraints(lua_State *L, dml_stepping *r, const char *who, in
     check_position(L, r, who);
     check_velocity(L, r, who, given_p && r->solver->method->traits & DM_LOOSE_MOMENTUM);
 }
+
+/* the constraint that loses rank at r->x; 0: none, or it is not known */
+static uint32_t lost_there(const dml_stepping *r) {
+    const dm_model *m = &r->model->model;
+    double *work = r->metric + m->n * (size_t)m->n;
+    dm_constraints_defect d;
+    if (dm_constraints_inverse_mass(r->metric, m, r->x, work) != DM_OK) return 0;
+    if (dm_constraints_velocity_defect(&d, m->constraints, r->x, r->metric, work) != DM_OK)
+        return 0;
+    return d.depends;
+}
+
+/* Of groups and discrete Lagrangians, whose states go no straight line, nothing is known. */
+uint32_t dml_lost_constraint(const dml_stepping *r, double t) {
+    const dm_model *m = &r->model->model;
+    const dm_constraints *c = m->constraints;
+    double *v = r->x + m->n;
+    if (!c || c->holonomic + c->rolling == 0 || c->group || r->solver->pair) return 0;
+    memcpy(r->x, r->state, m->n * sizeof *r->x);
+    memset(v, 0, m->n * sizeof *v);
+    r->x[2 * m->n] = t;
+    if (dm_legendre_inverse(m, v, r->x, r->state + m->n, t, r->work) != DM_OK) return 0;
+    const uint32_t here = lost_there(r);
+    for (uint32_t i = 0; i < m->n; i++) r->x[i] += r->solver->h * v[i];
+    r->x[2 * m->n] += r->solver->h;
+    return here ? here : lost_there(r);
+}

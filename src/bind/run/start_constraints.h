@@ -38,4 +38,9 @@ void dml_check_rolling_pair(lua_State *L, const dml_stepping *r);
 void dml_check_velocity(lua_State *L, dml_stepping *r, const double *state, const double *v,
                         const char *who);
 
+/* Where the step leads that fails at r->state and t, and its engine does not say why: the
+ * constraint that depends on those before it at its start, or at the end of a straight line, from
+ * 1; 0: none does. */
+uint32_t dml_lost_constraint(const dml_stepping *r, double t);
+
 #endif

@@ -173,6 +173,11 @@ ok(#data.t == 501 and data.q1[501] == whole.q[501][1], "rows later than the chec
 raises("other columns", function()
   dm.resume(early):run { steps = 100, file = file, watch = { "energy" } }
 end)
+gauss:run { q = { 1, 0 }, v = { 0, 1 }, steps = 500, file = at "other.npy" }
+raises("rows of another run: the one at t = 20.0,", function()
+  dm.resume(early):run { steps = 100, file = at "other.npy" }
+end)
+ok(#dm.load(at "other.npy").t == 501, "which stay as they are")
 spit(at "foreign.npy", "not rows")
 raises("another kind of file", function() dm.resume(early):run { steps = 1, file = at "foreign.npy" } end)
 ok(slurp(at "foreign.npy") == "not rows", "which stays as it is")
