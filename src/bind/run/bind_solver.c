@@ -332,10 +332,8 @@ static const dml_row functions[] = {
      "at every k-th step from there, the first where it goes on. Rule, h and Newton's tolerance "
      "are those of the checkpoint; rule: for a rule that is an object, which a file does not hold. "
      "run{file =} adds its rows to those of the run that it goes on from, and raises where the "
-     "file "
-     "has another state at its time. Raises when the file is not a whole checkpoint or the system "
-     "is another "
-     "one."},
+     "file has another state at its time. Raises when the file is not a whole checkpoint or the "
+     "system is another one."},
     {"system_of", system_of,
      "core.system_of(x) -> dm.system or nil\n"
      "The system of a solver; nil of anything else."},
