@@ -101,6 +101,13 @@ local function signature(doc)
   return (line:gsub(" %->.*", ""))
 end
 
+local function refuse_surplus(doc, most)
+  local name = doc:match "[:.]?([%w_]+)%s*[({]" or "?"
+  local number = doc:match "^[%w_]+:" and most or most + 1
+  error(("bad argument #%d to '%s' (a surplus argument: %s)")
+    :format(number, name, signature(doc)), 4)
+end
+
 -- A check of how many arguments `call` is given: as many as its doc allows, or that of the method
 -- that stands for it; nil behind them is no argument. A method's first one is of its class, unless
 -- `call` is nil: what stands behind it checks that. The doc is there when it is first called.
@@ -112,14 +119,10 @@ local function counter(doc_of, call)
       most = doc and core.arity(doc) or math.huge
       classes = call and doc and doc:find "^[%w_]+:" and owners(call)
     end
-    if classes then check_object(classes, (...)) end
     local n = select("#", ...)
     while n > most and (select(n, ...)) == nil do n = n - 1 end
-    if n <= most then return end
-    local name = doc:match "[:.]?([%w_]+)%s*[({]" or "?"
-    local number = doc:match "^[%w_]+:" and most or most + 1
-    error(("bad argument #%d to '%s' (a surplus argument: %s)")
-      :format(number, name, signature(doc)), 3)
+    if n > most then refuse_surplus(doc, most) end
+    if classes then check_object(classes, (...)) end
   end
 end
 

@@ -31,6 +31,16 @@ end
 
 local mean = M.mean
 
+--- Slopes of S, by boxes.gradient or boxes.hessian, at z in box i. Raises where there are none.
+function M.slopes(f, z, i)
+  local fine, out = blame.try(f, z)
+  if fine then return out end
+  option.fail(WHERE, "S of the start has no slopes in the box at node %d: is it inside of the "
+    .. "domain of S?", i)
+end
+
+local slopes_of = M.slopes
+
 --- Sum of K[r][c] D_x z_c over known components in box i.
 function M.differences(boxes, r, known, i)
   local sum = 0
@@ -49,7 +59,8 @@ local CLOSED = 1e-9 -- of its terms: a sum round the ring that is 0
 local function integrate(boxes, r, c, known)
   local out, slopes, total, terms = core.zeros(boxes.cells), {}, 0, 0
   for i = 1, boxes.cells do
-    local S_r, D = boxes.gradient(mean(boxes, known, i))[r], differences(boxes, r, known, i)
+    local gradient = slopes_of(boxes.gradient, mean(boxes, known, i), i)
+    local S_r, D = gradient[r], differences(boxes, r, known, i)
     slopes[i] = (S_r - D) / boxes.K[r][c]
     total = total + slopes[i]
     terms = terms + (math.abs(S_r) + math.abs(D)) / math.abs(boxes.K[r][c])
@@ -70,8 +81,8 @@ local function solve_mean(boxes, r, c, known, i)
   local z, wanted = mean(boxes, known, i), differences(boxes, r, known, i)
   local last = math.huge
   for _ = 1, 50 do
-    local slopes, terms = boxes.hessian(z)[r], math.abs(wanted)
-    local step = (boxes.gradient(z)[r] - wanted) / slopes[c]
+    local slopes, terms = slopes_of(boxes.hessian, z, i)[r], math.abs(wanted)
+    local step = (slopes_of(boxes.gradient, z, i)[r] - wanted) / slopes[c]
     if not (math.abs(step) < math.huge) then break end
     z[c] = z[c] - step
     for k = 1, boxes.d do terms = terms + math.abs(slopes[k] * z[k]) end

@@ -115,7 +115,7 @@ end
 local function off_bond(state, known, y)
   local largest, terms, at = 0, 0, 1
   for i = 1, state.cells do
-    local sum, gradient = 0, state.gradient(follow.mean(state, known, i))
+    local sum, gradient = 0, follow.slopes(state.gradient, follow.mean(state, known, i), i)
     for r = 1, y[1] and state.d or 0 do
       local D = y[r] ~= 0 and follow.differences(state, r, known, i) or 0
       sum, terms = sum + y[r] * (D - gradient[r]), math.max(terms, math.abs(y[r] * D),
