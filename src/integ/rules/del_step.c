@@ -278,23 +278,34 @@ static dm_status solve_from(dm_del *e, const dm_stepper *s, const double *v, dou
     return dm_newton(e->z, &problem, e->scratch, report);
 }
 
-/* Is what is left of the equations small beside p0? Near a kink of Ld their terms are so large that
- * what rounding leaves of them is no root. Multipliers have units of their own. */
-static int is_balanced(const dm_del *e, const dm_newton_report *report) {
-    static const double LEFT = 1e-6;
-    return e->N > e->n || report->residual <= LEFT * dm_del_norm(e->state + e->n, e->n);
+/* What is left of the equations at z, beside p0, without add_rounded: near a kink of Ld, or where
+ * Ld(q, q) has no value but for rounding (0/0), terms and D1D2 are so large that a z which no place
+ * shows solves them by that alone, and is no root. Multipliers have units of their own. */
+static double imbalance(dm_del *e) {
+    const uint32_t n = e->n;
+    const double *p0 = e->state + n;
+    double *r = e->scratch;
+    if (e->N > n) return 0.0;
+    evaluate(e, e->z);
+    for (uint32_t i = 0; i < n; i++) r[i] = p0[i] + e->out[i];
+    if (e->m->constraints) add_impulse(e, r, e->z);
+    return dm_del_norm(r, n) / dm_del_norm(p0, n);
 }
 
 /* From z = 0, where one iteration finds h M^-1 p0 whatever the masses; where that fails, as where
  * Ld(q, q) is not defined or has a kink, from z = h p0. Where both do, the failure of the one that
- * stays where Ld is defined is told. */
+ * stays where Ld is defined is told. A start at rest, which all that rounding leaves is large
+ * beside, has the same root by both. */
 static dm_status solve_far(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report) {
+    static const double LEFT = 1e-6, NO_ROOT = 1.0;
     const double *p = e->state + e->n;
     const dm_status first = solve_from(e, s, NULL, h, report);
-    if (first == DM_OK && is_balanced(e, report)) return first;
+    const double left = first == DM_OK ? imbalance(e) : 0.0;
+    if (first == DM_OK && left <= LEFT) return first;
     const dm_status status = solve_from(e, s, p, h, report);
-    if (status != DM_OK && first == DM_OK) return solve_from(e, s, NULL, h, report);
-    return status == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;
+    if (status == DM_OK) return status;
+    if (first == DM_OK && left <= NO_ROOT) return solve_from(e, s, NULL, h, report);
+    return first == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;
 }
 
 dm_status dm_del_solve(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report,
