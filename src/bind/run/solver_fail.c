@@ -108,7 +108,8 @@ int dml_stepping_reason(lua_State *L, const dml_stepping *r, dm_status status) {
 
 /* constraints that lose rank, where only the straight line of the step says so */
 static void look_ahead(dml_failure *f, const dml_stepping *r) {
-    const int stuck = f->status == DM_NO_CONVERGENCE || f->status == DM_SINGULAR;
+    const int stuck =
+        f->status == DM_NO_CONVERGENCE || f->status == DM_SINGULAR || f->status == DM_NOT_FINITE;
     if (!stuck || f->root || f->constraint || f->rolling) return;
     const int lost = (int)dml_lost_constraint(r, f->time);
     if (!lost) return;

@@ -161,6 +161,8 @@ for _, rule in ipairs { "rattle", "shake", "yoshida(4, rattle)" } do
   lost("constraint", 1, rule, { constraint = function(x) return x[1] ^ 2 + x[2] ^ 2 - x[3] ^ 2 end },
     { 1, 0, 1 }, { -1, 0, -1 }, 1 / 16)
 end
+lost("constraint", 2, "yoshida(4, rattle)", { constraint = function(x) return { x[3], x[3] - x[1] * x[2] } end },
+  { 1, 0, 0 }, { -1, 0, 0 }, 1 / 16)
 -- one of each kind: a rolling condition that becomes one more holonomic one
 lost("rolling", 1, "gauss(2)", { constraint = function(x) return x[1] end,
   rolling = function(x, u) return { x[3] * u[2] - u[1] } end }, { 0, 0, 1 }, { 0, 0, -1 })
