@@ -416,13 +416,22 @@ static dm_status run(loop *l) {
     return status;
 }
 
+/* time_now before the first step, which a control does not know yet */
+static double start_time(const loop *l) {
+    const dm_run_plan *plan = l->plan;
+    if (!plan->resume) return plan->t0;
+    if (l->s->rule->method->traits & DM_OWN_TIME) return l->state[4 * (size_t)l->s->model->n];
+    return plan->t0 + (double)plan->resume->steps * plan->h;
+}
+
 /* what the method keeps beside q and p: set for a start, or as it was left */
 static dm_status begin(loop *l) {
     const dm_resumption *resume = l->plan->resume;
     double own[DM_STATE_OWN], *tail = l->state + 4 * (size_t)l->s->model->n, *place;
     dm_status status = DM_OK;
     memcpy(own, tail, sizeof own);
-    status = dm_stepper_start(l->s, l->state, resume ? time_now(l) : l->plan->t0, l->plan->h);
+    const double from = start_time(l);
+    status = dm_stepper_start(l->s, l->state, from, l->plan->h);
     if (resume) memcpy(tail, own, sizeof own);
     if (l->plan->follow) dm_follow_begin(l->plan->follow);
     if (status == DM_OK && resume && resume->memory) {
@@ -430,7 +439,7 @@ static dm_status begin(loop *l) {
         if (size) memcpy(place, resume->memory, size * sizeof *place);
     }
     if (status == DM_OK && l->plan->control)
-        dm_control_begin(l->plan->control, l->s, l->state, l->plan->t0, l->plan->h);
+        dm_control_begin(l->plan->control, l->s, l->state, from, l->plan->h);
     if (l->plan->inertia) l->plan->inertia->own = l->own;
     if (status == DM_OK && l->plan->inertia)
         status = dm_inertia_begin(l->plan->inertia, l->state, time_now(l), l->plan->h);

@@ -164,11 +164,23 @@ static void read_saving(lua_State *L, run *u) {
         luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
 }
 
+/* Where the run is. A time that events or a control found is none of so many steps. */
+static void take_end(run *u, long done) {
+    const int ended = u->plan.events && u->events.events.ended;
+    const double t0 = u->r.t0;
+    if (ended)
+        u->r.t0 = u->events.events.end;
+    else if (u->plan.control)
+        u->r.t0 = u->plan.control->t;
+    dml_checkpoint_take(u->end, &u->r, ended || u->plan.control ? 0 : done + u->resume.steps);
+    if (u->saving) dml_checkpoint_check(u->end, &u->r);
+    u->r.t0 = t0;
+}
+
 /* between two steps: a checkpoint of where the run is; one that cannot be written ends the run */
 static dm_status save(void *ud, long done) {
     run *u = ud;
-    dml_checkpoint_take(u->end, &u->r, done + u->resume.steps);
-    dml_checkpoint_check(u->end, &u->r);
+    take_end(u, done);
     if (dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving)) return DM_OK;
     u->unwritten = errno;
     return DM_NOT_WRITTEN;
@@ -318,16 +330,6 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
     path->drift = u->r.stepper.report.drift;
 }
 
-/* where the run is, before its stepper is closed */
-static void keep_end(run *u, long done) {
-    const int ended = u->plan.events && u->events.events.ended;
-    const double t0 = u->r.t0;
-    if (ended) u->r.t0 = u->events.events.end;
-    dml_checkpoint_take(u->end, &u->r, ended ? 0 : done + u->resume.steps);
-    if (u->saving) dml_checkpoint_check(u->end, &u->r);
-    u->r.t0 = t0;
-}
-
 /* note which file ended the run, for its failure; the text stays on the stack */
 static void note_unwritten(lua_State *L, run *u, const char *file, int why) {
     if (u->r.unwritten) return;
@@ -383,7 +385,7 @@ int dml_solver_run(lua_State *L) {
     u.r.fading = u.plan.inertia && dm_inertia_is_fading(u.plan.inertia);
     if (status == DM_SINGULAR && u.plan.inertia && u.plan.inertia->seen.degenerate)
         dml_note_degenerate(L, &u.r, u.plan.inertia);
-    keep_end(&u, done);
+    take_end(&u, done); /* before its stepper is closed */
     dml_stepping_end(&u.r);
     if (status == DM_STOPPED) dml_stop = 0;
     dml_progress_end(L);

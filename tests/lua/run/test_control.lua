@@ -141,4 +141,38 @@ path = rod:solver({ rule = "gauss(7)", h = 10 / 256 }):run { q = { length * math
 local furthest = 0
 for i = 1, #path do furthest = math.max(furthest, math.abs(path.q[i]:norm() - 1)) end
 ok(#path == 1000 and furthest < 2e-8, "rows inside of long steps over a stiff spring", furthest)
+-- a run goes on from the time where a controlled one ended, whatever its steps, and a controlled one
+-- from the time of the run before it: L sees t, and one run all the way is the judge
+do
+  local driven = dm.system { Q = dm.R(2), L = function(q, v, t)
+    return v:dot(v) / 2 + 1 / q:norm() + 0.1 * sin(t) * q[1]
+  end }
+  local file = os.tmpname()
+  for _, rule in ipairs { "rk8", "gauss(2)", "kahan-li(8)" } do
+    local solver = driven:solver { rule = rule, h = 0.02 }
+    local function go(of, more)
+      for key, value in pairs { t = 1, control = { tolerance = 1e-9 } } do
+        if more[key] == nil then more[key] = value end
+      end
+      if more.control == false then more.control = nil end
+      return of:run(more)
+    end
+    local whole = go(solver, { q = { 0.4, 0 }, v = { 0, 2 }, t = 2 })
+    local first = go(solver, { q = { 0.4, 0 }, v = { 0, 2 }, checkpoint = file })
+    local plain = go(solver, { q = { 0.4, 0 }, v = { 0, 2 }, control = false })
+    for what, path in pairs { ["from the path"] = go(dm.resume(first), {}),
+      ["from the file"] = go(dm.resume(file, driven), {}),
+      ["behind plain steps"] = go(dm.resume(plain), {}) } do
+      local off = (path.q[#path.q] - whole.q[#whole.q]):norm()
+      ok(path.t[1] == 1 and path.t[#path.t] == 2 and off < 1e-5,
+        ("%s: a controlled run goes on %s"):format(rule, what), path.t[1] .. ", " .. off)
+    end
+    local on = go(dm.resume(first), { control = false })
+    local off = (on.q[#on.q] - whole.q[#whole.q]):norm()
+    ok(on.t[1] == 1 and math.abs(on.t[#on.t] - 2) < 1e-14 and off < 1e-3,
+      rule .. ": and plain steps behind it", off)
+  end
+  os.remove(file)
+end
+
 tap.done()
