@@ -67,8 +67,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
 
 /* E = p . v - L, which needs no trace of its own. */
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r) {
-    if (r->solver->alone)
-        luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
+    if (r->solver->alone) luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
     dml_model *m = model_of(r);
     dml_want(L, m, DM_WANT_ENERGY | dml_legendre_wants(m, 0), NULL);
     *next(L, o) = (dm_observable){.kernel = &m->model.energy, .of_model = 1};

@@ -175,4 +175,15 @@ do
   os.remove(file)
 end
 
+-- an event that stops a controlled run has ended it: no time is missing
+do
+  local fall = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] end }
+  local fallen = fall:solver({ rule = "gauss(2)", h = 0.1 }):run { q = { 2 }, v = { 0 }, t = 10, control = { tolerance = 1e-9 },
+    events = { ground = { g = function(q) return q[1] end, stop = true } } }
+  near(fallen.t[#fallen.t], 2, 1e-12, "a controlled fall ends on the ground")
+  local up = dm.resume(fallen):run { t = 1, control = { tolerance = 1e-9 } }
+  near(up.t[1], 2, 1e-12, "a run goes on from there")
+  near(up.q[#up.q][1], 2 - 9 / 2, 1e-11, "to where it falls")
+end
+
 tap.done()
