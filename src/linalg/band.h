@@ -13,7 +13,7 @@
  * <= width. */
 typedef struct {
     uint32_t n, width;
-    const uint32_t *order; /* [n] a permutation */
+    const uint32_t *order;             /* [n] a permutation */
     const volatile sig_atomic_t *stop; /* ends dm_band_factor with DM_STOPPED; may be NULL */
 } dm_band;
 

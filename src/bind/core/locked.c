@@ -3,8 +3,9 @@
 #include "bind/core/bind.h"
 
 static int refuse(lua_State *L) {
-    return luaL_error(L, "%s cannot be set: change a list of your own, table.move(list, 1, #list, "
-                         "1, {})",
+    return luaL_error(L,
+                      "%s cannot be set: change a list of your own, table.move(list, 1, #list, "
+                      "1, {})",
                       lua_tostring(L, lua_upvalueindex(1)));
 }
 
@@ -13,14 +14,20 @@ static int length(lua_State *L) {
     return 1;
 }
 
+/* (locked, key) -> next key, value */
 static int step(lua_State *L) {
     lua_settop(L, 2);
-    return lua_next(L, 1) ? 2 : 0;
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 2);
+    return lua_next(L, 2) ? 2 : 0;
 }
 
+/* the list itself stays in here: who has it can set it */
 static int all(lua_State *L) {
-    lua_pushcfunction(L, step);
+    lua_settop(L, 1);
     lua_pushvalue(L, lua_upvalueindex(1));
+    lua_pushcclosure(L, step, 1);
+    lua_insert(L, 1);
     return 2;
 }
 

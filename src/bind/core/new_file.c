@@ -117,15 +117,21 @@ static int leads_elsewhere(const char *file) {
     return lstat(file, &s) == 0 && !S_ISREG(s.st_mode);
 }
 
+/* A file that is protected is not replaced, one in a folder that is protected is written through,
+ * others keep their mode. */
 int dml_core_new_file(lua_State *L) {
     const char *file = luaL_checkstring(L, 1);
+    const int through = lua_toboolean(L, 2);
     char name[DML_FILE_NAME];
-    if (lua_toboolean(L, 2) && leads_elsewhere(file)) {
-        lua_settop(L, 1);
-        return 1;
-    }
+    struct stat old;
+    lua_settop(L, 1);
+    if (through && leads_elsewhere(file)) return 1;
+    const int there = through && stat(file, &old) == 0;
+    if (there && access(file, W_OK) != 0) return luaL_fileresult(L, 0, file);
     FILE *f = dml_newfile(file, 0666, name);
-    if (!f || fclose(f) != 0) return luaL_fileresult(L, 0, file);
+    if (!f && there && errno == EACCES) return 1;
+    const int fine = f && (!there || fchmod(fileno(f), (old.st_mode & 0777) | 0600) == 0);
+    if (!f || fclose(f) != 0 || !fine) return luaL_fileresult(L, 0, file);
     lua_pushstring(L, name);
     return 1;
 }

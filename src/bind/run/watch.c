@@ -268,10 +268,9 @@ static void read_gaps(lua_State *L, dml_observables *o) {
 }
 
 void dml_refuse_gaps(lua_State *L) {
-    if (dml_field(L, 2, "gaps"))
+    if (dml_flag(L, 2, "gaps", 0))
         luaL_error(L, "field 'gaps' is about NaN in columns of 'watch' or 'record', and none is "
                       "given: NaN in q and p ends every run");
-    lua_pop(L, 1);
 }
 
 /* Rows hold t and these, in the order of dml_pushkeys. */

@@ -45,6 +45,7 @@ static int new (lua_State *L) {
     lua_setiuservalue(L, 4, INSIDE);
     const dm_level_function inside =
         s->conditions ? traced(s->conditions) : (dm_level_function){.graph = NULL};
+    luaL_argcheck(L, !s->conditions || inside.inputs == F.inputs, 3, "a function of x expected");
     const dm_status status =
         dm_level_build(&s->level, &F, &moved, s->conditions ? &inside : NULL, arena);
     if (status != DM_OK) return luaL_error(L, "the section: %s", dm_status_text(status));
@@ -107,6 +108,7 @@ static int found(void *ud, const double *a, const double *b, const double *const
 /* (section, starts, nodes, most) -> list */
 static int folds(lua_State *L) {
     section *s = check(L);
+    luaL_checktype(L, 2, LUA_TTABLE);
     const uint32_t n = s->level.n, count = (uint32_t)lua_rawlen(L, 2);
     const lua_Integer nodes = luaL_checkinteger(L, 3);
     luaL_checkinteger(L, 4);
@@ -117,7 +119,7 @@ static int folds(lua_State *L) {
     double *x = lua_newuserdatauv(L, (n + 1) * (size_t)(count + 1) * sizeof *x, 0);
     double *step = x + (size_t)n * count;
     for (uint32_t i = 0; i < count; i++) {
-        lua_rawgeti(L, 2, i + 1);
+        if (lua_rawgeti(L, 2, i + 1) != LUA_TTABLE) luaL_argerror(L, 2, "{ x, step } expected");
         lua_rawgeti(L, -1, 1);
         dml_vectorarg(L, lua_gettop(L), "x", x + (size_t)i * n, n);
         lua_rawgeti(L, -2, 2);

@@ -110,8 +110,14 @@ static void run_alone(dm_hand *x, long i) {
     x->ended[i] = 1;
 }
 
-/* Has member i gone over a change of inertia in the steps that are done, in lanes still? Then it
- * runs again alone, up to that step. `failed`: in the one after these. */
+/* May a value have changed its sign and come back between two looks? Without bounds the line
+ * between them has been looked at. */
+static int may_be_back(const dm_hand *x, int seen) {
+    return seen == DM_INERTIA_STRANGE && x->b->stepper->model->mass_bounds;
+}
+
+/* Has member i gone over a change of inertia in the steps that are done, in lanes still, or may it
+ * have? Then it runs again alone, up to that step. `failed`: in the one after these. */
 static int has_crossed(dm_hand *x, long i, long done, int failed) {
     dm_inertia *inertia = inertia_of(x, i);
     double *now = x->b->lanes.alone;
@@ -123,7 +129,7 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     const double t = dm_hand_time(x, i, now, done);
     const int told = !failed && (x->told >> i & 1);
     const int seen = dm_inertia_look_aside(inertia, now, t, done, told ? &x->there[i] : NULL);
-    int over = seen == DM_INERTIA_CHANGED;
+    int over = seen == DM_INERTIA_CHANGED || may_be_back(x, seen);
     steep |= one && seen == DM_INERTIA_TURNED;
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));

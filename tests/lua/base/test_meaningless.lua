@@ -53,6 +53,7 @@ local function with(more)
 end
 raises("field 'gaps' is about NaN in columns", solver.run, solver, with { gaps = true })
 raises("field 'gaps' is about NaN in columns", solver.ensemble, solver, { members = 1, q = { { 1 } }, v = { { 0 } }, steps = 1, gaps = true })
+ok(#solver:run(with { gaps = false }) == 4, "false is what there is without it")
 ok(#solver:run(with { gaps = true, watch = { "q1" } }) == 4 and #solver:run(with { gaps = false, record = { "energy" } }) == 4, "with columns it is taken")
 for _, verb in ipairs { "tangent", "lyapunov", "symplecticity", "multipliers", "reversal", "singularities", "run" } do
   raises("give", solver[verb], solver, with { p = { 0.3 } })

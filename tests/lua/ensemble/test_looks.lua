@@ -53,4 +53,22 @@ for _, model in ipairs(models) do
       MEMBERS, wrong and " (" .. wrong .. ")" or ""))
   end
 end
+
+-- a mass of time that passes zero between two looks: a member goes on from one at which that may have been
+local COUPLED = { { 0.051989259625018 }, { -0.10948790198543, 0.11753909868324 },
+  { -0.011168517980891, -0.070670962335964, -0.0075353535114512 } }
+local turning = dm.system { Q = dm.R(4), L = function(q, v, t)
+  local T = 0
+  for i = 1, 4 do
+    T = T + v[i] ^ 2 / 2 * (1.1 + cos(q[i] + 0.3 * t))
+    for j = 1, i - 1 do T = T + COUPLED[i - 1][j] * v[i] * v[j] * cos(q[i] - q[j]) end
+  end
+  return T - q:dot(q) / 2
+end }:solver { rule = "gauss(2)", h = 0.05 }
+local q = { 0.26337249485477, 0.060079940104931, -1.5274285865522, 1.2006161080988 }
+local v = { -0.21546108516324, -1.7652791181558, 1.84608991796, 1.5832279163922 }
+local _, failure = pcall(turning.run, turning, { q = q, v = v, steps = 150 })
+local member = turning:ensemble { members = 1, q = { q }, v = { v }, steps = 150 }
+ok(failure.code == "inertia" and member.status[1] == "inertia" and member.steps[1] == failure.step - 1,
+  "a member whose mass of time passes zero between two looks ends as alone", member.status[1])
 tap.done()

@@ -107,4 +107,16 @@ local function spiral(w)
     branch = function(z) return bent(z, cos, sin) end }
 end
 for _, w in ipairs { 0.5, 2, 6 } do ok(pcall(dm.moving_frame, spiral(w)), "a spiral: " .. w) end
+
+-- arguments of the search itself
+do
+  local core = require "dm.core"
+  local wave = core.trace(function(x) return { 1 + x[2] - 0.9 * dm.sin(3 * x[1]) } end, 2)
+  local turned = core.trace(function(y, x) return { x[1] - y[1] * x[2], x[2] + y[1] * x[1] } end, 1, 2)
+  local wider = core.trace(function(x) return { x[1] + x[3] } end, 3)
+  local section = core.section(wave, turned, nil)
+  tap.raises("table expected", section.folds, section, "abc", 10, 3)
+  tap.raises("{ x, step } expected", section.folds, section, { 1, 2 }, 10, 3)
+  tap.raises("a function of x expected", core.section, wave, turned, wider)
+end
 tap.done()

@@ -91,11 +91,14 @@ os.execute("ln -s " .. name .. " " .. name .. ".link")
 os.remove(name)
 little:csv(name .. ".link")
 print(text() == little:csv())
+os.execute("chmod 600 " .. name)
+little:csv(name)
+os.execute("stat -c %a " .. name)
 os.execute("ls " .. name .. ".*")
 os.remove(name .. ".link")
 ]]
 local said = table.concat(lines_of(AT_ONCE, 300), " ")
-ok(said:find "csv%sfalse%strue%strue npy%sfalse%strue%strue true %S+%.link$", "an old file stays where the new one is not whole", said)
+ok(said:find "csv%sfalse%strue%strue npy%sfalse%strue%strue true 600 %S+%.link$", "an old file stays where the new one is not whole, and its mode", said)
 
 -- between two blocks: a checkpoint every few milliseconds
 local dm = require "dm"

@@ -156,7 +156,8 @@ do
   local members = solver:ensemble { members = 2, q = { { 1, 0 }, { 1, 0 } }, v = { { 0, 1 }, { 0, 1 } }, steps = 2 }
   for _, row in ipairs { { made, "columns" }, { members, "status" }, { members, "steps" } } do
     local list = row[1][row[2]]
-    for _, change in ipairs { function() list[1] = nil end, function() list[1] = "x" end, function() list[#list + 1] = "x" end, function() list.x = 1 end } do
+    local _, behind = pairs(list)
+    for _, change in ipairs { function() behind[2] = nil end, function() list[1] = nil end, function() list[1] = "x" end, function() list[#list + 1] = "x" end, function() list.x = 1 end } do
       raises("cannot be set: change a list of your own", change)
     end
     local same = #list == #table.move(list, 1, #list, 1, {})
