@@ -74,10 +74,12 @@ static void compare_all(uint32_t lanes, dm_mass_lanes_pivots *pivots) {
 }
 
 static void sides(void) {
+    dm_mass_lanes_pivots *four = NULL, *eight = NULL;
 #ifdef __x86_64__
-    if (dm_processor() >= DM_FMA) compare_all(4, dm_mass_pivots_avx);
-    if (dm_processor() == DM_AVX512) compare_all(8, dm_mass_pivots_avx512);
+    four = dm_mass_pivots_avx, eight = dm_mass_pivots_avx512;
 #endif
+    if (four && dm_processor() >= DM_FMA) compare_all(4, four);
+    if (eight && dm_processor() == DM_AVX512) compare_all(8, eight);
 }
 
 int main(void) {
