@@ -25,10 +25,11 @@ EXAMPLES = $(sort $(wildcard examples/*.lua))
 C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(if $(SPARSE_LIBS),$(SPARSE)) $(if $(QHULL_LIBS),$(DELAUNAY)) \
   $(if $(FFTW_LIBS),$(FFT)) \
   $(call below,tests/c,*.c)
+comma = ,
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
 export B
 
-all: $(B)/dmlua $(B)/dm/core.so modules
+all: $(B)/dmlua $(B)/dm/core.so modules $(B)/modules.luac
 
 # what the machine offers: made by .ci/setup, which installs what is missing for these goals,
 # after which make reads this file again
@@ -68,6 +69,11 @@ $(B)/libdm.a: $(call objects,$(KERNEL))
 $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
 	@[ -e $(B)/../lua/dm ] || [ -e $(B)/../../lua/dm ] || ln -sfn $(CURDIR)/lua $(B)/../lua
 	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),$(READLINE_LIBS)) -lm
+# the modules in Lua, compiled: the interpreter reads them faster, and does without them as well, as
+# where another machine is built for
+compiled = $(B)/dmlua -e 'require "dm.session.compiled".write("$(1)", "$(LUA_FILES)"$(2))'
+$(B)/modules.luac: $(B)/dmlua $(LUA_FILES)
+	$(call say,lua,$@)$(call compiled,$@.new) && mv $@.new $@ || echo "modules are read as texts"
 # for a stock lua5.4, which brings the lua_ functions itself
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
@@ -175,6 +181,8 @@ install: all
 	install -m 755 $(B)/dmlua $(DESTDIR)$(PREFIX)/bin/dmlua
 	install -m 755 $(wildcard $(B)/dm/*.so) $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	@for file in $(LUA_FILES); do install -D -m 644 $$file $(SHARE)/dmlua/$$file || exit 1; done
+	@install -d $(DESTDIR)$(PREFIX)/lib/dmlua
+	$(call compiled,$(DESTDIR)$(PREFIX)/lib/dmlua/modules.luac,$(comma) "$(PREFIX)/bin/../share/dmlua/lua")
 	install -D -m 644 -t $(SHARE)/dmlua/lua/python $(wildcard lua/python/*.py)
 	install -D -m 644 -t $(SHARE)/dmlua/meta docs/meta/dm.lua
 	install -m 644 $(EXAMPLES) $(SHARE)/dmlua/examples
@@ -185,7 +193,7 @@ install: all
 	install -m 644 docs/completion/dmlua.fish $(SHARE)/fish/vendor_completions.d/dmlua.fish
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' .packaging/dmlua.pc >$(SHARE)/pkgconfig/dmlua.pc
 uninstall:
-	rm -rf $(SHARE)/dmlua $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
+	rm -rf $(SHARE)/dmlua $(DESTDIR)$(PREFIX)/lib/dmlua $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	rm -f $(DESTDIR)$(PREFIX)/bin/dmlua $(SHARE)/lua/5.4/dm $(SHARE)/man/man1/dmlua.1 \
 	  $(SHARE)/bash-completion/completions/dmlua $(SHARE)/zsh/site-functions/_dmlua \
 	  $(SHARE)/fish/vendor_completions.d/dmlua.fish $(SHARE)/pkgconfig/dmlua.pc

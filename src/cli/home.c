@@ -2,6 +2,7 @@
 #include "cli/home.h"
 
 #include "bind/core/bind.h"
+#include "cli/compiled.h"
 #include "cli/options.h"
 
 #include <lualib.h>
@@ -72,7 +73,20 @@ static int load(lua_State *L) {
     return status == LUA_OK ? 1 : lua_error(L);
 }
 
-/* a searcher for dm and dm.* only: upvalue 1 is package.searchpath, 2 the path */
+/* push what make has compiled: in the build tree, or under PREFIX/lib/dmlua */
+static void push_compiled(lua_State *L) {
+    static const char *const places[] = {"modules.luac", "../lib/dmlua/modules.luac"};
+    char folder[LONGEST_PATH];
+    dml_compiled *c = lua_newuserdatauv(L, sizeof *c, 0);
+    *c = (dml_compiled){0};
+    if (!own_folder(folder, sizeof folder)) return;
+    for (size_t i = 0; i < sizeof places / sizeof *places && !c->bytes; i++) {
+        *c = dml_compiled_open(lua_pushfstring(L, "%s/%s", folder, places[i]));
+        lua_pop(L, 1);
+    }
+}
+
+/* A searcher for dm and dm.* only. Upvalues: package.searchpath, the path, what is compiled. */
 static int search(lua_State *L) {
     const char *name = luaL_checkstring(L, 1);
     const int ours = strcmp(name, "dm") == 0 || strncmp(name, "dm.", 3) == 0;
@@ -83,7 +97,7 @@ static int search(lua_State *L) {
     lua_call(L, 2, 2);
     const char *file = lua_tostring(L, -2);
     if (!file) return 1; /* the list of files tried */
-    if (luaL_loadfile(L, file) != LUA_OK)
+    if (dml_compiled_load(L, lua_touserdata(L, lua_upvalueindex(3)), file) != LUA_OK)
         return luaL_error(L, "error loading module '%s':\n\t%s", name, lua_tostring(L, -1));
     lua_pushcclosure(L, load, 1);
     lua_pushstring(L, file);
@@ -100,7 +114,8 @@ static void add_searcher(lua_State *L) {
     }
     lua_getfield(L, -2, "searchpath");
     push_path(L);
-    lua_pushcclosure(L, search, 2);
+    push_compiled(L);
+    lua_pushcclosure(L, search, 3);
     lua_rawseti(L, -2, 2);
     lua_pop(L, 2);
 }

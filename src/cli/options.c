@@ -226,6 +226,7 @@ int dml_open_manual(lua_State *L) {
     set_rows(L, "keys", keys);
     set_rows(L, "statuses", statuses);
     set_text(L, "version", DM_VERSION);
+    set_text(L, "lua", lua_ident);
 #ifdef DM_READLINE
     lua_pushboolean(L, 1);
 #else
