@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { SIGNS = 6 }; /* of guesses, repeated behind so many coordinates */
+
 /* the equation dL/dv(q, v, t) - p = 0 for v; x = (q, v, t), out = L_v[n], L_vv[n*n]. Of an H it is
  * dH/dp(q, p, t) - v = 0, with p and v in each other's places and out as the kernel gives it. */
 typedef struct {
@@ -163,13 +165,48 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
     return DM_OK;
 }
 
-/* The way d = p - L_v(0), by which v goes from rest; p where L_v has no value there. */
-static void find_way(equation *e, double *d) {
+/* The way d = p - L_v(0), by which v goes from rest; p, and 0, where L_v has no value there. */
+static int find_way(equation *e, double *d) {
     const uint32_t n = e->m->n;
     memset(d, 0, n * sizeof *d);
     evaluate(e->m, e->x, e->out, d);
     for (uint32_t i = 0; i < n; i++) d[i] = e->p[i] - e->out[i];
-    if (!all_finite(d, n)) memcpy(d, e->p, n * sizeof *d);
+    if (all_finite(d, n)) return 1;
+    memcpy(d, e->p, n * sizeof *d);
+    return 0;
+}
+
+/* v[n] of these signs, and of one size */
+static void place_velocity(double *v, uint32_t n, unsigned signs, double size) {
+    for (uint32_t i = 0; i < n; i++) v[i] = signs >> (i % SIGNS) & 1u ? -size : size;
+}
+
+/* max |L_v - p| at v; infinite where L_v has no value */
+static double miss(equation *e, const double *v) {
+    double out = 0.0;
+    evaluate(e->m, e->x, e->out, v);
+    for (uint32_t i = 0; i < e->m->n; i++) {
+        const double off = fabs(e->out[i] - e->p[i]);
+        if (!(off <= out)) out = isnan(off) ? INFINITY : off;
+    }
+    return out;
+}
+
+/* Of velocities of all signs and sizes the one with a momentum next to p, where L_v has no value at
+ * rest, as that of v log v: then p does not say where v points. 0: it has one nowhere. */
+static int guess_anywhere(equation *e, double *v) {
+    enum { LEAST = -40, MOST = 40, APART = 2 };
+    const uint32_t n = e->m->n, all = 1u << (n < SIGNS ? n : SIGNS);
+    double least = INFINITY, size = 0.0;
+    unsigned signs = 0;
+    for (unsigned k = 0; k < all; k++)
+        for (int power = LEAST; power <= MOST; power += APART) {
+            place_velocity(v, n, k, ldexp(1.0, power));
+            const double off = miss(e, v);
+            if (off < least) least = off, signs = k, size = ldexp(1.0, power);
+        }
+    place_velocity(v, n, signs, size);
+    return least < INFINITY;
 }
 
 /* Coordinates from `first` on. */
@@ -231,7 +268,7 @@ static dm_status solve_along(const dm_model *m, equation *e, double *root, doubl
     static const size_t ways = sizeof along / sizeof *along;
     const size_t all = m->n > 1 ? 2 * ways : ways;
     dm_status status = DM_SINGULAR;
-    find_way(e, d);
+    if (!find_way(e, d) && guess_anywhere(e, root)) status = solve(m, e, root, work);
     for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < all; k++) {
         guess(e, root, d, k >= ways, along[k % ways], work);
         status = solve(m, e, root, work);

@@ -75,6 +75,21 @@ function M.largest(a)
   return most
 end
 
+--- A with rows and columns multiplied so that their largest entries are near 1.
+function M.balanced(a)
+  for _ = 1, 3 do
+    local down, across = {}, {}
+    for i = 1, a.rows do
+      for j = 1, a.columns do down[i] = max(down[i] or 0, abs(a[i][j])) end
+    end
+    for j = 1, a.columns do
+      for i = 1, a.rows do across[j] = max(across[j] or 0, abs(a[i][j]) / down[i]) end
+    end
+    a = M.fill(a.rows, a.columns, function(i, j) return a[i][j] / (down[i] * across[j]) end)
+  end
+  return a
+end
+
 ---- systems ----
 
 --- The rows of A in the order in which elimination has the largest pivots, for numbers; nothing

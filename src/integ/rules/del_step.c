@@ -293,16 +293,19 @@ static double imbalance(dm_del *e) {
 }
 
 /* From z = 0, where one iteration finds h M^-1 p0 whatever the masses; where that fails, as where
- * Ld(q, q) is not defined or has a kink, from z = h p0. Where both do, the failure of the one that
- * stays where Ld is defined is told. A start at rest, which all that rounding leaves is large
- * beside, has the same root by both. */
+ * Ld(q, q) is not defined or has a kink, from z = h p0; where it is not defined from -h p0, too,
+ * since v may point against p, as that of v log v. Where both do, the failure of the one that stays
+ * where Ld is defined is told. A start at rest, which all that rounding leaves is large beside, has
+ * the same root by both. */
 static dm_status solve_far(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report) {
     static const double LEFT = 1e-6, NO_ROOT = 1.0;
     const double *p = e->state + e->n;
     const dm_status first = solve_from(e, s, NULL, h, report);
     const double left = first == DM_OK ? imbalance(e) : 0.0;
     if (first == DM_OK && left <= LEFT) return first;
-    const dm_status status = solve_from(e, s, p, h, report);
+    dm_status status = solve_from(e, s, p, h, report);
+    if (status != DM_OK && first == DM_NOT_FINITE && solve_from(e, s, p, -h, report) == DM_OK)
+        status = DM_OK;
     if (status == DM_OK) return status;
     if (first == DM_OK && left <= NO_ROOT) return solve_from(e, s, NULL, h, report);
     return first == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;

@@ -61,9 +61,10 @@ static double value_found(const dm_inertia *x) {
     return positive ? out : least;
 }
 
-/* The largest of it for velocities v, 0 and -v: of a place that has none for any. */
+/* The largest of it for velocities v, 0 and -v: of a place that has none for any. Where v is not in
+ * the domain of L, as a speed limit that depends on q, it says nothing; NaN: none of them is. */
 static double value_at(const place *at, const double *q, double t) {
-    double out = 0.0;
+    double out = NAN;
     if (!at->v) {
         dm_inertia_find(at->x, q, q, t);
         return value_found(at->x);
@@ -72,7 +73,7 @@ static double value_at(const place *at, const double *q, double t) {
         for (uint32_t i = 0; i < at->x->model->n; i++) at->tried[i] = side * at->v[i];
         dm_inertia_find(at->x, q, at->tried, t);
         const double value = value_found(at->x);
-        if (!(value <= out)) out = value;
+        if (isfinite(value) && !(value <= out)) out = value;
     }
     return out;
 }

@@ -7,6 +7,7 @@ local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local places = require "dm.reduce.discrete.places"
 
 local M = {}
 
@@ -69,46 +70,39 @@ end
 
 ---- over shapes ----
 
--- J^T F: a covector in the coordinates (theta, x)
-local function pulled(info, J, F)
-  if not J then return F end
-  local out = {}
-  for k = 1, info.n do
-    out[k] = 0
-    for i = 1, info.n do out[k] = out[k] + J[i][k] * F[i] end
-  end
-  return core.vector(out)
-end
-
 --- The entries of a covector in (theta, x) that belong to the shape.
-function M.of_shape(info, J, F) return core.vector((model.split(info, pulled(info, J, F)))) end
+function M.of_shape(info, J, F) return core.vector((model.split(info, places.pulled(J, F)))) end
 
 ---- is all of it invariant, and nothing along the group? ----
 
 local NONE, SAME = 1e-9, 1e-8 -- of the largest entry, each times its coordinate
 local ROUND = check.ROUND / SAME
 
--- everything at ((theta, x0), (theta + psi, x1)): a list of { name, covector or nil, value }
-local function seen(D, x0, x1, theta, psi)
-  local info, there, out = D.info, {}, {}
-  for a = 1, info.m do there[a] = theta[a] + psi[a] end
-  local z0, z1, A = model.embed(info, x0, theta), model.embed(info, x1, there), info.ambient
-  local q0, q1 = A and A.chart(z0) or z0, A and A.chart(z1) or z1
-  local J0, J1 = A and A.slope(z0), A and A.slope(z1)
+-- everything at two points: a list of { name, covector or nil, value }
+local function seen(D, at, q0, q1)
+  local out = {}
   if D.forces.push then
     local F1, F2 = D.forces.push(q0, q1)
     local words = "it pushes"
-    out[1] = { "the discrete force F1", pulled(info, J0, F1), words, round = ROUND }
-    out[2] = { "the discrete force F2", pulled(info, J1, F2), words, round = ROUND }
+    out[1] = { "the discrete force F1", places.pulled(at.J0, F1), words, round = ROUND }
+    out[2] = { "the discrete force F2", places.pulled(at.J1, F2), words, round = ROUND }
   end
   if D.forces.rolling then
     for c, E in ipairs(D.forces.reaction(q0, q1)) do
       local name = "row " .. c .. " of 'reaction'"
-      out[#out + 1] = { name, pulled(info, J0, E), "it pulls", round = 0 }
+      out[#out + 1] = { name, places.pulled(at.J0, E), "it pulls", round = 0 }
     end
     out[#out + 1] = { "'rolling'", value = core.vector(D.forces.rolling(q0, q1)) }
   end
   return out
+end
+
+-- what round-off of the points makes of entry i of item k
+local function noise(D, at, k, i)
+  return places.noise(at, function(q0, q1)
+    local item = seen(D, at, q0, q1)[k]
+    return (item[2] or item.value)[i]
+  end)
 end
 
 local ALONG = "%s of this Ld has a component along the group: %s '%s' with %.6g, for x0 = %s, x1 = "
@@ -151,21 +145,23 @@ local function usual_sizes(info, seen_at)
   return out
 end
 
-local function check_along(info, item, w, usual, look)
-  local F = item[2]
+local function check_along(D, at, k, item, w, usual, look)
+  local F, info = item[2], D.info
   for _, i in ipairs(F and info.cyclic or {}) do
-    if abs(F[i]) > NONE * max(size_of(item, w, i, look), usual[i]) then
+    if abs(F[i]) > NONE * max(size_of(item, w, i, look), usual[i])
+      and abs(F[i]) > noise(D, at, k, i) then
       error(ALONG:format(item[1], item[3], info.names[i], F[i], check.text(look.x0),
         check.text(look.x1), info.names[i]), 0)
     end
   end
 end
 
-local function check_same(item, before, w, usual, look, theta)
+local function check_same(D, at, k, item, before, w, usual, look, theta)
   local now, was = item[2] or item.value, before[2] or before.value
   for i = 1, #now do
     local apart, size = abs(now[i] - was[i]) * (w and w[i] or 1), size_of(before, w, i, look)
-    if apart > SAME * max(size, usual[i]) then
+    if apart > SAME * max(size, usual[i])
+      and abs(now[i] - was[i]) > noise(D, at, k, i) then
       error(MOVED:format(item[1], i, was[i], now[i], theta[1], check.text(look.x0),
         check.text(look.x1)), 0)
     end
@@ -186,11 +182,15 @@ end
 function M.check(D, looks)
   local seen_at = {}
   for _, look in ipairs(looks) do
-    local one = { look = look, lists = {}, places = {} }
+    local one = { look = look, lists = {}, places = {}, at = {} }
     for _, theta in ipairs(look.places) do
-      local fine, list = blame.try(seen, D, look.x0, look.x1, theta, look.psi)
+      local fine, at, list = blame.try(function()
+        local at = places.of(D, look, theta)
+        return at, seen(D, at, at.q0, at.q1)
+      end)
       if fine and is_finite(list) then
-        one.lists[#one.lists + 1], one.places[#one.places + 1] = list, theta
+        local l = #one.lists + 1
+        one.lists[l], one.places[l], one.at[l] = list, theta, at
       end
     end
     if #one.lists > 0 then seen_at[#seen_at + 1] = one end
@@ -200,8 +200,10 @@ function M.check(D, looks)
     for l, list in ipairs(one.lists) do
       for k, item in ipairs(list) do
         local w = weights(D.info, item, one.look)
-        check_along(D.info, item, w, usual[k], one.look)
-        if l > 1 then check_same(item, one.lists[1][k], w, usual[k], one.look, one.places[l]) end
+        check_along(D, one.at[l], k, item, w, usual[k], one.look)
+        if l > 1 then
+          check_same(D, one.at[l], k, item, one.lists[1][k], w, usual[k], one.look, one.places[l])
+        end
       end
     end
   end

@@ -93,11 +93,14 @@ end
 M.AWAY = AWAY
 
 -- A group that stretches (boosts, scalings) makes elements whose velocities g^-1 dg have few digits
--- left: how many times more than TOLERANCE is round-off at q, 1 at least.
+-- left, or moves points so far that their invariants have: how many times more than TOLERANCE is
+-- round-off at q, 1 at least.
 local ROUNDING = 1e-14
 local function slack(info, q)
   local on = info.ambient
-  return on and on.on_group and max(1, ROUNDING / TOLERANCE * on.condition(q)) or 1
+  if not on then return 1 end
+  local fine, size = blame.try(on.condition, q)
+  return fine and max(1, ROUNDING / TOLERANCE * size) or 1
 end
 
 local NO_SYMMETRY = "L is not invariant under the action: it changes by %.6g along '%s' at %s"
@@ -127,6 +130,9 @@ local function reach(x) return max(1, abs(x)) end
 
 ---- L ----
 
+local NO_SLOPE = "L is not invariant, or not smooth: it has no derivative at %s, which the group "
+  .. "moves other points to (%s)"
+
 -- dL/dtheta = 0 at a point, beside terms of this size
 local function check_slope(info, g, p, size)
   size = size * slack(info, p.q)
@@ -144,12 +150,17 @@ end
 function M.lagrangian(info, slope)
   local seen, sizes = {}, {}
   for k, p in ipairs(info.points) do
-    for _, there in ipairs { p, { q = moved(info, p, k), v = p.v, t = p.t } } do
-      local g, z = slope(there.q, there.v, there.t), {}
-      for i = 1, info.n do z[i], z[info.n + i] = p.q[i], p.v[i] end
-      seen[#seen + 1], sizes[#sizes + 1] = { g = g, p = there }, energy(g, z)
+    local z = {}
+    for i = 1, info.n do z[i], z[info.n + i] = p.q[i], p.v[i] end
+    for l, there in ipairs { p, { q = moved(info, p, k), v = p.v, t = p.t } } do
+      local fine, g = blame.try(slope, there.q, there.v, there.t)
+      if fine then
+        seen[#seen + 1], sizes[#sizes + 1] = { g = g, p = there }, energy(g, z)
+        p.energy = l == 1 and sizes[#sizes] or p.energy
+      elseif l == 1 or slack(info, there.q) == 1 then
+        error(NO_SLOPE:format(place(info, there), tostring(g)), 0)
+      end
     end
-    p.energy = sizes[#sizes - 1]
   end
   local usual = middle(sizes)
   for k, one in ipairs(seen) do check_slope(info, one.g, one.p, max(sizes[k], usual)) end

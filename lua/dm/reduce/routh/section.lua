@@ -6,13 +6,14 @@ local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local default_section = require "dm.reduce.routh.default_section"
+local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local orbit = require "dm.reduce.routh.orbit"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local abs, max, min = math.abs, math.max, math.min
 
 -- the map of an action given as a function, or as a dm.action, and the dimension of its group
 local function read_action(options)
@@ -173,6 +174,12 @@ local function transfer(system, S)
   end
   function T.frame(y) return Phi(y), Phi:jacobian(y) end
   function T.lift(y, w) return Phi(y), Phi:jacobian(y) * core.vector(w) end
+  -- how many times more round-off an invariant has at y than q: the condition of J, its rows and
+  -- columns of one size
+  function T.condition(y)
+    local values = linear.singular_values(linear.balanced(Phi:jacobian(y)))
+    return max(table.unpack(values)) / min(table.unpack(values))
+  end
   -- (y, p_y) -> (q, p): J^T p = p_y
   function T.point(y, p)
     local q = Phi(y)

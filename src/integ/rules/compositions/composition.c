@@ -109,8 +109,9 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
         return "a Runge-Kutta-Nystroem splitting needs an H that is quadratic in p; compose a rule "
                "instead, for instance kahan-li(6)";
     if (dm_method_needs(m) & ~base->method->traits)
-        return "its base rule does not know constraints or forces; name one that does, for "
-               "instance yoshida(4, rattle)";
+        return "its base rule does not know constraints, rolling constraints or forces; name one "
+               "that does, for instance yoshida(4, midpoint), or yoshida(4, rattle) for "
+               "constraints alone";
     return dm_rule_fits(base, m);
 }
 
