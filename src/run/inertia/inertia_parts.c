@@ -11,6 +11,8 @@
 /* A part is at least so short a part of the step. What fails is passed by one of WIDEST such parts
  * or by none. */
 enum { FINEST = 1 << 26, WIDEST = 16 };
+/* Steps in which a place is met that has thrown back the end of one. */
+enum { FARTHER = 3 };
 /* Where M vanishes and M v^2 does not, v grows with this power of what a value has lost, or one
  * between these two. By less: the momentum vanishes there, too. By more, 1: coordinates have a pole
  * there, and a momentum that stays turns the motion back. Seen first after so large a loss. */
@@ -27,7 +29,7 @@ typedef struct {
     double t, h;     /* of the step */
     int by_position; /* M is M(q) */
     double *state, *next, *memory, *velocity;
-    int done, size;
+    int done, size, end; /* end: where parts end, FINEST but for more than a step */
     double first;        /* the value next to zero before the step */
     double least, ahead; /* what it is now, and FINEST-ths until it vanishes as it fell last */
 } parts;
@@ -74,7 +76,7 @@ static int make_part(parts *w, uint32_t *negative, double *least) {
  * state behind it. */
 static int is_fold(parts *w, double *least) {
     uint32_t negative;
-    while (w->size <= WIDEST && w->done + 2 * w->size <= FINEST) {
+    while (w->size <= WIDEST && w->done + 2 * w->size <= w->end) {
         w->size *= 2;
         copy_memory(w, NULL, w->memory);
         if (!make_part(w, &negative, least)) continue;
@@ -127,7 +129,7 @@ static int grow_so(parts *w, int on_way) {
 static void choose_size(parts *w) {
     if (w->size < FINEST / 2) w->size *= 2;
     while (w->size > 1 && w->size * NEXT > w->ahead) w->size /= 2;
-    if (w->size > FINEST - w->done) w->size = FINEST - w->done;
+    if (w->size > w->end - w->done) w->size = w->end - w->done;
 }
 
 /* The part that was made is behind; it leaves so many of its size. */
@@ -143,7 +145,7 @@ static void go_on(parts *w, double least, double left) {
 /* From the kept state on. */
 static int walk(parts *w) {
     choose_size(w);
-    while (w->done < FINEST) {
+    while (w->done < w->end) {
         uint32_t negative = 0;
         double least = 0.0;
         const int found = make_part(w, &negative, &least);
@@ -215,13 +217,17 @@ static int leaps(parts *w, const double *to) {
 }
 
 /* Is the end of the step, `to`, not where its parts have come, which near a place behind it? A step
- * that is too long is thrown back by what lies ahead, or ends in another part of the way. */
+ * that is too long is thrown back by what lies ahead, or ends in another part of the way. Parts
+ * that lost little go on to the place, since a step may be that far off without one. */
 static int is_astray(parts *w, const double *to) {
     static const double OFF = 2.0; /* by what values differ */
     uint32_t negative;
     double least;
     if (w->done < FINEST || !dm_inertia_at(w->x, to, w->t + w->h, &negative, &least)) return 0;
-    return (least > OFF * w->least || w->least > OFF * least) && grow_so(w, 0);
+    if (!(least > OFF * w->least || w->least > OFF * least) || !grow_so(w, 0)) return 0;
+    if (w->first > LOSS * w->least) return 1;
+    w->end = FARTHER * FINEST, w->size = FINEST / 16;
+    return w->ahead < INFINITY && walk(w);
 }
 
 static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
@@ -232,6 +238,7 @@ static parts begin(dm_inertia *x, dm_stepper *s, double t, double h) {
                .h = h,
                .by_position = (x->model->structure & DM_QUADRATIC_IN_V) != 0,
                .size = FINEST / 2,
+               .end = FINEST,
                .ahead = x->before * FINEST};
     w.state = x->aside, w.next = w.state + size, w.memory = w.next + size;
     w.velocity = x->room + x->model->n; /* is written before it is read */
