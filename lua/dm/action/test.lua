@@ -68,7 +68,7 @@ local function values_of(f, z)
   local fine, value = blame.try(f, z)
   if not fine then return nil, value end
   local list = kits.is_scalar(value) and { value } or value
-  if type(list) ~= "table" and kits.class_of(list) ~= "dm.vector" then
+  if kits.class_of(list) ~= "table" and kits.class_of(list) ~= "dm.vector" then
     return nil, ("the function must return a number or a list of numbers (got %s)")
       :format(kits.class_of(value))
   end

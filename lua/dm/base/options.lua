@@ -174,9 +174,9 @@ function M.flag(t, key, where, default)
   return M.passing(t, key, where, is_flag, "true or false", default)
 end
 
---- Raises that option `key`, where it is given, has no meaning, and why.
+--- Raises that option `key`, where it is given, has no meaning, and why; false asks for nothing.
 function M.meaningless(t, key, where, why)
-  if t[key] ~= nil then M.fail(where, "option '%s' has no meaning here: %s", key, why) end
+  if t[key] then M.fail(where, "option '%s' has no meaning here: %s", key, why) end
 end
 
 --- A text.

@@ -157,6 +157,7 @@ local function try_point(chart, entry, h)
   local fine, point = blame.try(measure, chart, entry, h)
   if fine and point.error == point.error and point.error < math.huge then return point end
   local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
+  if why:find(measures.NO_NUMBER, 1, true) then fail("%s", why) end -- no rule is to blame
   return { rule = entry.name, h = h, why = fine and "the error is not finite" or why }
 end
 

@@ -1,5 +1,6 @@
 --- What the errors of a chart are of: positions, energies, momenta, constraints, observables.
 local core = require "dm.core"
+local option = require "dm.base.options"
 local shift = require "dm.chart.shift"
 local turn = require "dm.chart.turn"
 
@@ -7,7 +8,7 @@ local M = {}
 
 local abs = math.abs
 
-local fail = require "dm.base.options".failing "dm.chart"
+local fail = option.failing "dm.chart"
 
 -- the larger one, NaN where one is
 local function worse(worst, x) return (x ~= x or x > worst) and x or worst end
@@ -116,6 +117,11 @@ local function shift_error(system, options, what)
   end
 end
 
+--- How a function that gives no number is told.
+M.NO_NUMBER = "option 'error' must return"
+
+local function numeric(f) return option.numeric(f, "option 'error'") end
+
 --- measure(path, reference), its name, whether a reference is needed, what is to be watched, and
 -- whether rows must be dense.
 function M.make(system, what, options)
@@ -138,7 +144,7 @@ function M.make(system, what, options)
   if is_space(what) then return group_momentum(what), "momentum of " .. tostring(what), false end
   if type(what) == "table" and type(what[1]) == "function" then
     return function(path) return change(path:column "watched") end, "change of what is watched",
-      false, what[1]
+      false, numeric(what[1])
   end
   if type(what) ~= "function" then
     fail("option 'error' must be \"position\", \"phase\", \"precession\", \"energy\", "
@@ -149,7 +155,7 @@ function M.make(system, what, options)
     local worst, x, y = 0, path:column "watched", ref:column "watched"
     for i = 1, #path do worst = worse(worst, abs(x[i] - y[i])) end
     return worst
-  end, "what is watched", true, what
+  end, "what is watched", true, numeric(what)
 end
 
 --- How far what is compared with the reference reaches: the largest range of a coordinate, or that

@@ -26,12 +26,12 @@ end
 function M.give(of, name, column, doc)
   class.method(of, "column", function(run, key)
     if key == "time" then key = "t" end
-    if key == "t" then return run.t end
-    local values, there = column(run, key)
+    local values, there = run.t, nil
+    if key ~= "t" then values, there = column(run, key) end
     if values == nil then
       option.fail(name .. ":column", "no column '%s'; there are %s", tostring(key), there)
     end
-    return values
+    return core.vector(values)
   end, doc)
 
   class.method(of, "drift", function(run, key) return drift(name .. ":drift", run, key) end,

@@ -73,10 +73,12 @@ end
 
 ---- arguments ----
 
+-- a list that cannot be set stands for a table
 local function class_of(x)
   if type(x) ~= "userdata" then return type(x) end
-  local meta = getmetatable(x)
-  return type(meta) == "table" and meta.__name or "userdata"
+  local meta = debug.getmetatable(x)
+  local class = meta and meta.__name or "userdata"
+  return class == "dm.list" and "table" or class
 end
 M.class_of = class_of
 

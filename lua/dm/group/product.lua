@@ -178,7 +178,7 @@ local function as_manifold(kit, parts)
   end
   kit.project = by_factors(parts, "project", ELEMENTS.project)
   kit.tangent = function(z, w)
-    if type(w) ~= "table" or #w ~= #parts then
+    if kits.class_of(w) ~= "table" or #w ~= #parts then
       error(("the tangent vector must be a list of %d, one for each factor"):format(#parts), 0)
     end
     local out = {}

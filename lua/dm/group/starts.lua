@@ -16,7 +16,7 @@ local LONGEST = 60  -- characters of an example
 
 -- an element as it is written in Lua
 local function written(g)
-  if type(g) ~= "table" and kits.class_of(g) ~= "dm.vector" and kits.class_of(g) ~= "dm.matrix" then
+  if kits.class_of(g) ~= "table" and kits.class_of(g) ~= "dm.vector" and kits.class_of(g) ~= "dm.matrix" then
     return ("%.6g"):format(g)
   end
   local out = {}

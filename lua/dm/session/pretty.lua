@@ -74,8 +74,8 @@ local function other_keys(t, n, limit)
   return keys, more
 end
 
--- tables that stand for another one: the factors of a row of a path, the params of a system
-local BEHIND = { ["dm.element"] = true, ["dm.params"] = true }
+-- tables that stand for another one: the params of a system
+local BEHIND = { ["dm.params"] = true }
 
 local show, long_text, is_long_now
 

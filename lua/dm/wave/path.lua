@@ -15,8 +15,8 @@ local WHERE = "solver:run"
 
 local Path = core.class({ __name = "dm.wave_path" }, [[
 dm.wave_path: the rows of a run of a wave
-fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
-title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows]])
+fields: t, psi (psi[i] is a copy, a dm.complex_vector), columns (names), steps, h, rule, wave,
+solver, title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows]])
 lacking.refuse(Path, { fellow = "dm.path", what = "path of a wave", reasons = {
   energy = "it is a column: path:column \"energy\"",
   momentum = "it is a column, the mean: path:column \"momentum\"",
@@ -36,6 +36,20 @@ local COLUMNS = { "t", "norm", "energy", "x", "momentum", "noether" }
 -- path.psi: row i, made when it is asked for
 local Rows = { __name = "rows of a wave" }
 
+local ROW = "a row of path.psi"
+
+local function row(path, re, im)
+  local psi = space.wrap(path.wave, re, im)
+  core.locked(psi.re, ROW)
+  core.locked(psi.im, ROW)
+  return psi
+end
+
+function Rows.__newindex()
+  option.fail("path.psi", "rows cannot be set, since they are copies: change one of your own, "
+    .. "1 * row")
+end
+
 function Rows.__index(rows, i)
   local path = rawget(rows, "path")
   if math.type(i) ~= "integer" then
@@ -45,11 +59,11 @@ function Rows.__index(rows, i)
   if i < 1 or i > #path then
     option.fail("path.psi", "rows are counted from 1 to %d (got %d)", #path, i)
   end
-  if not path.file then return space.wrap(path.wave, core.wave_values(path.rows, i)) end
+  if not path.file then return row(path, core.wave_values(path.rows, i)) end
   if i < #path then
     option.fail("path.psi", "row %d is in %s: the path keeps the last one, %d", i, path.file, #path)
   end
-  return space.wrap(path.wave, core.wave_values(path.block, #path.block))
+  return row(path, core.wave_values(path.block, #path.block))
 end
 
 function Rows.__len(rows) return #rawget(rows, "path") end

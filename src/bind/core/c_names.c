@@ -12,9 +12,11 @@ static const char words[] =
     "alignas alignof bool constexpr false nullptr static_assert thread_local true typeof "
     "typeof_unqual asm linux unix ";
 
-/* <math.h> of C17 and C23: these with the suffixes f and l, too */
+/* <math.h> of C17 and C23, and <complex.h>: these with suffixes, too */
 static const char functions[] =
-    " acos acosh acospi asin asinh asinpi atan atan2 atan2pi atanh atanpi canonicalize cbrt ceil "
+    " cabs cacos cacosh carg casin casinh catan catanh ccos ccosh cexp cimag clog conj cpow cproj "
+    "creal csin csinh csqrt ctan ctanh acos acosh acospi asin asinh asinpi atan atan2 atan2pi "
+    "atanh atanpi canonicalize cbrt ceil "
     "compoundn copysign cos cosh cospi drem erf erfc exp exp10 exp10m1 exp2 exp2m1 expm1 fabs fdim "
     "finite floor fma fmax fmaximum fmaximum_mag fmaximum_mag_num fmaximum_num fmaxmag fmin "
     "fminimum fminimum_mag fminimum_mag_num fminimum_num fminmag fmod frexp fromfp fromfpx gamma "
@@ -25,17 +27,25 @@ static const char functions[] =
     "tgamma totalorder totalordermag trunc ufromfp ufromfpx y0 y1 yn ";
 static const char in_math[] =
     " double_t float_t fpclassify iscanonical iseqsig isfinite isgreater isgreaterequal isless "
-    "islessequal islessgreater isnormal issignaling issubnormal isunordered iszero lgamma_r "
-    "lgammaf_r lgammal_r math_errhandling signbit signgam ffma fadd fsub fmul fdiv fsqrt HUGE_VAL "
-    "HUGE_VALF HUGE_VALL INFINITY NAN SNAN SNANF SNANL M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI "
-    "M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI M_SQRT2 M_SQRT1_2 M_El M_LOG2El M_LOG10El M_LN2l "
-    "M_LN10l M_PIl M_PI_2l M_PI_4l M_1_PIl M_2_PIl M_2_SQRTPIl M_SQRT2l M_SQRT1_2l ";
-static const char of_math[] = " FP_ MATH_ "; /* the standard keeps these beginnings */
+    "islessequal islessgreater isnormal issignaling issubnormal isunordered iszero "
+    "math_errhandling signbit signgam HUGE_VAL HUGE_VALF HUGE_VALL INFINITY NAN SNAN SNANF SNANL "
+    "MAXFLOAT ";
+/* these with suffixes, too */
+static const char constants[] =
+    " M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI M_SQRT2 "
+    "M_SQRT1_2 ";
+/* C's types, and those of GNU, which C++ takes: _Float32x has f32x */
+static const char suffixes[] = " f l f16 f32 f64 f128 f32x f64x ";
+/* f32addf64 is a function that rounds once */
+static const char rounded[] = " f d f32 f64 f32x f64x ";
+static const char operations[] = " add div fma mul sqrt sub ";
+static const char of_math[] =
+    " FP_ MATH_ HUGE_VAL_F SNANF "; /* the standard keeps these beginnings */
 
 /* which a program is linked with, whatever it includes; compilers know their types */
 static const char library[] =
     " abort abs acct aligned_alloc alloca asctime at_quick_exit atexit atof atoi atol atoll bcmp "
-    "bcopy bsearch btowc bzero cabs calloc cexp clearerr clock close cpow csin csqrt ctime "
+    "bcopy bsearch btowc bzero calloc clearerr clock close ctime "
     "difftime div execl execv exit fclose feof ferror fflush ffs fgetc fgetpos fgets fopen fork "
     "fprintf fputc fputs fread free freopen fscanf fseek fsetpos ftell fwrite getc getchar "
     "getenv gets gmtime index isalnum isalpha isascii isblank iscntrl isdigit isgraph islower "
@@ -48,6 +58,24 @@ static const char library[] =
     "strtoll strtoul strtoull strxfrm system time timespec_get tmpfile tmpnam tolower toupper "
     "towlower towupper ungetc vfprintf vfscanf vprintf vscanf vsnprintf vsprintf vsscanf "
     "wcstombs wctomb write ";
+/* macros and types of its headers, which a program may include beside the text */
+static const char macros[] =
+    " and and_eq assert BUFSIZ bitand bitor char16_t char32_t CLOCKS_PER_SEC clock_t CMPLX CMPLXF "
+    "CMPLXL cnd_t compl complex DECIMAL_DIG div_t EDOM EILSEQ EOF ERANGE errno EXIT_FAILURE "
+    "EXIT_SUCCESS fenv_t fexcept_t FILE FILENAME_MAX FOPEN_MAX fpos_t I imaxdiv_t INT_MAX INT_MIN "
+    "int8_t int16_t int32_t int64_t intmax_t intptr_t jmp_buf kill_dependency ldiv_t lldiv_t "
+    "L_tmpnam max_align_t MB_CUR_MAX MB_LEN_MAX mbstate_t mtx_t not not_eq noreturn NULL offsetof "
+    "once_flag ONCE_FLAG_INIT or or_eq ptrdiff_t RAND_MAX SIGABRT SIGFPE SIGILL SIGINT SIGSEGV "
+    "SIGTERM sig_atomic_t SIZE_MAX size_t stderr stdin stdout thrd_start_t thrd_t time_t TMP_MAX "
+    "TSS_DTOR_ITERATIONS tss_dtor_t tss_t UINT_MAX uint8_t uint16_t uint32_t uint64_t uintmax_t "
+    "uintptr_t va_arg va_copy va_end va_list va_start wchar_t wctrans_t wctype_t WEOF wint_t xor "
+    "xor_eq ";
+static const char of_macros[] =
+    " ATOMIC_ atomic_ CHAR_ DBL_ FE_ FLT_ INT8_ INT16_ INT32_ INT64_ INTMAX_ INTPTR_ INT_FAST "
+    "INT_LEAST int_fast int_least LC_ LDBL_ LLONG_ LONG_ memory_order PRId PRIi PRIo PRIu PRIX "
+    "PRIx PTRDIFF_ SCHAR_ SCNd SCNi SCNo SCNu SCNx SEEK_ SHRT_ SIG_ TIME_ UCHAR_ UINT8_ UINT16_ "
+    "UINT32_ UINT64_ UINTMAX_ UINTPTR_ UINT_FAST UINT_LEAST uint_fast uint_least ULLONG_ ULONG_ "
+    "USHRT_ WCHAR_ WINT_ ";
 static const char helpers[] = " reciprocal_root reciprocal_root3 ";
 
 /* Do the first `length` letters of name stand in the list? */
@@ -63,12 +91,25 @@ static int begins_listed(const char *list, const char *name) {
     return 0;
 }
 
-static int is_of_math(const char *name) {
+/* Is the name one of the list, with or without one of the suffixes? */
+static int is_with_suffix(const char *list, const char *name) {
     const size_t length = strlen(name);
-    const char last = name[length - 1];
-    return is_listed(functions, name, length) ||
-           ((last == 'f' || last == 'l') && is_listed(functions, name, length - 1)) ||
-           is_listed(in_math, name, length) || begins_listed(of_math, name);
+    if (is_listed(list, name, length)) return 1;
+    for (size_t k = 1; k < length; k++)
+        if (is_listed(suffixes, name + k, length - k) && is_listed(list, name, k)) return 1;
+    return 0;
+}
+
+static int is_rounded(const char *name) {
+    for (size_t k = 1; k < strlen(name); k++)
+        if (is_listed(rounded, name, k) && is_with_suffix(operations, name + k)) return 1;
+    return 0;
+}
+
+static int is_of_math(const char *name) {
+    return is_with_suffix(functions, name) || is_with_suffix(constants, name) || is_rounded(name) ||
+           strncmp(name, "lgamma", 6) == 0 || is_listed(in_math, name, strlen(name)) ||
+           begins_listed(of_math, name);
 }
 
 const char *dml_c_taken(const char *name) {
@@ -80,8 +121,10 @@ const char *dml_c_taken(const char *name) {
     if (is_listed(words, name, length)) return "is a word of C";
     if (*name == '_' && length > 1 && strchr(capitals, name[1]))
         return "is reserved for compilers, as all that begin with __ or _ and a capital";
-    if (is_of_math(name)) return "stands in <math.h>, which the text includes";
+    if (is_of_math(name)) return "stands in <math.h>, which the text includes, or in <complex.h>";
     if (is_listed(library, name, length)) return "is a function of the C library";
+    if (is_listed(macros, name, length) || begins_listed(of_macros, name))
+        return "is a macro or a type of the C library";
     if (is_listed(helpers, name, length)) return "is a helper that the text may have";
     return NULL;
 }

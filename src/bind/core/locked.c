@@ -1,62 +1,81 @@
-/* locked.c - lists that tell what an object holds: they are read as tables are, and cannot be set,
- * since what is written there would change nothing, or the object behind its back. */
+/* locked.c - lists and tables that tell what an object holds: they are read as tables are, and cannot be set,
+ * since what is written there would change nothing, or the object behind its back. They are no
+ * tables, so that next and the raw functions raise where they would see an empty one. */
 #include "bind/core/bind.h"
 
-static int refuse(lua_State *L) {
-    return luaL_error(L,
-                      "%s cannot be set: change a list of your own, table.move(list, 1, #list, "
-                      "1, {})",
-                      lua_tostring(L, lua_upvalueindex(1)));
+#define LIST "dm.list"
+
+enum { ENTRIES = 1, WHAT = 2 }; /* user values */
+
+static void push_entries(lua_State *L) {
+    luaL_checkudata(L, 1, LIST);
+    lua_getiuservalue(L, 1, ENTRIES);
 }
 
-static int length(lua_State *L) {
-    lua_pushinteger(L, (lua_Integer)lua_rawlen(L, lua_upvalueindex(1)));
+static int get(lua_State *L) {
+    lua_settop(L, 2);
+    push_entries(L);
+    lua_insert(L, 2);
+    lua_rawget(L, 2);
     return 1;
 }
 
-/* (locked, key) -> next key, value */
+static int refuse(lua_State *L) {
+    push_entries(L);
+    const int is_list = lua_rawlen(L, -1) > 0;
+    lua_getiuservalue(L, 1, WHAT);
+    return luaL_error(L, "%s cannot be set, since it is a copy: %s", lua_tostring(L, -1),
+                      is_list ? "change a list of your own, table.move(list, 1, #list, 1, {})"
+                              : "change a table of your own, for key, value in pairs(it) do "
+                                "own[key] = value end");
+}
+
+static int length(lua_State *L) {
+    push_entries(L);
+    lua_pushinteger(L, (lua_Integer)lua_rawlen(L, -1));
+    return 1;
+}
+
+/* (list, key) -> next key, value */
 static int step(lua_State *L) {
     lua_settop(L, 2);
-    lua_pushvalue(L, lua_upvalueindex(1));
+    push_entries(L);
     lua_insert(L, 2);
     return lua_next(L, 2) ? 2 : 0;
 }
 
-/* the list itself stays in here: who has it can set it */
+/* the entries themselves stay in here: who has them can set them */
 static int all(lua_State *L) {
     lua_settop(L, 1);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_pushcclosure(L, step, 1);
+    lua_pushcfunction(L, step);
     lua_insert(L, 1);
     return 2;
 }
 
 static int text(lua_State *L) {
-    luaL_tolstring(L, lua_upvalueindex(1), NULL);
+    push_entries(L);
+    luaL_tolstring(L, -1, NULL);
     return 1;
 }
 
-static void set(lua_State *L, int of, lua_CFunction f, const char *name) {
-    lua_pushvalue(L, of);
-    lua_pushcclosure(L, f, 1);
-    lua_setfield(L, -2, name);
+static void push_class(lua_State *L) {
+    static const luaL_Reg events[] = {{"__index", get}, {"__newindex", refuse}, {"__len", length},
+                                      {"__pairs", all}, {"__tostring", text},   {NULL, NULL}};
+    if (!luaL_newmetatable(L, LIST)) return;
+    luaL_setfuncs(L, events, 0);
+    lua_pushboolean(L, 1);
+    lua_setfield(L, -2, "__list"); /* dml_islist */
+    lua_pushboolean(L, 0);
+    lua_setfield(L, -2, "__metatable");
 }
 
 void dml_lock(lua_State *L, const char *what) {
     dml_setresult(L);
-    const int list = lua_gettop(L);
-    lua_newtable(L);
-    lua_createtable(L, 0, 6);
-    set(L, list, length, "__len");
-    set(L, list, all, "__pairs");
-    set(L, list, text, "__tostring");
-    lua_pushvalue(L, list);
-    lua_setfield(L, -2, "__index");
+    lua_newuserdatauv(L, 0, WHAT);
+    lua_insert(L, -2);
+    lua_setiuservalue(L, -2, ENTRIES);
     lua_pushstring(L, what);
-    lua_pushcclosure(L, refuse, 1);
-    lua_setfield(L, -2, "__newindex");
-    lua_pushboolean(L, 0);
-    lua_setfield(L, -2, "__metatable");
+    lua_setiuservalue(L, -2, WHAT);
+    push_class(L);
     lua_setmetatable(L, -2);
-    lua_replace(L, list);
 }

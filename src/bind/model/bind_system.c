@@ -240,7 +240,8 @@ static int push_given(lua_State *L) {
 static int system_field(lua_State *L) {
     luaL_checkudata(L, 1, DML_SYSTEM);
     const char *key = luaL_checkstring(L, 2);
-    if (strcmp(key, "given") == 0) return push_given(L);
+    if (strcmp(key, "given") == 0)
+        return push_given(L), dml_lock(L, "a field of the options of a system"), 1;
     if (strcmp(key, "L") == 0 && dml_placed(L, 1))
         return push_given(L), lua_getfield(L, -1, key), 1;
     if (strcmp(key, "params") == 0) return dml_shownparams(L);
@@ -326,7 +327,7 @@ const dml_class dml_class_system = {
     .name = DML_SYSTEM,
     .doc =
         "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
-        "fields: Q, L, name, coordinates, units, params, given (all options as they were given); "
+        "fields: Q, L, name, coordinates, units, params, given (all options as they were given, to be read); "
         "system.params.k = 3 reaches the next run, a new name that nothing reads is refused",
     .meta = meta,
     .methods = methods,

@@ -31,53 +31,13 @@ int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t co
     return 1;
 }
 
-static int factor_set(lua_State *L) {
-    return luaL_error(L,
-                      "a row of a path cannot be set, since it is a copy: make an element of its "
-                      "own, local g = { table.unpack(row) }");
-}
-
-static int factor_count(lua_State *L) {
-    lua_pushinteger(L, (lua_Integer)lua_rawlen(L, lua_upvalueindex(1)));
-    return 1;
-}
-
-static int factor_pairs(lua_State *L) {
-    lua_getglobal(L, "next");
-    lua_pushvalue(L, lua_upvalueindex(1));
-    return 2;
-}
-
-/* set functions of the metatable below the list on top, which they keep */
-static void factor_function(lua_State *L, const char *event, lua_CFunction f) {
-    lua_pushvalue(L, -1);
-    lua_pushcclosure(L, f, 1);
-    lua_setfield(L, -3, event);
-}
-
-/* the element of a product on top, a list, as one whose factors can be read but not set */
-static void close_factors(lua_State *L) {
-    if (!lua_istable(L, -1)) return;
-    lua_newtable(L);
-    lua_insert(L, -2);
-    lua_newtable(L);
-    lua_insert(L, -2);
-    factor_function(L, "__len", factor_count);
-    factor_function(L, "__pairs", factor_pairs);
-    factor_function(L, "__newindex", factor_set);
-    lua_setfield(L, -2, "__index");
-    lua_pushliteral(L, "dm.element");
-    lua_setfield(L, -2, "__name");
-    lua_setmetatable(L, -2);
-}
-
 /* the element of a group whose flat coordinates are at q; the view is at 1 */
 static int push_element(lua_State *L, const double *q) {
     lua_getiuservalue(L, 1, 1);
     lua_getiuservalue(L, -1, DML_PATH_SYSTEM);
     dml_pushposition(L, -1, q);
     dml_mark_copy(L);
-    close_factors(L);
+    if (lua_istable(L, -1)) dml_lock(L, "a row of a path"); /* of a product */
     return 1;
 }
 

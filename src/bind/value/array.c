@@ -98,8 +98,8 @@ void dml_check_own(lua_State *L, const dml_array *a) {
     const char *kind = a->rank == 2 || a->owner ? "matrix" : "vector";
     if (a->is_copy)
         luaL_error(L,
-                   "a row of a path cannot be set, since it is a copy: change a %s of its own, "
-                   "local %c = dm.%s(row)",
+                   "a row or column that is read from an object cannot be set, since it is a copy: "
+                   "change a %s of its own, local %c = dm.%s(row)",
                    kind, *kind, kind);
 }
 

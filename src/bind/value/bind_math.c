@@ -26,14 +26,15 @@ static const dml_math *find(lua_CFunction enter) {
     return f;
 }
 
-/* Is one of the arguments a symbol or hyper-dual number? Then *results were pushed. */
-static int is_done(lua_State *L, lua_CFunction enter, int *results) {
+/* Is one of the arguments a symbol or hyper-dual number? Then *results were pushed. The function
+ * takes so many arguments and, as Lua's own, does not look at more. */
+static int is_done(lua_State *L, lua_CFunction enter, int takes, int *results) {
     const int top = lua_gettop(L);
     int special = 0;
     for (int k = 1; k <= top && !special; k++) special = is_special(L, k);
     if (!special) return 0;
     dml_scalar x[2];
-    const int n = top > 1 ? 2 : 1;
+    const int n = top < takes ? top : takes;
     for (int k = 0; k < n; k++)
         if (!dml_toscalar(L, k + 1, x + k)) return dml_typeerror(L, k + 1, "number");
     const dml_math *f = find(enter);
@@ -58,7 +59,7 @@ static double number_at(lua_State *L, int arg) {
     static int math_##name(lua_State *L) {                                                         \
         int is_number, results;                                                                    \
         const double x = lua_tonumberx(L, 1, &is_number);                                          \
-        if (!is_number && is_done(L, math_##name, &results)) return results;                       \
+        if (!is_number && is_done(L, math_##name, 1, &results)) return results;                    \
         lua_pushnumber(L, f(is_number ? x : number_at(L, 1)));                                     \
         return 1;                                                                                  \
     }
@@ -78,12 +79,13 @@ OF_ONE(tanh, tanh)
 OF_ONE(log10, log10)
 OF_ONE(sign, sign_of)
 
-/* numbers at 1 and 2: 2; at 1 alone: 1; 0: the results were pushed */
-static int read_two(lua_State *L, lua_CFunction enter, double x[2], int *results) {
+/* numbers at 1 and 2: 2; at 1 alone, where one is enough: 1; 0: the results were pushed */
+static int read_two(lua_State *L, lua_CFunction enter, int least, double x[2], int *results) {
     int first, second;
     x[0] = lua_tonumberx(L, 1, &first);
     x[1] = lua_tonumberx(L, 2, &second);
-    if ((!first || !second) && is_done(L, enter, results)) return 0;
+    if (!second && least < 2 && lua_isnil(L, 2)) lua_settop(L, 1); /* as Lua's own */
+    if ((!first || !second) && is_done(L, enter, 2, results)) return 0;
     if (!first) number_at(L, 1);
     if (!second && !lua_isnoneornil(L, 2)) number_at(L, 2);
     return second ? 2 : 1;
@@ -93,7 +95,7 @@ static int read_two(lua_State *L, lua_CFunction enter, double x[2], int *results
 static int math_atan(lua_State *L) {
     double x[2];
     int results = 0;
-    const int n = read_two(L, math_atan, x, &results);
+    const int n = read_two(L, math_atan, 1, x, &results);
     if (!n) return results;
     lua_pushnumber(L, atan2(x[0], n > 1 ? x[1] : 1.0));
     return 1;
@@ -103,7 +105,7 @@ static int math_atan(lua_State *L) {
 static int math_log(lua_State *L) {
     double x[2];
     int results = 0;
-    const int n = read_two(L, math_log, x, &results);
+    const int n = read_two(L, math_log, 1, x, &results);
     if (!n) return results;
     const double y = n == 1         ? log(x[0])
                      : x[1] == 2.0  ? log2(x[0])
@@ -116,7 +118,7 @@ static int math_log(lua_State *L) {
 static int math_pow(lua_State *L) {
     double x[2];
     int results = 0;
-    const int n = read_two(L, math_pow, x, &results);
+    const int n = read_two(L, math_pow, 2, x, &results);
     if (!n) return results;
     if (n < 2) number_at(L, 2);
     lua_pushnumber(L, pow(x[0], x[1]));
@@ -131,7 +133,7 @@ static int math_abs(lua_State *L) {
         lua_pushinteger(L, n < 0 ? (lua_Integer)(0u - (lua_Unsigned)n) : n);
         return 1;
     }
-    if (lua_type(L, 1) != LUA_TNUMBER && is_done(L, math_abs, &results)) return results;
+    if (lua_type(L, 1) != LUA_TNUMBER && is_done(L, math_abs, 1, &results)) return results;
     lua_pushnumber(L, fabs(number_at(L, 1)));
     return 1;
 }
@@ -151,7 +153,7 @@ static int push_whole(lua_State *L, double x) {
     static int math_##name(lua_State *L) {                                                         \
         int is_number, results;                                                                    \
         double x = lua_tonumberx(L, 1, &is_number);                                                \
-        if (!is_number && is_done(L, math_##name, &results)) return results;                       \
+        if (!is_number && is_done(L, math_##name, 1, &results)) return results;                    \
         if (!is_number) x = number_at(L, 1);                                                       \
         const double y = name(x);                                                                  \
         if (x == y && lua_isinteger(L, 1)) return lua_settop(L, 1), 1;                             \
@@ -189,7 +191,7 @@ static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
         if (lua_compare(L, largest ? best : k, largest ? k : best, LUA_OPLT)) best = k;
     if (compared) {
         compared = 0;
-        if (is_done(L, enter, &results)) return results;
+        if (is_done(L, enter, 2, &results)) return results;
     }
     lua_pushvalue(L, best);
     return 1;
@@ -204,9 +206,9 @@ static int math_min(lua_State *L) {
 }
 
 /* Lua's own function of that name, which is kept in the registry: those that few loops call */
-static int call_own(lua_State *L, lua_CFunction enter) {
+static int call_own(lua_State *L, lua_CFunction enter, int takes) {
     int results = 0;
-    if (is_done(L, enter, &results)) return results;
+    if (is_done(L, enter, takes, &results)) return results;
     const int top = lua_gettop(L);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_math");
     lua_getfield(L, -1, find(enter)->row.name);
@@ -222,17 +224,17 @@ static int call_own(lua_State *L, lua_CFunction enter) {
 }
 
 static int math_tointeger(lua_State *L) {
-    return call_own(L, math_tointeger);
+    return call_own(L, math_tointeger, 1);
 }
 
 static int math_fmod(lua_State *L) {
     refuse_nil(L, 1), refuse_nil(L, 2);
-    return call_own(L, math_fmod);
+    return call_own(L, math_fmod, 2);
 }
 
 static int math_modf(lua_State *L) {
     refuse_nil(L, 1);
-    return call_own(L, math_modf);
+    return call_own(L, math_modf, 1);
 }
 
 /* ---- the table ---- */

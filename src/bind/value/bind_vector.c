@@ -292,6 +292,18 @@ static const dml_row methods[] =
      {"copy", vector_copy, "v:copy() -> dm.vector\nA new vector with the same entries."},
      {"totable", vector_totable, "v:totable() -> table\nThe entries as a Lua table."},
      {NULL, NULL, NULL}};
+/* the table, vector or matrix at 1 is handed out to be read */
+static int locked(lua_State *L) {
+    const char *what = luaL_checkstring(L, 2);
+    luaL_checkany(L, 1);
+    lua_pushvalue(L, 1);
+    if (lua_istable(L, -1))
+        dml_lock(L, what);
+    else
+        dml_mark_copy(L);
+    return 1;
+}
+
 static const dml_row functions[] =
     {{"vector", vector_new,
       "dm.vector{x1, x2, ...} -> dm.vector\n"
@@ -299,6 +311,11 @@ static const dml_row functions[] =
       "numbers, or symbols and hyper-dual numbers inside a traced function. + - * / work with "
       "vectors and numbers; tables of numbers are taken as vectors; v[i] counts from 1. Raises "
       "when an entry is no number."},
+     {"locked", locked,
+      "core.locked(x, what) -> x\n"
+      "x as what an object hands out and would not see change: a vector or a matrix whose entries "
+      "cannot be set from now on, or in the place of a table what reads as it does; `what` it is, "
+      "of the message. It is no table: next(x) raises."},
      {NULL, NULL, NULL}};
 
 static void open_vector(lua_State *L) {

@@ -66,6 +66,7 @@ raises("given twice", dm.chart, { line, system = line, q = { 1 }, v = { 0 }, t =
 raises("option 'steps' has no meaning here: 'h'", dm.chart, { line, q = { 1 }, v = { 0 }, t = 1, rules = { "verlet" }, h = { 0.1 }, steps = { 0.2 } })
 raises("option 'dual' has no meaning here", dm.mesh, { simplices = { { 1, 2, 3 } }, dual = "barycentric" })
 raises("option 'pinv' has no meaning here", function() dm.mesh { grid = 2 }:star(1, { pinv = true }) end)
+ok(tostring(dm.mesh { grid = 2 }:star(1, { pinv = false }).matrix) == tostring(dm.mesh { grid = 2 }:star(1).matrix), "false asks for nothing")
 raises("carried along", dm.euler_poincare, { group = dm.SO(3), l = function(W) return W:dot(W) / 2 end, a = { 1, 2, 3 } })
 raises("carries no quantity", solver.section, solver, { q = { 1 }, v = { 0 }, a = { 1 }, g = "q1", x = "q1", y = "p1", steps = 9 })
 raises("option 'start' has no meaning here", dm.moving_frame, { action = dm.action { group = dm.SO(2), on = dm.R(2) }, start = { 0 },

@@ -69,6 +69,10 @@ raises("no point of rule", chart.order, chart, "gauss(9)")
 local gone = dm.chart { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = { 0.1, 0.05 }, repeats = 1, rivals = false, error = { function(q) return dm.sqrt(q[1]) end } }
 ok(#gone.points == 0 and gone.failures[1].why:find "not finite", "what has no value on the way has no error", gone:table())
 raises("no value at some of the samples", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = function(q) return dm.sqrt(q[1]) end })
+for _, error in ipairs { function() return 1, 2 end, { function() return 1, 2 end } } do
+  raises("option 'error' must return one value, not 2", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = error })
+end
+raises("option 'error' must return a number, got table", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = { function() return { 1, 2 } end } })
 raises("got nil: is a return missing", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = function() end })
 raises("'samples' must be a whole number >= 1", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, samples = 0 })
 raises("'repeats' must be a whole number >= 1", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, repeats = "x" })

@@ -77,4 +77,34 @@ for _, name in ipairs { "sins", "sinus", "si", "nanny", "Sin", "t3", "x1", "in",
   ok(f:emit_c(name):find("void " .. name .. "(", 1, true) ~= nil, name .. " is free")
 end
 ok(f:emit_c("_f2"):find("void _f2(", 1, true) ~= nil, "a name that C takes")
+-- all that a compiler knows of the library's headers: their macros, and of <math.h> every word that its text has
+local function run(command)
+  local pipe = assert(io.popen(command))
+  local text = pipe:read "a"
+  pipe:close()
+  return text
+end
+local cc = os.getenv "CC" or "cc"
+local HEADERS = "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg stdatomic stdbool stddef stdint stdio stdlib "
+  .. "stdnoreturn string tgmath threads time uchar wchar wctype"
+local includes = HEADERS:gsub("%S+%s*", function(name) return "#include <" .. name:match "%S+" .. ".h>\\n" end)
+-- those of one system alone: more errors, signals and locales than C has, which are words of a program as well
+local SYSTEMS = { "^E[A-Z0-9]+$", "^SIG[A-Z0-9]+$" }
+local free, tried = {}, 0
+local function try(name)
+  for _, pattern in ipairs(SYSTEMS) do
+    if name:find(pattern) then return end
+  end
+  tried = tried + 1
+  if pcall(f.emit_c, f, name) then free[#free + 1] = name end
+end
+for name in run(("printf '%s' | %s -std=c17 -dM -E -"):format(includes, cc)):gmatch "#define ([%a_][%w_]*)" do try(name) end
+for _, standard in ipairs { "-std=c17", "-std=gnu17 -D_GNU_SOURCE" } do
+  local math = run(("printf '#include <math.h>\\n' | %s %s -E -P -"):format(cc, standard))
+  for name in math:gmatch "[%a_][%w_]*" do try(name) end
+end
+ok(#free == 0 and tried > 500, "no name of the library's headers is taken", table.concat(free, " "))
+for name, why in pairs { NULL = "C library", errno = "C library", size_t = "C library", INT_MAX = "C library", uint8_t = "C library", EDOM = "C library",
+  sinf64x = "math.h", creal = "complex.h", f32addf64 = "math.h", M_PIf128 = "math.h" } do raises(why, f.emit_c, f, name) end
+for _, name in ipairs { "E", "EKIN", "SIGMA", "K_t", "int8", "INTEGRAL", "fl", "M_P", "dsum" } do ok(pcall(f.emit_c, f, name), name .. " is free, too") end
 tap.done()

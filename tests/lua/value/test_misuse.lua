@@ -158,7 +158,7 @@ do
     local list = row[1][row[2]]
     local _, behind = pairs(list)
     for _, change in ipairs { function() behind[2] = nil end, function() list[1] = nil end, function() list[1] = "x" end, function() list[#list + 1] = "x" end, function() list.x = 1 end } do
-      raises("cannot be set: change a list of your own", change)
+      raises("cannot be set, since it is a copy: change a list of your own", change)
     end
     local same = #list == #table.move(list, 1, #list, 1, {})
     for i, value in pairs(list) do same = same and list[i] == value end

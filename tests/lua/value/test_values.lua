@@ -221,6 +221,16 @@ ok(dm.sin(0.5) == math.sin(0.5) and dm.where(1, 2, 3) == 2 and dm.where(0, 2, 3)
 near(dm.sinh(1), (math.exp(1) - math.exp(-1)) / 2, 1e-15, "dm.sinh")
 near(dm.tanh(0.3), dm.sinh(0.3) / dm.cosh(0.3), 1e-16, "dm.tanh")
 
+-- what Lua does not look at is left out of traces and of hyper-dual numbers, too
+for name, f in pairs { atan = function(x) return math.atan(x, nil) end, log = function(x) return math.log(x, nil) end,
+  sin = function(x) return math.sin(x, nil) end, exp = function(x) return math.exp(x, "a text") end, abs = function(x) return math.abs(x, {}) end } do
+  local x, h = 0.3, 1e-4
+  local slope = (f(x + h) - f(x - h)) / (2 * h)
+  near(dm.trace(f):gradient(x)[1], slope, 1e-6, name .. " of a symbol and what Lua does not look at")
+  near(f(dm.hyperdual(x, 1)).a, slope, 1e-6, "and of a hyper-dual number")
+end
+raises("fmod' (number expected, got nil)", math.fmod, dm.hyperdual(1), nil)
+
 -- hyper-dual numbers against traced derivatives: two independent roads for every function
 local h = dm.hyperdual
 local one = {

@@ -163,7 +163,10 @@ function Tuple.__index(t, key)
   return index(t, key)
 end
 
-function Tuple.__eq(s, t) return same_list(s.points, t.points, same) end
+function Tuple.__eq(s, t)
+  return getmetatable(s) == Tuple and getmetatable(t) == Tuple
+    and same_list(s.points, t.points, same)
+end
 
 function Tuple.__tostring(t)
   local out = {}

@@ -50,7 +50,7 @@ local function column(b, key)
   if not read then return nil end
   local out = {}
   for i = 1, #b do out[i] = read(b[i]) end
-  return core.vector(out)
+  return core.locked(core.vector(out), "a column of a branch")
 end
 
 function branch.__index(b, key)
