@@ -12,6 +12,9 @@
  * against the square of the edge. Lengths in doubles leave an error of some 1e-16 in either. */
 #define DM_FLAT 1e-14
 
+/* of a triangle by its points */
+#define DM_FLAT_POINTS 1e-22
+
 typedef double dm_squares[DM_DIMENSION + 1]; /* a row of squares of lengths between vertices */
 
 /* G_ij = e_i . e_j, e_i from the first of the vertices v[k + 1] to the others; Cholesky's factor
@@ -58,6 +61,10 @@ static inline void dm_gram_centre(double *lambda, double G[DM_DIMENSION][DM_DIME
         lambda[0] -= mu[i];
     }
 }
+
+/* Where (2 area)^2 of a triangle is below this part of its longest edge to the power 4, squares of
+ * lengths leave an error of 1e-12 in it, and the area is found in another way. */
+#define DM_SLENDER 1e-4
 
 /* (4 area)^2 of a triangle with squared edges a, b, c. */
 static inline double dm_area4_squared(double a, double b, double c) {

@@ -17,7 +17,7 @@ double dm_metric_area(const dm_metric *metric, const dm_complex *K, uint32_t cel
     const double longest = fmax(fmax(l[0], l[1]), l[2]);
     if (!(longest > LEAST && longest < MOST)) return 0.0;
     const double det = dm_area4_squared(l[0], l[1], l[2]) / 4.0;
-    return det > DM_FLAT * (longest * longest) ? sqrt(det) / 2 : 0.0;
+    return det > DM_SLENDER * (longest * longest) ? sqrt(det) / 2 : 0.0;
 }
 
 /* edges lambda_i 2 A / |e_i|; from an edge to each of its ends |e| |*e| / 4. Products of no more

@@ -7,12 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-void dm_metric_lengths(double *length2, const dm_complex *K, const double *points, uint32_t N) {
+static const double *point(const dm_points *points, uint32_t vertex) {
+    return points->at + (size_t)vertex * points->N;
+}
+
+void dm_metric_lengths(double *length2, const dm_complex *K, const dm_points *points) {
     for (uint32_t e = 0; e < K->count[1]; e++) {
-        const double *a = points + (size_t)K->vertex[1][2 * e] * N;
-        const double *b = points + (size_t)K->vertex[1][2 * e + 1] * N;
+        const double *a = point(points, K->vertex[1][2 * e]);
+        const double *b = point(points, K->vertex[1][2 * e + 1]);
         double sum = 0.0;
-        for (uint32_t i = 0; i < N; i++) sum += (b[i] - a[i]) * (b[i] - a[i]);
+        for (uint32_t i = 0; i < points->N; i++) sum += (b[i] - a[i]) * (b[i] - a[i]);
         length2[e] = sum;
     }
 }
@@ -36,8 +40,9 @@ static void centre_of(double *lambda, const dm_cell_metric *c, const uint32_t *v
     } else if (k == 2) {
         double l[3] = {c->length2[v[1]][v[2]], c->length2[v[0]][v[2]], c->length2[v[0]][v[1]]};
         const double longest = fmax(fmax(l[0], l[1]), l[2]);
+        const double area4 = 4.0 * c->volume[1u << v[0] | 1u << v[1] | 1u << v[2]] / longest;
         for (uint32_t i = 0; i < 3; i++) l[i] /= longest;
-        const double scale = 1.0 / dm_area4_squared(l[0], l[1], l[2]);
+        const double scale = 1.0 / (area4 * area4);
         for (uint32_t i = 0; i < 3; i++)
             lambda[i] = l[i] * (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]) * scale;
     } else {
@@ -179,8 +184,49 @@ static int choose_unit(dm_cell_metric *c, uint32_t k, double *longest) {
     return half;
 }
 
+/* a b - c d to the last digits (Kahan; Jeannerod, Louvet, Muller 2013) */
+static double difference(double a, double b, double c, double d) {
+    const double cd = c * d;
+    return fma(a, b, -cd) + fma(-c, d, cd);
+}
+
+/* (2 area)^2 in R^N: the sum of (u_i v_j - u_j v_i)^2, i < j, of two edges */
+static double area2_squared(const dm_points *points, const uint32_t *vertex) {
+    const double *a = point(points, vertex[0]);
+    const double *b = point(points, vertex[1]), *c = point(points, vertex[2]);
+    double sum = 0.0;
+    for (uint32_t i = 0; i < points->N; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            const double minor = difference(b[i] - a[i], c[j] - a[j], b[j] - a[j], c[i] - a[i]);
+            sum += minor * minor;
+        }
+    return sum;
+}
+
+/* The same by squares of lengths: the longest against the middle one first, which loses nothing of
+ * a needle (Kahan, Miscalculating area and angles of a needle-like triangle). */
+static double area2_by_lengths(double a, double b, double c) {
+    const double longest = fmax(a, fmax(b, c)), least = fmin(a, fmin(b, c));
+    const double middle = fmax(fmin(a, b), fmin(fmax(a, b), c));
+    const double mixed = least + (middle - longest);
+    return least * middle - mixed * mixed / 4.0;
+}
+
+/* of a slender one; 0: it is flat */
+static double slender_area(const dm_complex *K, const dm_points *points, const dm_cell_metric *c,
+                           uint32_t cell, double longest, int unit) {
+    double det = 0.0;
+    if (points && !unit) {
+        det = area2_squared(points, K->vertex[2] + 3 * (size_t)cell);
+        return det > DM_FLAT_POINTS * (longest * longest) ? sqrt(det) / 2.0 : 0.0;
+    }
+    det = area2_by_lengths(c->length2[1][2], c->length2[0][2], c->length2[0][1]);
+    return det > DM_FLAT * (longest * longest) ? ldexp(sqrt(det) / 2.0, 2 * unit) : 0.0;
+}
+
 /* the volume of a triangle or a larger simplex; 0: it is flat or cannot be */
-static double volume_of(const dm_metric *metric, const dm_complex *K, uint32_t k, uint32_t cell) {
+static double volume_of(const dm_metric *metric, const dm_complex *K, const dm_points *points,
+                        uint32_t k, uint32_t cell) {
     static const uint32_t v[DM_DIMENSION + 1] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
     dm_cell_metric c;
     double G[DM_DIMENSION][DM_DIMENSION], longest = 0.0, scale = 1.0;
@@ -189,9 +235,8 @@ static double volume_of(const dm_metric *metric, const dm_complex *K, uint32_t k
     for (uint32_t i = 0; i <= k; i++)
         for (uint32_t j = 0; j < i; j++) longest = fmax(longest, c.length2[i][j]);
     const int unit = choose_unit(&c, k, &longest);
-    const double det =
-        k == 2 ? dm_area4_squared(c.length2[1][2], c.length2[0][2], c.length2[0][1]) / 4.0
-               : dm_gram_factor(G, c.length2, v, k);
+    if (k == 2) return slender_area(K, points, &c, cell, longest, unit);
+    const double det = dm_gram_factor(G, c.length2, v, k);
     for (uint32_t i = 0; i < k; i++) scale *= longest;
     if (k <= DM_SMALL && !(det > DM_FLAT * scale)) return 0.0;
     if (k > DM_SMALL && !(det > 0.0 && dm_gram_least(G, k) > DM_FLAT * longest)) return 0.0;
@@ -202,7 +247,8 @@ static double volume_of(const dm_metric *metric, const dm_complex *K, uint32_t k
 
 /* each cell by itself: the volume of a face is the same number in every cell that has it. 0: cell
  * *cell is flat */
-static int measure_degree(dm_metric *out, const dm_complex *K, uint32_t k, uint32_t *cell) {
+static int measure_degree(dm_metric *out, const dm_complex *K, const dm_points *points, uint32_t k,
+                          uint32_t *cell) {
     for (*cell = 0; *cell < K->count[k]; ++*cell) {
         double *volume = out->volume[k] + *cell;
         if (k == 0)
@@ -214,8 +260,8 @@ static int measure_degree(dm_metric *out, const dm_complex *K, uint32_t k, uint3
         else if (k == 3)
             *volume = dm_metric_solid(out, K, *cell);
         else
-            *volume = volume_of(out, K, k, *cell);
-        if (!(*volume > 0.0) && k > 1) *volume = volume_of(out, K, k, *cell);
+            *volume = volume_of(out, K, points, k, *cell);
+        if (!(*volume > 0.0) && k > 1) *volume = volume_of(out, K, points, k, *cell);
         if (!(*volume > 0.0)) return 0;
     }
     return 1;
@@ -233,14 +279,14 @@ static void add_shares(dm_metric *out, const dm_complex *K, uint32_t top) {
 }
 
 dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
-                          const double *length2, dm_centres centres, uint32_t *degree,
-                          uint32_t *cell) {
+                          const double *length2, const dm_points *points, dm_centres centres,
+                          uint32_t *degree, uint32_t *cell) {
     *out = (dm_metric){.centres = centres};
     const dm_status status = take(out, arena, K);
     if (status != DM_OK) return status;
     memcpy(out->length2, length2, K->count[1] * sizeof *length2);
     for (*degree = 0; *degree <= K->n; ++*degree)
-        if (!measure_degree(out, K, *degree, cell)) return DM_SINGULAR;
+        if (!measure_degree(out, K, points, *degree, cell)) return DM_SINGULAR;
     if (K->n == 2)
         dm_share_triangles(out, K);
     else if (K->n == 3)

@@ -1,6 +1,7 @@
 /* metric.h - volumes and signed dual volumes of a complex, from squared edge lengths alone (Leok
  * 3.3, 3.4). Points only serve to make the lengths, so a mesh of points and one of lengths have
- * the same numbers, and n-dimensional meshes may lie in any space or in none.
+ * the same numbers, and n-dimensional meshes may lie in any space or in none. Areas of slender
+ * triangles, of which lengths know few digits, are the exception.
  *
  * Dual volumes follow flags of centres: for a face F of G = F + w the centre of G lies
  * lambda_w(G) height_w above F, height_w = (k + 1) |G| / |F| for F of degree k, and
@@ -33,15 +34,21 @@ typedef struct {
     double centre[DM_DIMENSION + 1]; /* barycentric coordinates of the centre of the cell */
 } dm_cell_metric;
 
-/* length2[count[1]] of points[count[0]][N]. */
-void dm_metric_lengths(double *length2, const dm_complex *K, const double *points, uint32_t N);
+/* where the vertices are: at[count[0]][N] */
+typedef struct {
+    const double *at;
+    uint32_t N;
+} dm_points;
 
-/* All volumes and duals. DM_SINGULAR: a cell whose volume is imaginary, or so small beside its
+/* length2[count[1]] of points. */
+void dm_metric_lengths(double *length2, const dm_complex *K, const dm_points *points);
+
+/* All volumes and duals; points: NULL, there are lengths alone. DM_SINGULAR: a cell whose volume is imaginary, or so small beside its
  * longest edge that lengths in doubles cannot tell it from flat; *degree and *cell say which.
  * Cells of other than top degree that lie in no top cell have a dual volume of 0. */
 dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
-                          const double *length2, dm_centres centres, uint32_t *degree,
-                          uint32_t *cell);
+                          const double *length2, const dm_points *points, dm_centres centres,
+                          uint32_t *degree, uint32_t *cell);
 
 /* One cell of degree k by itself: shares are of its own centre, |*face in the cell|. */
 void dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,

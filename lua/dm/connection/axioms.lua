@@ -98,4 +98,32 @@ function M.check(B, A)
   return out
 end
 
+local TURNED = 4 -- samples that are taken round
+
+-- coordinate k of x a turn on
+local function turned(B, x, k)
+  local out = {}
+  for i = 1, B.n do out[i] = x[i] + (i == k and 2 * math.pi or 0) end
+  return core.vector(out)
+end
+
+--- How far A(x0, x1) is from itself where an angle of both points is a whole turn on: they are the
+-- same points. Gives the largest difference, and the coordinate, x0 and x1; 0 without angles.
+function M.turns(B, local_form)
+  local worst, at, tested = 0, nil, 0
+  for i = 1, next(B.angles) and TRIES or 0 do
+    local s = M.sample(B, i)
+    local x0, x1 = s.q0[1], s.q1[1]
+    local fine, here = try(local_form, x0, x1)
+    tested = tested + (fine and 1 or 0)
+    for k in pairs(fine and B.angles or {}) do
+      local there, g = try(local_form, turned(B, x0, k), turned(B, x1, k))
+      local off = there and bundles.distance(B, g, here) or math.huge
+      if not (off <= worst) then worst, at = off, { k = k, x0 = x0, x1 = x1 } end
+    end
+    if tested == TURNED then break end
+  end
+  return worst, at
+end
+
 return M

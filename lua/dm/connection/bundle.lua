@@ -39,9 +39,9 @@ end
 local function take(bundle, q, what)
   local point = ("%s must be a point of the bundle, a list { x, g } of %d number%s and an element "
     .. "of %s"):format(what, bundle.n, bundle.n == 1 and "" or "s", tostring(bundle.group))
-  if type(q) ~= "table" or #q ~= 2 then
+  if kits.class_of(q) ~= "table" or #q ~= 2 then
     error(("%s (got %s)"):format(point,
-      type(q) == "table" and ("a list of %d"):format(#q) or kits.class_of(q)), 0)
+      kits.class_of(q) == "table" and ("a list of %d"):format(#q) or kits.class_of(q)), 0)
   end
   local fine, x = blame.try(M.base_point, bundle, q[1], what .. ": x")
   if not fine then error(("%s; %s"):format(x, point), 0) end

@@ -147,11 +147,24 @@ local function from_data(given, datum, B)
   return M.new(facts, B, complete.local_form(B, F))
 end
 
+-- points of the base that are whole turns apart are one point
+local function check_turns(A, datum)
+  local own = A.own
+  local off, at = axioms.turns(own.bundle, own.local_form)
+  if off <= TOLERANCE then return A end
+  options.fail(WHERE, "%s: it has no single value on %s: where coordinate %d of x0 = %s and x1 = %s "
+    .. "is a turn, 2 pi, on it differs by %.3g; take functions that have the period 2 pi, as cos "
+    .. "and sin, or a base that is no circle, such as dm.R(%d)", datum, tostring(A.base), at.k,
+    bundles.show(at.x0), bundles.show(at.x1), off, own.bundle.n)
+end
+
 M.connection = blame.caller(function(given)
   local datum = check_options(given)
   local B = bundles.of(given.group, given.base, WHERE)
-  if datum == "form" then return require "dm.connection.computed".of(given, B) end
-  return from_data(given, datum, B)
+  if datum == "form" then
+    return check_turns(require "dm.connection.computed".of(given, B), datum)
+  end
+  return check_turns(from_data(given, datum, B), datum)
 end)
 
 core.docs[M.connection] = [[
@@ -167,7 +180,7 @@ horizontal_splitting(x0, x1) -> q0, q1, any representative.
 Points are lists { x, g }; base is dm.R(n), dm.T(n) or a product of these. Tried at random points:
 equivariance (i) and splitting (ii) must hold (else an error with sample and defect); without
 composition (iii), A_d(q0, h q1) = h A_d(q0, q1), it is completed, A_d the g with F(q0, g^-1 q1) = e
-(complete = false: refused).
+(complete = false: refused). On dm.T(n) a turn of an angle of both points must change nothing.
 
 form(x) -> dim G x dim S, a continuous connection g^-1 g' + form(x) x', is made discrete by "exp"
 (default), "cayley", "pade(k)", A_d = g0 exp(form(x0) (x1 - x0) + log(g0^-1 g1)) g0^-1, or

@@ -1,5 +1,6 @@
 --- Pictures in files: writes a gnuplot script with the data in it, and has gnuplot draw it.
 local axis = require "dm.show.axis"
+local blame = require "dm.base.blame"
 local boxes = require "dm.show.boxes"
 local core = require "dm.core"
 local label = require "dm.show.label"
@@ -299,8 +300,12 @@ end
 local function run(script)
   local name = os.tmpname()
   local file = assert(io.open(name, "w"))
-  file:write(script)
-  file:close()
+  local fits, why = file:write(script)
+  local ended, late = file:close()
+  if not fits or not ended then
+    os.remove(name)
+    error(("cannot write the script of a picture, %s: %s"):format(name, why or late), 0)
+  end
   local pipe = io.popen("gnuplot " .. shell_quote(name) .. " 2>&1 </dev/null")
   local said = pipe:read("a")
   local fine = pipe:close()
@@ -308,12 +313,39 @@ local function run(script)
   return fine, said
 end
 
-local function complaint(file, said)
+-- how a picture ends that is whole: gnuplot does not look whether all could be written
+local ENDS = { png = "IEND\xAEB`\x82$", svg = "</svg>%s*$", pdf = "%%%%EOF%s*$" }
+local TAIL = 64 -- bytes
+
+--- Is the picture in a file whole, up to its end?
+function M.is_whole(file, kind)
+  local made = io.open(file, "rb")
+  if not made then return false end
+  made:seek("set", math.max(0, made:seek "end" - TAIL))
+  local tail = made:read "a"
+  made:close()
+  return tail:find(ENDS[kind]) ~= nil
+end
+
+--- Why nothing more can be written to a file, or nil.
+function M.stopped_by(file)
+  local made, why = io.open(file, "ab")
+  if not made then return why end
+  local fits, full = made:write((" "):rep(2 ^ 16))
+  local ended, late = made:close()
+  return not (fits and ended) and (full or late) or nil
+end
+
+local function complaint(file, part, said)
+  local full = M.stopped_by(part)
+  if full then return ("cannot write %s: %s"):format(file, full) end
   if not have_gnuplot() then
     return ("cannot draw %q: gnuplot is not installed; install it (Debian, Ubuntu: apt install "
       .. "gnuplot-nox), or leave out 'file' for a plot in the terminal"):format(file)
   end
-  return ("cannot draw %q: gnuplot says: %s"):format(file, said:gsub("%s+", " "):sub(1, 300))
+  said = said:gsub("%s+", " "):sub(1, 300)
+  return ("cannot draw %q: gnuplot says: %s"):format(file, said ~= "" and said
+    or "nothing, but the picture has no end")
 end
 
 --- The first lines of a script that draws to `file`, as large as the options of dm.show.look say;
@@ -333,16 +365,14 @@ function M.draw(file, script_of)
   if file:find("%c") then
     error(("file %q: a name without control characters is needed"):format(file), 0)
   end
-  kind_of(file)  -- raises before there is a file
+  local kind = kind_of(file)  -- raises before there is a file
   local part, why = core.new_file(file)
   if not part then error(("cannot write %s: does the folder exist?"):format(why), 0) end
-  local fine, said = run(script_of(part))
-  local made = io.open(part, "rb")
-  local size = made and made:seek("end") or 0
-  if made then made:close() end
-  if not fine or size == 0 then
+  local drawn, fine, said = blame.try(run, script_of(part))
+  if not drawn or not fine or not M.is_whole(part, kind) then
+    local why = drawn and complaint(file, part, said) or fine
     os.remove(part)
-    error(complaint(file, said), 0)
+    error(why, 0)
   end
   assert(core.end_file(part, file))
 end

@@ -258,20 +258,22 @@ static void check_range(lua_State *L, const dml_mesh *m, const double *length2) 
 }
 
 /* Squares of lengths, then all volumes and duals. They are made from lengths alone, also where
- * there are points, so that both roads give the same numbers. */
+ * there are points, so that both roads give the same numbers; but for areas of slender triangles. */
 static void measure(lua_State *L, dm_arena *arena, dml_mesh *m) {
     uint32_t k = 0, cell = 0;
     double *length2 = lua_newuserdatauv(L, ((size_t)m->K.count[1] + 1) * sizeof *length2, 0);
     const dm_centres centres = read_centres(L);
+    const dm_points points = {m->points, m->ambient};
     const int given = dml_field(L, OPTIONS, "lengths");
     if (given && m->points) luaL_error(L, "dm.mesh: give 'points' or 'lengths', not both");
     if (!given && !m->points) return;
     if (given)
         read_lengths(L, m, length2);
     else
-        dm_metric_lengths(length2, &m->K, m->points, m->ambient);
+        dm_metric_lengths(length2, &m->K, &points);
     check_range(L, m, length2);
-    const dm_status status = dm_metric_build(&m->metric, arena, &m->K, length2, centres, &k, &cell);
+    const dm_status status = dm_metric_build(&m->metric, arena, &m->K, length2,
+                                             given ? NULL : &points, centres, &k, &cell);
     if (status == DM_NO_MEMORY) luaL_error(L, "dm.mesh: not enough memory");
     if (status != DM_OK)
         luaL_error(L,

@@ -39,7 +39,7 @@ static void make(mesh *m, uint32_t n, uint32_t count) {
     CHECK(dm_complex_build(&m->K, &m->arena, &given, NULL, &report) == DM_OK);
     CHECK(dm_complex_orient(&m->K, &m->arena, NULL) == DM_OK);
     for (uint32_t i = 0; i < m->K.count[1]; i++) length2[i] = 1.0;
-    CHECK(dm_metric_build(&m->metric, &m->arena, &m->K, length2, DM_CIRCUMCENTRES, &degree,
+    CHECK(dm_metric_build(&m->metric, &m->arena, &m->K, length2, NULL, DM_CIRCUMCENTRES, &degree,
                           &cell) == DM_OK);
 }
 

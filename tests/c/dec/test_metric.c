@@ -30,9 +30,10 @@ static void make(mesh *m, uint32_t n, const double *points, dm_centres centres) 
     const dm_simplices given = {n + 1, 1, start, vertex};
     dm_arena_init(&m->arena, allocate, NULL);
     CHECK(dm_complex_build(&m->K, &m->arena, &given, NULL, &report) == DM_OK);
-    dm_metric_lengths(length2, &m->K, points, n);
+    const dm_points at = {points, n};
+    dm_metric_lengths(length2, &m->K, &at);
     m->status =
-        dm_metric_build(&m->metric, &m->arena, &m->K, length2, centres, &m->degree, &m->cell);
+        dm_metric_build(&m->metric, &m->arena, &m->K, length2, NULL, centres, &m->degree, &m->cell);
 }
 
 static void near(const double *got, uint32_t count, const double *want) {

@@ -203,4 +203,16 @@ end }
 raises("too coarse", function() return torus:holonomy { { 1, 0 }, { 1, 3.2 }, { 1, 2 * math.pi } } end)
 near(torus:relative({ { 1, 0.1 }, 0 }, { { 1, 0.1 + 2 * math.pi }, 0 })[2], 0, 1e-15,
   "differences of angles go the shortest way")
+-- on a circle a turn of both points changes nothing: what it changes had no single holonomy
+local function over(base, datum)
+  datum.group, datum.base = dm.SO(2), base
+  return datum
+end
+for name, datum in pairs { local_form = function(a, b) return a[1] * (b[1] - a[1]) end, form = function(x) return { { x[1] } } end,
+  one_form = function(p, q) return q[2] - p[2] + p[1][1] * (q[1][1] - p[1][1]) end } do
+  raises(name .. ": it has no single value on T^1", dm.connection, over(dm.T(1), { [name] = datum }))
+  ok(dm.connection(over(dm.R(1), { [name] = datum })).base.dimension == 1, name .. ": a line has no turns")
+end
+raises("no single value", dm.connection, over(dm.T(1), { by = "geodesic", metric = function(x) return { { 1, x[1] / 9 }, { x[1] / 9, 1 } } end }))
+ok(dm.connection(over(dm.T(1), { form = function(x) return { { 2 + dm.sin(x[1]) } } end })).base.dimension == 1, "and what has the period is taken")
 tap.done()

@@ -33,7 +33,7 @@ local function local_form(G, n)
   a, b = dm.matrix(a), dm.matrix(b)
   return function(x0, x1)
     local dx = x1 - x0
-    return G:compose(G:exp(a * dx), G:exp(b * dx * (1 + dm.sin(x0[1]) / 2 + x1[n] / 3)))
+    return G:compose(G:exp(a * dx), G:exp(b * dx * (1 + dm.sin(x0[1]) / 2 + dm.cos(x1[n]) / 3)))
   end
 end
 

@@ -324,4 +324,11 @@ raises("no manifold", function() return pinched:levi_civita():angle() end)
 local book = dm.mesh { simplices = { { 1, 2, 3 }, { 1, 2, 4 }, { 1, 2, 5 } },
   lengths = function() return 1 end }
 raises("no manifold", function() return book:levi_civita():angle() end)
+-- a path over an edge of three triangles has no one continuation: {1, 2, 3, 1} gave a reflection
+for _, torn in ipairs { pinched, book } do
+  raises("no manifold: round {1}", torn.levi_civita, torn)
+  raises("no manifold: round {1}", torn.levi_civita, torn, { on = "primal" })
+end
+local solids = dm.mesh { simplices = { { 1, 2, 3, 4 }, { 1, 5, 6, 7 } }, lengths = 1 }
+ok(not solids.manifold and solids:levi_civita():rotation(1, 1) ~= nil, "what is pinched at a vertex alone has rings in space")
 tap.done()

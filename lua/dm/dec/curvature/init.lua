@@ -205,6 +205,7 @@ M.levi_civita = blame.caller(function(K, given)
     options.fail(WHERE, "this mesh has no metric: give points or lengths to dm.mesh, or metric = "
       .. "a function that gives a matrix for every top cell")
   end
+  if not K.manifold then K:deficits() end -- raises where top cells make no ring or fan
   local frames = core.one(given.frames, "frames")
   local c = setmetatable({ mesh = K, rule = rule, on = on }, Class)
   if on == "primal" then
@@ -263,6 +264,6 @@ rule: "face" (default), rotations that keep the common face, or "thesis", the le
 normal to the other, which is wrong for frames of no common chart [E10]. on = "primal", of oriented
 surfaces: frames at vertices, rotations along edges, curvature of triangles. metric(cell): the
 matrix e_i . e_j of the edges from the first vertex of a top cell, in place of points or lengths;
-faces must agree.]])
+faces must agree. Raises where the top cells round a cell of codimension 2 make no loop or fan.]])
 
 return M

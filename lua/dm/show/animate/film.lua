@@ -1,4 +1,5 @@
 --- Films: the frames of an animation drawn by gnuplot and joined by ffmpeg, as .mp4 or .gif.
+local gnuplot = require "dm.show.gnuplot"
 local label = require "dm.show.label"
 local look_ = require "dm.show.look"
 local option = require "dm.base.options"
@@ -248,9 +249,13 @@ function M.write(file, options, scene_of)
   local fine, why = pcall(function()
     local handle = assert(io.open(folder .. "/script", "w"))
     assert(handle:write(script_of(scene, plan, folder)))
-    handle:close()
+    assert(handle:close())
     local drawn, said = run("gnuplot " .. shell_quote(folder .. "/script"))
     if not drawn then fail("gnuplot says: %s", said:gsub("%s+", " "):sub(1, 300)) end
+    local last = ("%s/%06d.png"):format(folder, plan.count)
+    if not gnuplot.is_whole(last, "png") then
+      fail("cannot write the frames: %s", gnuplot.stopped_by(last) or "the last one has no end")
+    end
     join(folder, file, plan)
   end)
   run("rm -r " .. shell_quote(folder))
