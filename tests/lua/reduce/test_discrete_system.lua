@@ -149,4 +149,29 @@ do
   local free = value(function(_, v) return v:dot(v) / 2 end)
   tap.near(free - value(L), 0.1 * 5 * 0.1 ^ 2 / 2, 1e-15, "all params are in the reduced Ld")
 end
+-- how much is seen (docs/failures.md): an oscillator in polar coordinates whose spring is too stiff
+do
+  local polar = dm.system { Q = dm.R(2), coordinates = { "r", "theta" },
+    L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 - q[1] ^ 2 / 2 end }
+  local shape = polar:routh { cyclic = { "theta" }, mu = 1 }
+  local function midpoint(k, h)
+    return function(q0, q1, given)
+      local step = given or h
+      local q, v = (q0 + q1) / 2, (q1 - q0) / step
+      return step * ((v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 - k * q[1] ^ 2 / 2)
+    end
+  end
+  local function is_taken(k, h, timed)
+    local f = midpoint(k, h)
+    local Ld = dm.discrete_lagrangian { Q = dm.R(2), h = h, Ld = timed and f or function(a, b) return f(a, b) end }
+    local fine, why = pcall(shape.discrete, shape, Ld)
+    return fine or not tostring(why):find "of another system" and why
+  end
+  for _, h in ipairs { 0.01, 0.1, 0.5 } do
+    ok(is_taken(1, h, true) == true and is_taken(1, h) == true, "its own at h = " .. h)
+    ok(is_taken(1.001, h, true) == false, "0.1 % by an Ld of (q0, q1, h), h = " .. h)
+  end
+  ok(is_taken(1.02, 0.01) == false and is_taken(1.05, 0.1) == false, "by one of (q0, q1) 2 % at h = 0.01 and 5 % at 0.1")
+  ok(is_taken(1.02, 0.1) == true and is_taken(1.3, 0.5) == true, "and 2 % at 0.1, 30 % at 0.5 are what rules differ by")
+end
 tap.done()
