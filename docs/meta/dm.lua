@@ -2925,7 +2925,7 @@ function dm_mesh_class:laplacian(k, options) end
 ---normal to the other, which is wrong for frames of no common chart [E10]. on = "primal", of oriented
 ---surfaces: frames at vertices, rotations along edges, curvature of triangles. metric(cell): the
 ---matrix e_i . e_j of the edges from the first vertex of a top cell, in place of points or lengths;
----faces must agree.
+---faces must agree. Raises where the top cells round a cell of codimension 2 make no loop or fan.
 ---@param options? table
 ---@return dm.levi_civita
 function dm_mesh_class:levi_civita(options) end
@@ -4649,7 +4649,7 @@ function dm_sweep_class:plot(x, y, options) end
 local dm_symbol_class = {}
 
 ---dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}
----fields: Q, L, name, coordinates, units, params, given (all options as they were given); system.params.k = 3 reaches the next run, a new name that nothing reads is refused
+---fields: Q, L, name, coordinates, units, params, given (all options as they were given, to be read); system.params.k = 3 reaches the next run, a new name that nothing reads is refused
 ---@class dm.system
 local dm_system_class = {}
 
@@ -5287,8 +5287,9 @@ function dm_wave_equation_class:observe(re, im) end
 function dm_wave_equation_class:slope(re, im) end
 
 ---dm.wave_path: the rows of a run of a wave
----fields: t, psi (psi[i] is a dm.complex_vector), columns (names), steps, h, rule, wave, solver,
----title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows
+---fields: t, psi (psi[i] is a copy, a dm.complex_vector), columns (names), steps, h, rule, wave,
+---solver, title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path
+---rows
 ---@class dm.wave_path
 local dm_wave_path_class = {}
 
@@ -5715,7 +5716,7 @@ function dm.complex(options) end
 ---Points are lists { x, g }; base is dm.R(n), dm.T(n) or a product of these. Tried at random points:
 ---equivariance (i) and splitting (ii) must hold (else an error with sample and defect); without
 ---composition (iii), A_d(q0, h q1) = h A_d(q0, q1), it is completed, A_d the g with F(q0, g^-1 q1) = e
----(complete = false: refused).
+---(complete = false: refused). On dm.T(n) a turn of an angle of both points must change nothing.
 ---
 ---form(x) -> dim G x dim S, a continuous connection g^-1 g' + form(x) x', is made discrete by "exp"
 ---(default), "cayley", "pade(k)", A_d = g0 exp(form(x0) (x1 - x0) + log(g0^-1 g1)) g0^-1, or

@@ -43,9 +43,10 @@ typedef struct {
 /* length2[count[1]] of points. */
 void dm_metric_lengths(double *length2, const dm_complex *K, const dm_points *points);
 
-/* All volumes and duals; points: NULL, there are lengths alone. DM_SINGULAR: a cell whose volume is imaginary, or so small beside its
- * longest edge that lengths in doubles cannot tell it from flat; *degree and *cell say which.
- * Cells of other than top degree that lie in no top cell have a dual volume of 0. */
+/* All volumes and duals; points: NULL, there are lengths alone. DM_SINGULAR: a cell whose volume is
+ * imaginary, or so small beside its longest edge that lengths in doubles cannot tell it from flat;
+ * *degree and *cell say which. Cells of other than top degree that lie in no top cell have a dual
+ * volume of 0. */
 dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
                           const double *length2, const dm_points *points, dm_centres centres,
                           uint32_t *degree, uint32_t *cell);

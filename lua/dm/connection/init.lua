@@ -152,10 +152,10 @@ local function check_turns(A, datum)
   local own = A.own
   local off, at = axioms.turns(own.bundle, own.local_form)
   if off <= TOLERANCE then return A end
-  options.fail(WHERE, "%s: it has no single value on %s: where coordinate %d of x0 = %s and x1 = %s "
-    .. "is a turn, 2 pi, on it differs by %.3g; take functions that have the period 2 pi, as cos "
-    .. "and sin, or a base that is no circle, such as dm.R(%d)", datum, tostring(A.base), at.k,
-    bundles.show(at.x0), bundles.show(at.x1), off, own.bundle.n)
+  options.fail(WHERE, "%s: it has no single value on %s: where coordinate %d of x0 = %s and x1 "
+    .. "= %s is a turn, 2 pi, on it differs by %.3g; take functions that have the period 2 pi, "
+    .. "as cos and sin, or a base that is no circle, such as dm.R(%d)", datum, tostring(A.base),
+    at.k, bundles.show(at.x0), bundles.show(at.x1), off, own.bundle.n)
 end
 
 M.connection = blame.caller(function(given)

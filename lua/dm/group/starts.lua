@@ -16,7 +16,8 @@ local LONGEST = 60  -- characters of an example
 
 -- an element as it is written in Lua
 local function written(g)
-  if kits.class_of(g) ~= "table" and kits.class_of(g) ~= "dm.vector" and kits.class_of(g) ~= "dm.matrix" then
+  local class = kits.class_of(g)
+  if class ~= "table" and class ~= "dm.vector" and class ~= "dm.matrix" then
     return ("%.6g"):format(g)
   end
   local out = {}

@@ -16,7 +16,8 @@ local WHERE = "solver:run"
 local Path = core.class({ __name = "dm.wave_path" }, [[
 dm.wave_path: the rows of a run of a wave
 fields: t, psi (psi[i] is a copy, a dm.complex_vector), columns (names), steps, h, rule, wave,
-solver, title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path rows]])
+solver, title, notes (what to know of its accuracy), ns_per_step, file (where the rows are); #path
+rows]])
 lacking.refuse(Path, { fellow = "dm.path", what = "path of a wave", reasons = {
   energy = "it is a column: path:column \"energy\"",
   momentum = "it is a column, the mean: path:column \"momentum\"",

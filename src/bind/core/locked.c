@@ -1,6 +1,6 @@
-/* locked.c - lists and tables that tell what an object holds: they are read as tables are, and cannot be set,
- * since what is written there would change nothing, or the object behind its back. They are no
- * tables, so that next and the raw functions raise where they would see an empty one. */
+/* locked.c - lists and tables that tell what an object holds: they are read as tables are, and
+ * cannot be set, since what is written there would change nothing, or the object behind its back.
+ * They are no tables, so that next and the raw functions raise where they would see none. */
 #include "bind/core/bind.h"
 
 #define LIST "dm.list"

@@ -258,7 +258,7 @@ static void check_range(lua_State *L, const dml_mesh *m, const double *length2) 
 }
 
 /* Squares of lengths, then all volumes and duals. They are made from lengths alone, also where
- * there are points, so that both roads give the same numbers; but for areas of slender triangles. */
+ * there are points, so that both roads give the same numbers, but for slender triangles. */
 static void measure(lua_State *L, dm_arena *arena, dml_mesh *m) {
     uint32_t k = 0, cell = 0;
     double *length2 = lua_newuserdatauv(L, ((size_t)m->K.count[1] + 1) * sizeof *length2, 0);

@@ -325,10 +325,10 @@ static const dml_extension more[] = {
 
 const dml_class dml_class_system = {
     .name = DML_SYSTEM,
-    .doc =
-        "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
-        "fields: Q, L, name, coordinates, units, params, given (all options as they were given, to be read); "
-        "system.params.k = 3 reaches the next run, a new name that nothing reads is refused",
+    .doc = "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
+           "fields: Q, L, name, coordinates, units, params, given (all options as they were given, "
+           "to be read); "
+           "system.params.k = 3 reaches the next run, a new name that nothing reads is refused",
     .meta = meta,
     .methods = methods,
     .field = system_field,

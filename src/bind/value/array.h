@@ -14,7 +14,7 @@ typedef struct dml_array {
     dml_kind kind;
     uint32_t serial; /* of the trace that symbols belong to */
     uint32_t offset; /* of a view, in entries */
-    int is_copy;     /* handed out by an object: an entry that is set would be lost, so that raises */
+    int is_copy;     /* handed out by an object: what is set would be lost, so that raises */
     struct dml_array *owner;
     void *entries;
 } dml_array;

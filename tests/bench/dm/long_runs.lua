@@ -63,6 +63,13 @@ local function turning(random)
   return SO3:exp { 2 * random() - 1, 2 * random() - 1, 2 * random() - 1 }, { random(), random(), 1 + random() }
 end
 
+-- two bodies on a universal joint, R1 e1 . R2 e2 = 0, turned anywhere
+local PAIR = dm.product(SO3, SO3)
+local function joined_bodies(random)
+  local R, spin = SO3:exp { 2 * random() - 1, 2 * random() - 1, 2 * random() - 1 }, random() - 0.5
+  return { R, R }, { random() - 0.5, random(), spin, random(), random() - 0.5, spin }
+end
+
 local function angular(q, p) return q[1] * p[2] - q[2] * p[1] end
 local function total(_, p)
   local sum = 0
@@ -70,6 +77,7 @@ local function total(_, p)
   return sum
 end
 local function vertical(R, p) return R[3][1] * p[1] + R[3][2] * p[2] + R[3][3] * p[3] end
+local function of_both(g, p) return vertical(g[1], p:slice(1, 3)) + vertical(g[2], p:slice(4, 6)) end
 local function impulse(q)
   local sum = 0
   for i = 1, 3 do sum = sum + G[i] * (q[2 * i - 1] ^ 2 + q[2 * i] ^ 2) / 2 end
@@ -103,6 +111,18 @@ local systems = {
   { name = "top", h = 0.05, start = turning, J = vertical, by_p = true,
     rules = { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)", "rotations(2)", "rotations(4)", "verlet", "gauss(2)", "lobatto(3)" },
     system = dm.system { Q = SO3, L = function(R, w) return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2) / 2 - R[3][3] end } },
+  { name = "joint", h = 0.05, start = joined_bodies, J = of_both, rules = { "lie(1)", "lie(2)", "lie(1, gauss(1), cayley)" },
+    system = dm.system { Q = PAIR, L = function(_, w)
+      return (w[1] ^ 2 + 1.2 * w[2] ^ 2 + 0.6 * w[3] ^ 2 + 0.7 * w[4] ^ 2 + 0.9 * w[5] ^ 2 + 1.3 * w[6] ^ 2) / 2
+    end, constraint = function(g)
+      local sum = 0
+      for i = 1, 3 do sum = sum + g[1][i][1] * g[2][i][2] end
+      return sum
+    end } },
+  { name = "rational mass", h = 0.05, start = around, J = angular, rules = { "midpoint", "trapezoidal", "gauss(2)", "del" },
+    system = dm.system { Q = dm.R(2), L = function(q, v)
+      return v:dot(v) / (2 + 0.6 * q:dot(q)) + 0.3 * (q[1] * v[2] - q[2] * v[1]) - q:dot(q) / 2
+    end } },
   { name = "on a sphere", h = 0.02, start = on_sphere, J = angular,
     rules = { "rattle", "shake", "yoshida(4, rattle)", "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" },
     system = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end,
@@ -166,14 +186,18 @@ end
 -- The bits of all rows as one number: levels of the processor with the same one have the same slopes.
 local function fingerprint(members)
   local sum = 0
+  local function add(x)
+    if type(x) == "number" then
+      sum = sum * 31 + string.unpack("i8", string.pack("d", x))
+    else
+      for i = 1, #x do add(x[i]) end
+    end
+  end
   for i = 1, STARTS do
     local path = members:path(i)
     for k = 1, path and #path or 0 do
-      for _, list in ipairs { path.q[k]:totable(), path.p[k]:totable() } do
-        for _, x in ipairs(list) do
-          for _, y in ipairs(type(x) == "table" and x or { x }) do sum = sum * 31 + string.unpack("i8", string.pack("d", y)) end
-        end
-      end
+      add(path.q[k])
+      add(path.p[k])
     end
   end
   return ("%08x"):format(sum >> 32 ~ sum & 0xffffffff)

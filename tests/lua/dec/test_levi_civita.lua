@@ -330,5 +330,5 @@ for _, torn in ipairs { pinched, book } do
   raises("no manifold: round {1}", torn.levi_civita, torn, { on = "primal" })
 end
 local solids = dm.mesh { simplices = { { 1, 2, 3, 4 }, { 1, 5, 6, 7 } }, lengths = 1 }
-ok(not solids.manifold and solids:levi_civita():rotation(1, 1) ~= nil, "what is pinched at a vertex alone has rings in space")
+ok(not solids.manifold and pcall(solids.levi_civita, solids), "what is pinched at a vertex alone has rings in space")
 tap.done()

@@ -149,6 +149,14 @@ M["core.cut_file"] = [=[
 > io.open("cut.txt"):read "a"
 whole]=]
 
+M["core.locked"] = [=[
+> core = require "dm.core"
+> list = core.locked({ "t", "q1" }, "the list of the columns")
+> #list, list[2]
+2	q1
+> (pcall(function() list[2] = "q2" end))
+false]=]
+
 M["core.end_file"] = [=[
 > core = require "dm.core"
 > part = core.new_file "end.txt"

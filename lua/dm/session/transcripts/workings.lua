@@ -86,17 +86,6 @@ true
 > s:solver({ rule = "verlet", h = 0.1 }):run({ q = {1}, v = {0}, steps = 9 }):rows()
 10]=]
 
-M["core.locked"] = [=[
-> core = require "dm.core"
-> list = core.locked({ "t", "q1" }, "the list of the columns")
-> #list, list[2]
-2	q1
-> list[2] = "q2"
-stdin:1: the list of the columns cannot be set, since it is a copy: change a list of your own, table.move(list, 1, #list, 1, {})
-stack traceback:
-	[C]: in metamethod 'newindex'
-	stdin:1: in main chunk
-	[C]: in ?]=]
 M["core.miss"] = [=[
 > core = require "dm.core"
 > seek = function(t, key) core.miss("dm.point", key, { x = 1, y = 1 }) end
