@@ -36,7 +36,8 @@ local function seconds(f)
   return os.clock() - t
 end
 
-local only = arg[1]
+local only, turns = arg[1], tonumber(arg[2]) -- turns: to count instructions, of small ensembles
+if turns then MEMBERS, STEPS, ALONE, TURNS = 16, 200, 1000, turns end
 print "model                      rule          alone ns  member ns  ratio  lanes"
 for _, model in ipairs(models) do
   local q, v = {}, {}

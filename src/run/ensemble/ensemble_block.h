@@ -4,7 +4,7 @@
 
 #include "integ/method/lanes.h"
 #include "run/ensemble/ensemble.h"
-#include "run/ensemble/mass_lanes.h"
+#include "run/inertia/mass_lanes.h"
 
 typedef struct {
     dm_stepper *stepper;

@@ -24,9 +24,9 @@ int dm_block_vanishes(dm_block *b, uint32_t i, double t, int steep, int open) {
 
 /* Is member i to be looked at now, since that is due or since it ends here? */
 static int is_looked_at(const dm_hand *x, long i) {
+    if (!dm_hand_runs(x, i)) return 0;
     const dm_inertia_seen *s = &x->seen[i];
-    return (x->done >= s->due || x->done >= dm_hand_steps(x, i)) && x->done > s->looked &&
-           dm_hand_runs(x, i);
+    return (x->done >= s->due || x->done >= dm_hand_steps(x, i)) && x->done > s->looked;
 }
 
 /* Times of the members of a group, where M may depend on them. */
@@ -38,28 +38,58 @@ static void find_times(const dm_hand *x, uint32_t first, double *t) {
         t[l] = own ? now[l] : x->e->t0 + (double)x->done * x->b->h[first + l];
 }
 
-/* Is member i done with, told what lanes found? */
-static int is_quiet(dm_hand *x, uint32_t i, double t) {
-    const dm_lanes *lanes = &x->b->lanes;
-    const uint32_t n = dm_hand_dim(x);
-    if (!dm_inertia_is_quiet(x->b->stepper->model, &x->seen[i], t, x->done, &x->there[i])) return 0;
-    dm_inertia_keep_place_of(x->b->inertia, i, dm_lanes_member(lanes, n, i), lanes->lanes);
-    return 1;
+/* What lanes found of a group. */
+typedef struct {
+    _Alignas(64) double least[8], all[8], t[8];
+} group;
+
+/* The lanes of those that are told that are not done with. */
+static uint32_t leave_quiet(dm_hand *x, const dm_mass_lanes *w, uint32_t first, const group *g,
+                            const double *between, uint32_t told) {
+    const double *q = dm_lanes_member(&x->b->lanes, w->n, first);
+    const uint32_t quiet =
+        w->quiet(x->seen + first, g->least, g->all, between, g->t, x->done, told);
+    dm_inertia_keep_places(x->b->inertia, first, q, w->lanes, quiet);
+    return told & ~quiet;
+}
+
+/* The same when the middles of the lines from their last looks are looked at. */
+static uint32_t look_at_lines(dm_hand *x, dm_mass_lanes *w, uint32_t first, const group *g,
+                              uint32_t told) {
+    const uint32_t lanes = w->lanes;
+    for (uint32_t l = 0; l < lanes; l++) {
+        if (!(told >> l & 1)) continue;
+        const double *from = dm_inertia_place_of(x->b->inertia, first + l);
+        const double at = x->seen[first + l].at;
+        for (uint32_t k = 0; k < w->n; k++) {
+            double *q = w->in + k * lanes + l;
+            *q = from[k] + 0.5 * (*q - from[k]);
+        }
+        w->t[l] = at + 0.5 * (g->t[l] - at);
+    }
+    const uint32_t found = dm_mass_lanes_look(w, first / lanes, told);
+    return (told & ~found) | leave_quiet(x, w, first, g, w->all, found);
 }
 
 /* The lanes of a group that are asked; those that are not done with. */
 static uint32_t look_at_group(dm_hand *x, dm_mass_lanes *w, uint32_t first, uint32_t asked) {
-    const dm_lanes *lanes = &x->b->lanes;
+    const uint32_t lanes = w->lanes, n = w->n;
+    group g;
     find_times(x, first, w->t);
-    const double *q = dm_lanes_member(lanes, dm_hand_dim(x), first);
-    const uint32_t told = dm_mass_lanes_look(w, first / lanes->lanes, q, asked);
-    for (uint32_t l = 0; l < lanes->lanes; l++) {
-        if (!(told >> l & 1)) continue;
-        x->there[first + l] = (dm_inertia_there){.least = w->least[l], .all = w->all[l]};
-        if (is_quiet(x, first + l, w->t[l])) asked &= ~(1u << l);
+    memcpy(w->in, dm_lanes_member(&x->b->lanes, n, first), (size_t)n * lanes * sizeof *w->in);
+    const uint32_t told = dm_mass_lanes_look(w, first / lanes, asked);
+    memcpy(g.least, w->least, lanes * sizeof *w->least);
+    memcpy(g.all, w->all, lanes * sizeof *w->all);
+    memcpy(g.t, w->t, lanes * sizeof *w->t);
+    uint32_t left = told;
+    if (!x->b->stepper->model->mass_bounds) {
+        left = leave_quiet(x, w, first, &g, NULL, told);
+        if (left) left = look_at_lines(x, w, first, &g, left);
     }
-    x->told |= (uint64_t)(told & asked) << first;
-    return asked;
+    for (uint32_t l = 0; l < lanes && left >> l; l++)
+        x->there[first + l] = (dm_inertia_there){.least = g.least[l], .all = g.all[l]};
+    x->told |= (uint64_t)left << first;
+    return (asked & ~told) | left;
 }
 
 uint64_t dm_hand_find_inertia(dm_hand *x) {

@@ -334,6 +334,7 @@ int dm_block_open(dm_block *b, dm_stepper *s, dm_inertia *inertia) {
     *b = (dm_block){.stepper = s, .burst = FIRST, .inertia = inertia};
     if (!s->engine->widen || !s->engine->widen(s, &b->lanes)) return 0;
     b->mass = inertia ? dm_mass_lanes_open(s->model, &b->lanes) : NULL;
+    if (inertia) inertia->wide = b->mass;
     b->most = b->lanes.groups;
     return 1;
 }

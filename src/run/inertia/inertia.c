@@ -72,10 +72,16 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
     x->seen = *seen;
 }
 
-void dm_inertia_keep_place_of(dm_inertia *x, size_t member, const double *q, size_t apart) {
+void dm_inertia_keep_places(dm_inertia *x, size_t first, const double *q, uint32_t lanes,
+                            uint32_t which) {
     const size_t n = x->model->n;
-    double *place = x->members + member * 3 * n + n;
-    for (size_t i = 0; i < n; i++) place[i] = q[i * apart];
+    double *place = x->members + (3 * first + 1) * n;
+    for (uint32_t l = 0; l < lanes; l++, place += 3 * n, q++)
+        for (size_t i = 0; i < n && (which >> l & 1); i++) place[i] = q[i * lanes];
+}
+
+const double *dm_inertia_place_of(const dm_inertia *x, size_t member) {
+    return x->members + (3 * member + 1) * x->model->n;
 }
 
 /* `count` rows of a kernel, scaled, each of size 1, at G */
@@ -202,12 +208,28 @@ dm_inertia_form dm_inertia_place(const dm_inertia *x) {
     return f;
 }
 
+/* Without constraints: the lower triangle of the mass that was found tells. */
+int dm_inertia_is_far(const dm_inertia *x, double *least, double *all) {
+    const dm_model *m = x->model;
+    const size_t n = m->n;
+    const double *M = x->room + 2 * n + 1 + n, *scale = x->scale;
+    double *A = x->room + 2 * n + 1 + outputs(m);
+    if (order(m) != n || dm_momenta(m) != n) return 0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j <= i; j++) A[i * n + j] = scale[i] * M[i * n + j] * scale[j];
+    if (!dm_all_positive(A, (uint32_t)n, DM_INERTIA_FAR, least)) return 0;
+    *all = 1.0;
+    for (size_t i = 0; i < n; i++) *all *= A[i * n + i];
+    return 1;
+}
+
 /* How many are negative of the mass that was found, and the size of the value next to zero. With
  * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
  * that on the velocities they allow; the number is that of the bordered matrix, which has as many
  * more as there are independent constraints. *all: the product of the values, zero where less work
  * did not tell. */
 static uint32_t count(const dm_inertia *x, double *least, double *all) {
+    if (dm_inertia_is_far(x, least, all)) return 0;
     const dm_inertia_form f = dm_inertia_place(x);
     uint32_t N = f.n, negative = 0;
     if (f.rows) {
@@ -309,11 +331,27 @@ static double look_ahead(const dm_inertia *x, const double *state, double t, int
 }
 
 /* What is next to zero falls at the start as it would without forces. */
-static void expect_fall(dm_inertia *x, const double *state, double t) {
+static double steps_left(const dm_inertia_seen *s, double ahead) {
+    const double falls = s->least - ahead;
+    return falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
+}
+
+/* Is d2L/dv2 singular there? Else the steps that are left; `ahead`: it is known where a step leads.
+ */
+static int is_singular(dm_inertia *x, const double *state, double t, int ahead) {
     dm_inertia_seen *s = &x->seen;
+    double there;
     int changed = 0;
-    const double ahead = look_ahead(x, state, t, &changed), falls = s->least - ahead;
-    s->left = changed ? 0.0 : falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
+    s->left = INFINITY;
+    if (ahead && dm_inertia_starts_by_far(x, state, t, &there)) {
+        s->left = steps_left(s, there);
+        return 0;
+    }
+    if (dm_inertia_is_degenerate(x, state, t)) return 1;
+    if (!ahead) return 0;
+    there = look_ahead(x, state, t, &changed);
+    s->left = changed ? 0.0 : steps_left(s, there);
+    return 0;
 }
 
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
@@ -324,10 +362,8 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     const int ahead = go_ahead(x, state, t, h);
     find_scales(x, x->room + 2 * n + 1 + n);
     s->negative = count(x, &s->least, &s->all);
-    s->degenerate = dm_inertia_is_degenerate(x, state, t);
+    s->degenerate = is_singular(x, state, t, ahead);
     if (s->degenerate) return DM_SINGULAR;
-    s->left = INFINITY;
-    if (ahead) expect_fall(x, state, t);
     s->at = t;
     s->nearest = s->left;
     dm_inertia_keep_place(x, state);

@@ -14,7 +14,7 @@ typedef struct {
     double least;      /* size of the value next to zero, when it was looked at last */
     double all;        /* the product of all values, if they are positive; 0: it is not known */
     double nearest;    /* `left`, or steps until a value could vanish by how that product moved */
-    int fell;          /* did it? */
+    double fell;       /* 1: it did */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
     double rate, way;  /* how fast the logarithm of that size moved, a step, and in how many */
@@ -47,16 +47,21 @@ typedef struct {
     double *state, *memory;
     size_t memory_size;
     long done, rows;
-    double t;      /* its time */
-    double *aside; /* states and memories of parts of a step */
-    double *end;   /* [state] of who looks into a step that is not its last one */
-    double h;      /* of the steps */
-    int own;       /* steps choose their length */
-    double *boxes; /* what inertia_step.c works on */
+    double t;                   /* its time */
+    double *aside;              /* states and memories of parts of a step */
+    double *end;                /* [state] of who looks into a step that is not its last one */
+    double h;                   /* of the steps */
+    int own;                    /* steps choose their length */
+    double *boxes;              /* what inertia_step.c works on */
+    struct dm_mass_lanes *wide; /* several masses at once; NULL: one by one */
 } dm_inertia;
 
 /* Values that are positive by far, with ones on the diagonal of the mass at the start. */
 #define DM_INERTIA_FAR 1e-3
+
+/* Of the larger product of values at two ends of a line: more in its middle is no valley, where a
+ * zero between them leaves a fourth at most. */
+#define DM_INERTIA_VALLEY 0.5
 
 /* What is there at a state: how many values are negative, the size of the one next to zero, the
  * product of all, zero where they are not all positive by far. */
@@ -65,8 +70,7 @@ typedef struct {
     double least, all;
 } dm_inertia_there;
 
-/* Can the inertia of a model change? Not where its mass is constant, or definite
- * anywhere. */
+/* Can the inertia of a model change? Not where its mass is constant, or definite anywhere. */
 int dm_inertia_may_change(const dm_model *m);
 
 /* Doubles of room, for an engine with so much memory and runs that take turns. */
@@ -85,6 +89,10 @@ int dm_inertia_is_fading(const dm_inertia *x);
 
 /* What is there; 0: no velocity is known. */
 int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out);
+
+/* Are all values of the mass that was found last positive by far, as is easily told? Then the least
+ * and the product of all. */
+int dm_inertia_is_far(const dm_inertia *x, double *least, double *all);
 
 /* How many values are negative, and the size of the one next to zero. */
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
@@ -109,13 +117,11 @@ int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, const double *to, double t
 int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, const double *to,
                              double t, double h, int steep, int open);
 
-/* d2L/dv2 at a velocity, scaled, A[n*n] until something else is asked; behind the inputs of its
- * kernel lie dL/dv[n] and d2L/dv2[n*n]. And how many of its values are negative. */
+/* d2L/dv2 at a velocity is found; scaled, A[n*n] until something else is asked, where behind the
+ * inputs of its kernel lie dL/dv[n] and d2L/dv2[n*n]; and how many of its values are negative. */
+void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, double t);
 double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t);
 uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t);
-
-/* d2L/dv2 at a velocity is found. */
-void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, double t);
 
 /* The mass that was found last, scaled, and the rows of the constraints there: A[n*n], G[rows*n],
  * of a prolonged L those of L; room for another A, and for work. */
@@ -127,6 +133,10 @@ typedef struct {
 dm_inertia_form dm_inertia_place(const dm_inertia *x);
 
 /* ---- starts that are degenerate (inertia_start.c) ---- */
+
+/* Is it surely regular at a start that was counted just now and on the way to x->end, where the
+ * least value is *ahead? Told where x->wide looks at all places at once. */
+int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t, double *ahead);
 
 /* Is d2L/dv2 singular to round-off at a start whose mass was found and counted just now? */
 int dm_inertia_is_degenerate(const dm_inertia *x, const double *state, double t);

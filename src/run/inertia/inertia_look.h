@@ -16,11 +16,6 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
 int dm_inertia_look_aside(dm_inertia *x, const double *state, double t, long done,
                           const dm_inertia_there *told);
 
-/* The same where nothing but the next look comes of what it is told, at time t; 0: leaves *s to
- * dm_inertia_look_aside. The caller keeps the place. */
-int dm_inertia_is_quiet(const dm_model *m, dm_inertia_seen *s, double t, long done,
-                        const dm_inertia_there *told);
-
 /* From the kept state on again, after every step: 0 or DM_INERTIA_CHANGED; *steep: or a value may
  * have vanished inside. Leaves `seen` as it is. */
 void dm_inertia_begin_closely(dm_inertia *x);
@@ -37,7 +32,10 @@ int dm_inertia_is_near(const dm_inertia_seen *s);
 /* The next line between states begins at this one. */
 void dm_inertia_keep_place(dm_inertia *x, const double *state);
 
-/* That of a member, whose q[n] lie so far apart; without mass_bounds. */
-void dm_inertia_keep_place_of(dm_inertia *x, size_t member, const double *q, size_t apart);
+/* Of `which` members from `first` on, whose q[n][lanes] these are; and where it begins of one.
+ * Without mass_bounds. */
+void dm_inertia_keep_places(dm_inertia *x, size_t first, const double *q, uint32_t lanes,
+                            uint32_t which);
+const double *dm_inertia_place_of(const dm_inertia *x, size_t member);
 
 #endif

@@ -1,5 +1,6 @@
 /* inertia_start.c - is d2L/dv2 singular to round-off at a start, and along which velocity? */
 #include "run/inertia/inertia.h"
+#include "run/inertia/mass_lanes.h"
 
 #include "linalg/lu.h"
 #include "mech/constraints.h"
@@ -11,6 +12,34 @@
 /* of q; of p, to which velocities are found */
 static const double ROUNDING = 32 * DBL_EPSILON, FOUND = 128 * DBL_EPSILON;
 
+/* q[n] as round-off may have it, to either side */
+static void place_near(double *near, const double *q, int side, size_t n) {
+    for (size_t i = 0; i < n; i++) near[i] = q[i] * (1.0 + (i % 2 ? side : -side) * ROUNDING);
+}
+
+/* Four lanes are what any processor with lanes has. */
+int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t, double *ahead) {
+    enum { BEFORE, BEHIND, AHEAD, BETWEEN, PLACES };
+    dm_mass_lanes *w = x->wide;
+    const size_t n = x->model->n;
+    double *near = x->aside;
+    if (!w || !(x->seen.all > 0.0)) return 0;
+    for (uint32_t l = 0; l < w->lanes; l++)
+        dm_mass_lanes_put_scale(w, DM_MASS_LANES_OWN * w->lanes + l, x->scale);
+    place_near(near, state, -1, n);
+    dm_mass_lanes_put_place(w, BEFORE, near, t);
+    place_near(near, state, 1, n);
+    dm_mass_lanes_put_place(w, BEHIND, near, t);
+    dm_mass_lanes_put_place(w, AHEAD, x->end, t);
+    for (size_t i = 0; i < n; i++) near[i] = state[i] + 0.5 * (x->end[i] - state[i]);
+    dm_mass_lanes_put_place(w, BETWEEN, near, t);
+    const uint32_t asked = (1u << PLACES) - 1;
+    *ahead = INFINITY;
+    if (dm_mass_lanes_look(w, DM_MASS_LANES_OWN, asked) != asked) return 0;
+    *ahead = w->least[AHEAD];
+    return !(w->all[BETWEEN] < DM_INERTIA_VALLEY * fmax(x->seen.all, w->all[AHEAD]));
+}
+
 /* Does round-off of q change a sign? */
 static int is_at_place(const dm_inertia *x, const double *state, double t, double *near) {
     const size_t n = x->model->n;
@@ -18,8 +47,7 @@ static int is_at_place(const dm_inertia *x, const double *state, double t, doubl
     uint32_t negative;
     memcpy(near + n, state + n, n * sizeof *near);
     for (int side = -1; side < 2; side += 2) {
-        for (size_t i = 0; i < n; i++)
-            near[i] = state[i] * (1.0 + (i % 2 ? side : -side) * ROUNDING);
+        place_near(near, state, side, n);
         if (dm_inertia_at(x, near, t, &negative, &least) && negative != x->seen.negative) return 1;
     }
     return 0;

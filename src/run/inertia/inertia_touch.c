@@ -13,9 +13,6 @@
 
 /* of the values at both ends of the way: what is none */
 static const double NONE = 1e-12;
-/* of the larger value at these ends: more in the middle of a chord is no valley. One that has its
- * zero between two ends has a fourth there at most. */
-static const double LITTLE = 0.5;
 /* of a value at an end: what the velocity that is lost gives back over the same distance */
 static const double GIVEN_BACK = 1e-2;
 /* of the way: less along that velocity is no motion */
@@ -47,14 +44,16 @@ static double largest_of(const double *A, size_t n, int diagonal) {
  * may be smaller ones than the one that vanishes; else the one next to zero. Less than rounding is
  * zero. */
 static double value_found(const dm_inertia *x) {
-    static const double FAR = 1e-3, ROUNDING = 16 * DBL_EPSILON;
+    static const double ROUNDING = 16 * DBL_EPSILON;
+    double least, all;
+    if (dm_inertia_is_far(x, &least, &all)) return all;
     const dm_inertia_form f = dm_inertia_place(x);
     const double across = f.rows ? largest_of(f.A, f.n, 1) : 0.0;
     const size_t n = f.rows ? dm_restrict(f.A, f.n, f.G, f.rows, f.border) : f.n;
-    double least, out = 1.0;
+    double out = 1.0;
     memcpy(f.copy, f.A, n * n * sizeof *f.A);
     const int positive = dm_all_positive(f.A, (uint32_t)n, 0.0, &least);
-    const double beside = positive && least > FAR ? 0.0 : largest_of(f.copy, n, 0);
+    const double beside = positive && least > DM_INERTIA_FAR ? 0.0 : largest_of(f.copy, n, 0);
     if (!positive) dm_negative_values(f.copy, (uint32_t)n, &least);
     if (least <= ROUNDING * fmax(across, beside)) return 0.0;
     for (size_t i = 0; i < n && positive; i++) out *= f.A[i * n + i];
@@ -191,7 +190,7 @@ int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *w
     const double first = way->first > 0.0 ? way->first : value_on(&at, way, 0.0);
     const double last = way->last > 0.0 ? way->last : value_on(&at, way, 1.0);
     const double most = fmax(first, last), least = fmin(first, last);
-    if (!(value_on(&at, c, 0.5) < LITTLE * most)) return 0;
+    if (!(value_on(&at, c, 0.5) < DM_INERTIA_VALLEY * most)) return 0;
     at.none = NONE * (least > NONE * most ? least : most); /* an end may be the place */
     if (!(least_value(&at, c) <= at.none) || !find_lost(&at)) return 0;
     return (leads_off(&at, way->a, first) && leads_off(&at, way->b, last)) ||

@@ -54,6 +54,32 @@ for _, model in ipairs(models) do
   end
 end
 
+-- starts at a place, next to it, and one step before it: what members are told of them is what runs are
+for _, model in ipairs { { "touched", function(x) return x ^ 2 end }, { "passed", function(x) return x end } } do
+  local name, mass = table.unpack(model)
+  local system = dm.system { Q = dm.R(2), L = function(q, v)
+    return (mass(q[1] - q[2]) * v[1] ^ 2 + v[2] ^ 2) / 2 - q:dot(q) / 2
+  end }
+  local solver = system:solver { rule = "midpoint", h = 0.03 }
+  local q, v, wrong, kinds = {}, {}, nil, {}
+  for i, gap in ipairs { 0, 1e-16, 3e-15, 1e-14, 1e-9, 1e-4, 0.004, 0.02, 0.05, 0.3, 0.8 } do
+    q[i], v[i] = { 0.7 + gap, 0.7 }, { i % 2 == 0 and -1 or 0.3, 0.2 }
+  end
+  local e = solver:ensemble { members = #q, q = q, v = v, steps = 40 }
+  for i = 1, #q do
+    local fine, run = pcall(solver.run, solver, { q = q[i], v = v[i], steps = 40, every = 40 })
+    local code, steps = fine and "ok" or run.code, fine and 40 or run.step - 1
+    if code ~= e.status[i] or steps ~= e.steps[i] then
+      wrong = wrong or ("%d: %s after %d, alone %s after %d"):format(i, e.status[i], e.steps[i], code, steps)
+    end
+    kinds[code] = true
+  end
+  local names = {}
+  for kind in pairs(kinds) do names[#names + 1] = kind end
+  table.sort(names)
+  ok(not wrong and #names > 1, ("%s: members start where runs do (%s)"):format(name, table.concat(names, ", ")), wrong)
+end
+
 -- a mass of time that passes zero between two looks: a member goes on from one at which that may have been
 local COUPLED = { { 0.051989259625018 }, { -0.10948790198543, 0.11753909868324 },
   { -0.011168517980891, -0.070670962335964, -0.0075353535114512 } }

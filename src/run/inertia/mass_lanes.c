@@ -1,22 +1,20 @@
-#include "run/ensemble/mass_lanes.h"
+#include "run/inertia/mass_lanes.h"
 
 #include "algebra/implicit.h"
 #include "code/native/jit.h"
 #include "integ/method/cache.h"
-#include "integ/method/lanes.h"
 #include "mech/group.h"
-#include "run/inertia/inertia.h"
 
 #include <string.h>
 
 #ifdef __x86_64__
-static dm_mass_lanes_pivots *choose_pivots(uint32_t lanes) {
-    return lanes == 8 ? dm_mass_pivots_avx512 : dm_mass_pivots_avx;
+static void choose(dm_mass_lanes *w) {
+    w->pivots = w->lanes == 8 ? dm_mass_pivots_avx512 : dm_mass_pivots_avx;
+    w->quiet = w->lanes == 8 ? dm_mass_quiet_avx512 : dm_mass_quiet_avx;
 }
 #else
-static dm_mass_lanes_pivots *choose_pivots(uint32_t lanes) {
-    (void)lanes;
-    return NULL;
+static void choose(dm_mass_lanes *w) {
+    w->pivots = NULL;
 }
 #endif
 
@@ -49,14 +47,14 @@ static int build(dm_mass_lanes *w, const dm_model *m) {
 
 static int lay_out(dm_mass_lanes *w, const dm_model *m) {
     const size_t n = m->n, in = 2 * n + 1, triangle = n * (n + 1) / 2;
-    const size_t all = (in + triangle + n * n + DM_LANES_GROUPS * n + 2) * w->lanes;
+    const size_t all = (in + triangle + n * n + (DM_LANES_GROUPS + 1) * n + 2) * w->lanes;
     w->in = dm_arena_take(m->source.arena, all * sizeof *w->in);
     if (!w->in) return 0;
     memset(w->in, 0, all * sizeof *w->in);
     w->M = w->in + in * w->lanes;
     w->A = w->M + triangle * w->lanes;
     w->scale = w->A + n * n * w->lanes;
-    w->least = w->scale + DM_LANES_GROUPS * n * w->lanes;
+    w->least = w->scale + (DM_LANES_GROUPS + 1) * n * w->lanes;
     w->all = w->least + w->lanes;
     w->t = w->in + 2 * n * w->lanes;
     dm_kernel_prepare_lanes(&w->mass, w->lanes, w->M);
@@ -66,17 +64,19 @@ static int lay_out(dm_mass_lanes *w, const dm_model *m) {
 static dm_mass_lanes *make(const dm_model *m, uint32_t lanes) {
     dm_mass_lanes *w = dm_arena_take(m->source.arena, sizeof *w);
     if (!w) return NULL;
-    *w = (dm_mass_lanes){.n = m->n, .lanes = lanes, .pivots = choose_pivots(lanes)};
+    *w = (dm_mass_lanes){.n = m->n, .lanes = lanes};
+    choose(w);
     return w->pivots && build(w, m) && lay_out(w, m) ? w : NULL;
 }
 
+/* A model that has none is not asked again. */
 dm_mass_lanes *dm_mass_lanes_open(const dm_model *m, const dm_lanes *x) {
     static const char maker;
     dm_kernel kept;
     if (!fits(m, x->lanes)) return NULL;
     if (dm_cache_find(&kept, m, &maker, x->lanes)) return (dm_mass_lanes *)(uintptr_t)kept.pool;
     dm_mass_lanes *w = make(m, x->lanes);
-    if (w) dm_cache_add(m, &maker, x->lanes, &(dm_kernel){.pool = w}, x->lanes);
+    dm_cache_add(m, &maker, x->lanes, &(dm_kernel){.pool = w}, x->lanes);
     return w;
 }
 
@@ -85,9 +85,12 @@ void dm_mass_lanes_put_scale(dm_mass_lanes *w, uint32_t i, const double *scale) 
     for (uint32_t k = 0; k < w->n; k++) to[k * w->lanes] = scale[k];
 }
 
-uint32_t dm_mass_lanes_look(dm_mass_lanes *w, uint32_t group, const double *q, uint32_t asked) {
-    const size_t row = (size_t)w->n * w->lanes;
-    memcpy(w->in, q, row * sizeof *q);
+void dm_mass_lanes_put_place(dm_mass_lanes *w, uint32_t lane, const double *q, double t) {
+    for (uint32_t k = 0; k < w->n; k++) w->in[k * w->lanes + lane] = q[k];
+    w->t[lane] = t;
+}
+
+uint32_t dm_mass_lanes_look(dm_mass_lanes *w, uint32_t group, uint32_t asked) {
     dm_kernel_eval(&w->mass, w->in, w->M);
-    return w->pivots(w, w->scale + group * row, DM_INERTIA_FAR, asked);
+    return w->pivots(w, w->scale + (size_t)group * w->n * w->lanes, DM_INERTIA_FAR, asked);
 }

@@ -1,0 +1,170 @@
+/* course_text.h - how values moved since the last look and when the next one is due, of W members;
+ * a text for files that have numbers/lanes_text.h.
+ * Speed: ensembles, double spherical pendulum midpoint: 1.02x, against members one by one. */
+#ifndef DM_COURSE_TEXT_H
+#define DM_COURSE_TEXT_H
+
+#include "numbers/lanes_text.h"
+#include "run/inertia/inertia.h"
+
+#if W == 1
+INLINE V root_of(V x) {
+    return sqrt(x);
+}
+
+/* W numbers that are so far apart, and the one of a lane */
+INLINE V gather(const double *x, size_t apart) {
+    (void)apart;
+    return *x;
+}
+
+INLINE double of_lane(V x, uint32_t lane) {
+    (void)lane;
+    return x;
+}
+#else
+#if W == 8
+INLINE V root_of(V x) {
+    return (V)_mm512_sqrt_pd((__m512d)x);
+}
+INLINE V gather(const double *x, size_t a) {
+    return (V){x[0], x[a], x[2 * a], x[3 * a], x[4 * a], x[5 * a], x[6 * a], x[7 * a]};
+}
+#else
+INLINE V root_of(V x) {
+    return (V)_mm256_sqrt_pd((__m256d)x);
+}
+INLINE V gather(const double *x, size_t a) {
+    return (V){x[0], x[a], x[2 * a], x[3 * a]};
+}
+#endif
+
+INLINE double of_lane(V x, uint32_t lane) {
+    return x[lane];
+}
+#endif
+
+/* What looks leave, as in dm_inertia_seen. */
+typedef struct {
+    V least, all, nearest, left, rate, way, reach, fell;
+} course;
+
+/* M depends on v; bounds tell how it moves; members in lanes look at steps at which others do. */
+typedef struct {
+    int by_velocity, bounded, aside;
+} kind;
+
+/* How values moved since the last look: the product of all (`whole`), where bounds do not tell how
+ * those move that are not the least, or the one next to zero; and steps until it could vanish. */
+typedef struct {
+    V was, is, left, since;
+    I whole;
+} move;
+
+/* Steps until a value may vanish, so few that one which does not go on falling may have been thrown
+ * back. */
+static const double NEAR = 4.0;
+
+/* of two, the first where the second is not a number */
+INLINE V lesser(V a, V b) {
+    return pick(WHERE(b < a), b, a);
+}
+
+/* Like (t0 - t)^(2/3) where the mass depends on positions alone, since M v^2 stays finite; else
+ * like the root of t0 - t, as at a fold of the momentum. Infinite: it does not fall. */
+INLINE V left_of(V before, V now, V since, int by_velocity) {
+    const V ratio = before / now, power = ratio * (by_velocity ? ratio : root_of(ratio));
+    return pick(WHERE(ratio > same(1.0)), since / (power - same(1.0)), same(INFINITY));
+}
+
+/* One that grew may fall as fast. */
+INLINE move move_since(kind k, const course *c, V least, V all, V since) {
+    move w = {.since = since, .whole = WHERE(c->all * all > same(0.0))};
+    if (k.by_velocity || k.bounded) w.whole = not_of(all_lanes());
+    w.was = pick(w.whole, c->all, c->least), w.is = pick(w.whole, all, least);
+    const V back = left_of(w.is, w.was, since, k.by_velocity) + since;
+    w.left = lesser(left_of(w.was, w.is, since, k.by_velocity), back);
+    return w;
+}
+
+/* Is the line from the last look looked at, on which one may have touched zero? Where bounds do not
+ * tell how M moves, and the product of all values moved by more than it was let, or does not go on
+ * falling, or was so few steps from its end that one step may go over it. */
+INLINE I sees_line(kind k, const course *c, const move *w) {
+    const V moved = same(1.4), few = same(4.0);
+    if (k.bounded) return not_of(all_lanes());
+    return (WHERE(c->fell > same(0.0)) & WHERE(w->is > w->was)) |
+           not_of(WHERE(w->is < moved * w->was) & WHERE(w->is * moved > w->was)) |
+           (WHERE(w->since == same(1.0)) & WHERE(lesser(c->nearest, w->left) < few));
+}
+
+/* Steps that may come before the next look, so that the value moves by little meanwhile, since to
+ * go back costs more than to look: by how fast its logarithm moved, which is 2 (r - 1)/(r + 1) as
+ * long as that is little, and how that changed, as that of a value that is about to turn does. Ways
+ * grow slowly from `let`, but for a value that hardly moves. */
+INLINE V still_steps(course *c, V ratio, V since, V let) {
+    const V little = same(0.6), surely = same(0.25);
+    const V rate = (same(2.0) - same(4.0) / (ratio + same(1.0))) / since;
+    const V change = same(2.0) * (rate - c->rate) / (since + c->way);
+    const V bend = pick(WHERE(c->way > same(0.0)), change, same(0.0));
+    const V now = magnitude(rate + same(0.5) * bend * since);
+    const V steps = little / (now + root_of(now * now + little * magnitude(bend)));
+    c->rate = rate, c->way = since;
+    return lesser(larger_of(let + same(1.0), lesser(same(2.0) * let, surely * steps)), steps);
+}
+
+/* What is kept of a look that found values: the next one is due in so many steps (`reach`). */
+INLINE void note(kind k, course *c, V least, V all, const move *w) {
+    /* Of the steps until a value vanishes, the part that is not looked at. */
+    const V part = same(k.by_velocity ? 0.4 : 0.5), most = same(512.0);
+    const V let = k.aside && !k.bounded ? larger_of(c->reach, w->since) : w->since;
+    c->left = left_of(c->least, least, w->since, k.by_velocity);
+    c->nearest = lesser(c->left, w->left);
+    const V ratio = lesser(least / c->least, w->is / w->was);
+    const V still = still_steps(c, ratio, w->since, let);
+    const V far = lesser(still, lesser(part * c->nearest, most));
+    c->reach = larger_of(pick(WHERE(c->left <= same(NEAR)), same(1.0), far), same(1.0));
+    c->least = least, c->all = all;
+    c->fell = pick(WHERE(w->is < w->was), same(1.0), same(0.0));
+}
+
+/* The last multiple of the largest power of 2 among the next `far` steps: where members in lanes
+ * look, more of them do at once. */
+INLINE long meet(long done, long far) {
+    long unit = 1;
+    while (2 * unit <= far) unit *= 2;
+    return (done + far) & -unit;
+}
+
+/* ---- of W members that follow each other ---- */
+
+enum { APART = sizeof(dm_inertia_seen) / sizeof(double) };
+
+INLINE course load_course(const dm_inertia_seen *s) {
+    return (course){.least = gather(&s->least, APART),
+                    .all = gather(&s->all, APART),
+                    .nearest = gather(&s->nearest, APART),
+                    .left = gather(&s->left, APART),
+                    .rate = gather(&s->rate, APART),
+                    .way = gather(&s->way, APART),
+                    .reach = gather(&s->reach, APART),
+                    .fell = gather(&s->fell, APART)};
+}
+
+/* of the lanes that are asked, after a look at time t[lane] */
+INLINE void store_course(kind k, dm_inertia_seen *s, const course *c, long done, const double *t,
+                         uint32_t asked) {
+#pragma GCC unroll 8
+    for (uint32_t l = 0; l < W; l++, s++) {
+        if (!(asked >> l & 1)) continue;
+        s->least = of_lane(c->least, l), s->all = of_lane(c->all, l);
+        s->nearest = of_lane(c->nearest, l), s->left = of_lane(c->left, l);
+        s->rate = of_lane(c->rate, l), s->way = of_lane(c->way, l);
+        s->reach = of_lane(c->reach, l), s->fell = of_lane(c->fell, l);
+        const long far = (long)s->reach;
+        s->due = k.aside && !k.bounded ? meet(done, far) : done + far;
+        s->open = 0, s->looked = done, s->at = t[l];
+    }
+}
+
+#endif

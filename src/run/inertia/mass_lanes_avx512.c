@@ -1,0 +1,20 @@
+/* mass_lanes_avx512.c - pivots and quiet looks, eight side by side, for processors with AVX-512. */
+#include "run/inertia/mass_lanes.h"
+
+#ifdef __x86_64__
+#define W 8
+#define HOW __attribute__((target("avx512f,avx512dq")))
+#define DM_LANES_FUSED 0
+#include "run/inertia/mass_lanes_text.h"
+
+HOW uint32_t dm_mass_pivots_avx512(const dm_mass_lanes *w, const double *scale, double far,
+                                   uint32_t asked) {
+    return find_pivots_of_mass(w, scale, far, asked);
+}
+
+HOW uint32_t dm_mass_quiet_avx512(dm_inertia_seen *seen, const double *least, const double *all,
+                                  const double *between, const double *t, long done,
+                                  uint32_t asked) {
+    return look_quietly(seen, least, all, between, t, done, asked);
+}
+#endif
