@@ -2,7 +2,9 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local groups = require "dm.group"
 local options = require "dm.base.options"
+local places = require "dm.action.points"
 local points = require "dm.frame.points"
 local derivatives = require "dm.frame.derivatives"
 local tangent = require "dm.frame.tangent"
@@ -12,7 +14,8 @@ local M = {}
 
 local abs = math.abs
 
-local ILL = 50 -- condition number of J psi beyond which round-off is all that would be measured
+-- condition number of J psi, or of an element, beyond which round-off is all that would be measured
+local ILL = 50
 
 -- an element near the identity
 local function element_near(frame, next_number)
@@ -47,10 +50,18 @@ local function test_function(list)
   return sum
 end
 
+-- by how much an element and its inverse may magnify
+local function reach(frame, g)
+  local kit = groups.kit(frame.group)
+  local there, back = core.vector(kit.entries(g)), core.vector(kit.entries(kit.inverse(g)))
+  return places.size(there) * places.size(back)
+end
+
 -- moderate points, moved by a moderate frame
 local function is_tame(frame, list)
   local F = require "dm.frame"
   local g = F.element(frame, list)
+  if reach(frame, g) > ILL then return end
   local there = F.moved(frame, g, list)
   local _, condition = tangent.transversality(frame, there)
   for _, z in ipairs(there) do

@@ -70,6 +70,13 @@ function M.tangent(frame, list)
   return core.matrix(columns):transpose()
 end
 
+-- a number of few digits, which rounding has moved by its last two bits at most
+local function short(x)
+  if abs(x) < 1e-15 then return 0 end
+  local written = tonumber(("%.12g"):format(x))
+  return abs(written - x) <= 0x1p-50 * abs(x) and written or x
+end
+
 --- which entries of the normalized points do not vary: their values, or false
 function M.phantom(frame, count)
   local out, values = {}, {}
@@ -89,7 +96,7 @@ function M.phantom(frame, count)
     for j = 1, frame.m do
       local first, spread = values[1][i][j], 0
       for _, list in ipairs(values) do spread = max(spread, abs(list[i][j] - first)) end
-      out[i][j] = spread < 1e-12 * (1 + abs(first)) and (abs(first) < 1e-15 and 0 or first)
+      out[i][j] = spread < 1e-12 * (1 + abs(first)) and short(first)
     end
   end
   return out

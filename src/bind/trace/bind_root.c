@@ -78,11 +78,13 @@ static void push_root(lua_State *L, const dml_root_shape *s, const dml_scalar *y
 }
 
 /* on numbers; the functions are traced anew where a call of the equations shows that they have
- * changed */
+ * changed, or where there is no root: those that are the same have none */
 static dml_root_shape *solve(lua_State *L, int top) {
+    const dml_root_shape *failed = NULL;
     for (int tries = 0;; tries++) {
         lua_settop(L, top);
         dml_root_shape *s = dml_rootshape(L, tries > 0);
+        if (s == failed) dml_raiseroot(L, s->f);
         dml_scalar *x = lua_newuserdatauv(L, (s->inputs + 1) * sizeof *x, 0);
         read_arguments(L, s, top, x);
         check_finite(L, x, s->inputs, s->x);
@@ -90,6 +92,7 @@ static dml_root_shape *solve(lua_State *L, int top) {
         const dm_root_outcome outcome = dm_root_solve(&s->solver, s->chosen, s->y, s->inverse);
         if (outcome == DM_ROOT_FOUND && !has_changed(L, s)) return s;
         if (outcome != DM_ROOT_FOUND && tries) dml_raiseroot(L, s->f);
+        failed = outcome == DM_ROOT_FOUND ? NULL : s;
         if (tries)
             luaL_error(L,
                        "%s is not what its trace says: it must not use random numbers or the time, "

@@ -24,9 +24,13 @@ static const double EXACT = 0x1p-50;   /* increment, relative: nothing is left t
 static const double NEAR = 1e-9;       /* and one that rounding may keep from shrinking */
 static const double ROUNDED = 0x1p-40; /* of the terms of F */
 static const double QUICK = 0.1;
-static const double ROOT = 1e-9;   /* |F| at a root, of that at the start */
-static const double RANK = 1e13;   /* | |J^-1| |J| |: beyond, J has lost its rank */
-static const double UNKNOWN = 1e7; /* the same of y when terms of F are rounded: 1e-9 are wrong */
+static const double ROUGH = 0x1p-24; /* increment, relative */
+static const double LEAST = 0x1p-15; /* part of an increment, */
+static const double LONGER = 4.0;    /* than the last part */
+static const double STEEPEST = 16.0; /* and what is left of one at least */
+static const double ROOT = 1e-9;     /* |F| at a root, of that at the start */
+static const double RANK = 1e13;     /* | |J^-1| |J| |: beyond, J has lost its rank */
+static const double UNKNOWN = 1e7;   /* the same of y when terms of F are rounded: 1e-9 are wrong */
 static const double radii[] = {1.0, 3.0, 0.3, 6.0};
 
 /* ---- making one ---- */
@@ -147,8 +151,10 @@ typedef struct {
     int inside;              /* stay where the branch condition holds */
     int blocked;             /* by that, lately */
     int quick;
-    int waited; /* increments since only small y had not settled */
-    int slow;   /* iterations that halved the step at best, since quick ones */
+    double part; /* of dy that the last step took */
+    double bend; /* of the path where a part of dy was too long, per length of dy; 0: not told */
+    int waited;  /* increments since only small y had not settled */
+    int slow;    /* iterations that halved the step at best, since quick ones */
 } path;
 
 /* to = y + part dy */
@@ -186,6 +192,7 @@ static int each_settled(dm_root_solver *s, path *p) {
  * the old matrix is; the next one and its matrix are in s */
 static int is_nearer(dm_root_solver *s, path *p, double part) {
     move(s->trial, p->y, s->dy, part, s->r);
+    p->bend = 0.0;
     if (!evaluate(s, s->trial)) return 0;
     p->blocked = p->inside && !(branch(s) > 0.0);
     if (p->blocked) return 0;
@@ -193,15 +200,25 @@ static int is_nearer(dm_root_solver *s, path *p, double part) {
     p->next = increment(s, s->next, s->other);
     if (p->next <= 0.5 * p->step) return 1;
     const double old = increment(s, s->scratch, s->inverse);
-    return old <= (1.0 - 0.25 * part) * p->step || old <= exact(p, s->r);
+    if (old <= (1.0 - 0.25 * part) * p->step || old <= exact(p, s->r)) return 1;
+    move(s->scratch, s->scratch, s->dy, part - 1.0, s->r);
+    p->bend = 2.0 * norm(s->scratch, s->r) / (part * part * p->step);
+    return 0;
+}
+
+/* a shorter part than one that was too long: the old matrix makes (1 - part) dy + part^2 bend dy/2
+ * of a path that bends evenly, which asks for 1/bend */
+static double shorter(const path *p, double part) {
+    if (!(p->bend * part > 2.0)) return 0.5 * part;
+    return fmax(1.0 / p->bend, part / STEEPEST);
 }
 
 /* y + dy, y + dy/2, ...: the first that is nearer; the part taken, 0: none */
 static double search(dm_root_solver *s, path *p) {
     const int most = p->step > NEAR * p->size ? HALVINGS : 1;
-    double part = 1.0;
-    for (int k = 0; k < most; k++, part *= 0.5)
-        if (is_nearer(s, p, part)) return part;
+    double part = most > 1 ? fmin(1.0, LONGER * p->part) : 1.0;
+    for (int k = 0; k < most && part >= LEAST; k++, part = shorter(p, part))
+        if (is_nearer(s, p, part)) return p->part = part;
     return 0.0;
 }
 
@@ -243,12 +260,19 @@ static dm_root_outcome arrived(const dm_root_solver *s, const path *p) {
     return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR;
 }
 
+/* Quick convergence begins where y is still rough: at a root of higher order F comes to be what
+ * its terms round to, and that may vanish quickly. */
+static int is_quick(const path *p, double before) {
+    return p->step < QUICK * before && (p->quick || before > ROUGH * p->size);
+}
+
 /* to the root: y, with J^-1 next to it */
 static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     if (!evaluate(s, p->y)) return DM_ROOT_NONE;
     if (p->inside && !(branch(s) > 0.0)) return DM_ROOT_BRANCH;
     note_first(s, p);
     p->step = INFINITY;
+    p->part = 1.0;
     if (!invert(s, s->inverse)) return rankless(s, p);
     p->step = increment(s, s->dy, s->inverse);
     p->size = norm(p->y, s->r);
@@ -265,7 +289,7 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
             return arrived(s, p); /* F is noise */
         }
         take_step(s, p);
-        p->quick = p->step < QUICK * before ? p->quick + 1 : 0;
+        p->quick = is_quick(p, before) ? p->quick + 1 : 0;
         if (p->quick == 2) p->slow = 0; /* one may be F that rounds to zero */
         if (p->step > 0.3 * before) p->slow++;
     }

@@ -1,6 +1,7 @@
 -- group actions: axioms, standard ones, generators, joint actions, momentum; and every misuse
 local tap = require "tap"
 local dm = require "dm"
+local axioms = require "dm.action.axioms"
 local ok, near, raises = tap.ok, tap.near, tap.raises
 local abs, max, cos, sin = math.abs, math.max, math.cos, math.sin
 
@@ -36,6 +37,10 @@ for _, row in ipairs { { dm.SO(2), dm.R(2) }, { dm.SO(2), dm.R(3) }, { dm.SO(3),
   if row[2].name == "S" then z = row[2]:project(z) end
   near((right(g, z) - standard[#standard](row[1]:inverse(g), z)):norm(), 0, 1e-13,
     "a right action: " .. tostring(right))
+  for _, act in ipairs { right, standard[#standard] } do -- made with a test at one point
+    local fine, why = pcall(axioms.check, act, 24)
+    ok(fine, "axioms of " .. tostring(act), why)
+  end
 end
 
 -- the generators are the derivatives of the curves exp(t xi) z, by the graph and by central
