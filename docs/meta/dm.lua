@@ -3670,6 +3670,14 @@ local dm_root_class = {}
 ---@return dm.matrix
 function dm_root_class:inverse(x, ...) end
 
+---f:traced(x, ...) -> number or dm.vector
+---
+---f(x, ...) of the equations as they were traced: they are not called to see whether what they read has changed since. For many calls of one root, of which each costs less.
+---@param x? any
+---@param ... any
+---@return number|dm.vector
+function dm_root_class:traced(x, ...) end
+
 ---f:value(x, ...) -> number
 ---
 ---S(y, x, ...) at the point y where it is stationary. Its first derivatives are those of S at fixed y, so a Lagrangian that is such a value costs no derivative of y.
@@ -6685,7 +6693,7 @@ function dm.tointeger(x) end
 
 ---dm.trace(f [, n, ...]) -> dm.function
 ---
----Trace the Lua function f once: n, ... are the numbers of entries of its vector arguments, or "number" for a bare number (one number when nothing is given). The result is called like f, on vectors, tables or numbers, and has exact derivatives; upvalues keep the values they have now. f gives a number, or a vector or table of numbers. Raises when f branches on an argument, or returns no number.
+---Trace the Lua function f once: n, ... are the numbers of entries of its vector arguments, or "number" for a bare number (one number when nothing is given). The result is called like f, on vectors, tables or numbers, and has exact derivatives; upvalues keep the values they have now. f gives a number, or a vector or table of numbers. Raises when f branches on an argument, or returns no number; that is found by calls of f at points of all sizes, which "unchecked" behind the lengths leaves out.
 ---@param f? any
 ---@param n? any
 ---@param ... any

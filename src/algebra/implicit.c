@@ -1,6 +1,6 @@
 /* implicit.c - implicit functions: made with their derivatives, kept by graphs, written as
- * chains of nodes. A function has a graph of its own for F, F_y, F_x and the second derivatives
- * along two vectors; who uses it in another graph has a copy there, node for node, so that
+ * chains of nodes. A function has a graph of its own for F, F_y, F_x, and one for the second
+ * derivatives along two vectors; who uses it in another graph has a copy there, node for node, so that
  * kernels of both round alike. Functions are told apart by their serial numbers, whole and
  * above 0. */
 #include "algebra/implicit.h"
@@ -70,7 +70,7 @@ static const char *copy_text(dm_arena *arena, const char *text) {
 /* how many nodes a function has in one array */
 static size_t count_nodes(const dm_implicit *f) {
     const size_t r = f->unknowns, n = f->inputs;
-    return r + r * r + 1 + r * n + r + n + 1 + n + f->starts * r;
+    return r + r * r + 1 + r * n + 1 + n + f->starts * r;
 }
 
 /* the parts of an array of all nodes */
@@ -78,24 +78,25 @@ static void lay_out(dm_implicit *f, const dm_node *nodes) {
     const size_t r = f->unknowns, n = f->inputs;
     f->equation = nodes;
     f->slope = f->equation + r + r * r + 1;
-    f->bend = f->slope + r * n;
-    f->value = f->bend + r + n;
+    f->value = f->slope + r * n;
     f->start = f->value + 1 + n;
 }
 
-/* texts, nodes and trouble of its own; 0 without memory */
+/* texts, nodes, bend and trouble of its own; 0 without memory */
 static int own(dm_implicit *f, const dm_node *nodes, dm_arena *arena) {
     const size_t count = count_nodes(f), size = f->unknowns + (size_t)f->inputs;
     const char *advice = f->advice;
     dm_node *kept = dm_arena_take(arena, count * sizeof *kept);
     f->trouble = dm_arena_take(arena, sizeof *f->trouble);
+    f->bend = dm_arena_take(arena, sizeof *f->bend);
     double *where = dm_arena_take(arena, (size + 1) * sizeof *where);
     f->name = copy_text(arena, f->name);
     f->advice = copy_text(arena, advice);
-    if (!kept || !f->trouble || !where || !f->name || (advice && !f->advice)) return 0;
+    if (!kept || !f->trouble || !f->bend || !where || !f->name || (advice && !f->advice)) return 0;
     memcpy(kept, nodes, count * sizeof *kept);
     memset(where, 0, (size + 1) * sizeof *where);
     *f->trouble = (dm_root_trouble){.y = where, .x = where + f->unknowns};
+    *f->bend = (dm_implicit_bend){.nodes = NULL};
     lay_out(f, kept);
     return 1;
 }
@@ -155,18 +156,30 @@ static int differentiate(dm_implicit *f, dm_node *equation, dm_node *slope) {
 }
 
 /* d(w^T F_y u)/d(y, x): the gradient of w . F by y, of that along u, and its gradient */
-static int find_bend(dm_implicit *f, dm_node *bend) {
+static void find_bend(const dm_implicit *f, dm_graph *g, dm_node *by_y, dm_node *bend) {
     const uint32_t r = f->unknowns, n = f->inputs;
-    dm_graph *g = f->graph;
-    dm_node sum = 0, along = 0, *by_y = dm_arena_take(g->arena, r * sizeof *by_y);
-    if (!by_y) return 0;
+    dm_node sum = 0, along = 0;
     for (uint32_t k = 0; k < r; k++)
         sum = dm_add(g, sum, dm_mul(g, dm_input(g, r + n + k), f->equation[k]));
     dm_gradient(g, sum, 0, r, by_y);
     for (uint32_t k = 0; k < r; k++)
         along = dm_add(g, along, dm_mul(g, dm_input(g, 2 * r + n + k), by_y[k]));
     dm_gradient(g, along, 0, r + n, bend);
-    return 1;
+}
+
+/* Rarely asked for, and as much work as all the rest: "frame ms" of tests/bench/frames.lua. In a
+ * graph of its own, so that kernels of F have the same bits before and after. */
+const dm_implicit_bend *dm_implicit_find_bend(const dm_implicit *f) {
+    const size_t r = f->unknowns, n = f->inputs;
+    dm_arena *arena = f->graph->arena;
+    if (f->bend->nodes) return f->bend;
+    dm_graph *g = copy_graph(f->graph, arena);
+    dm_node *nodes = dm_arena_take(arena, (2 * r + n) * sizeof *nodes);
+    if (!g || !nodes) return NULL;
+    find_bend(f, g, nodes + r + n, nodes);
+    if (dm_graph_status(g) != DM_OK) return NULL;
+    *f->bend = (dm_implicit_bend){.graph = g, .nodes = nodes};
+    return f->bend;
 }
 
 /* the nodes of the draft in the graph of f */
@@ -206,7 +219,7 @@ static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
     const uint32_t r = d->unknowns, n = d->inputs;
     lay_out(f, nodes);
     dm_node *equation = nodes, *slope = nodes + (f->slope - nodes);
-    dm_node *bend = slope + (size_t)r * n, *value = bend + r + n;
+    dm_node *value = nodes + (f->value - nodes);
     if (d->value) {
         transplant(f, d, d->value, 1, value);
         dm_gradient(f->graph, *value, 0, r, equation);
@@ -217,7 +230,7 @@ static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
     }
     if (d->branch) transplant(f, d, d->branch, 1, equation + r + (size_t)r * r);
     transplant(f, d, d->start, d->starts * r, value + 1 + n);
-    return differentiate(f, equation, slope) && find_bend(f, bend);
+    return differentiate(f, equation, slope);
 }
 
 /* In a graph with inputs (y, x, w, u), w and u being the vectors of second derivatives. */

@@ -29,6 +29,12 @@ typedef struct {
     uint32_t since; /* roots that were found after it; forgotten when there are many */
 } dm_root_trouble;
 
+/* d(w^T F_y u)/d(y, x)[r + n]; nodes NULL: not asked for yet */
+typedef struct {
+    dm_graph *graph;
+    const dm_node *nodes;
+} dm_implicit_bend;
+
 typedef struct dm_implicit {
     double serial;             /* whole, > 0: the same function has the same number */
     const char *name, *advice; /* for messages; advice may be NULL */
@@ -39,7 +45,7 @@ typedef struct dm_implicit {
     dm_graph *graph;         /* inputs y[r], x[n], w[r], u[r] */
     const dm_node *equation; /* F[r], F_y[r*r], branch */
     const dm_node *slope;    /* F_x[r*n] */
-    const dm_node *bend;     /* d(w^T F_y u)/d(y, x) [r + n] */
+    dm_implicit_bend *bend;  /* by dm_implicit_find_bend */
     const dm_node *value;    /* S, S_x[n], without has_value none */
     const dm_node *start;    /* [starts*r], of x alone */
     dm_root_trouble *trouble;
@@ -61,6 +67,9 @@ typedef struct {
 
 /* The function with its derivatives, in `arena`; texts are copied. NULL: *status says why. */
 dm_implicit *dm_implicit_make(const dm_implicit_draft *draft, dm_arena *arena, dm_status *status);
+
+/* What second derivatives of f need; NULL without memory. */
+const dm_implicit_bend *dm_implicit_find_bend(const dm_implicit *f);
 
 /* The leaf for f in g; g keeps a copy of its own where it has another arena. */
 dm_node dm_implicit_leaf(dm_graph *g, const dm_implicit *f);

@@ -149,8 +149,13 @@ static void pass_root(const place *p, dm_node *a) {
 static void pass_solution(const place *p, dm_node with, dm_node *b, uint32_t from) {
     const uint32_t r = p->r, n = p->n;
     dm_node *other = take(p->g, r), *bend = take(p->g, r + (size_t)n);
+    const dm_implicit_bend *second;
     guard c;
     if (all_zero(b, r) || !other || !bend) return;
+    if (!(second = dm_implicit_find_bend(p->f))) {
+        dm_graph_fail(p->g, DM_NO_MEMORY);
+        return;
+    }
     strip(&c, p->g, b, r);
     solve(p, b, r - from, other);
     dm_node *w = p->with + r + n, *u = w + r;
@@ -160,7 +165,7 @@ static void pass_solution(const place *p, dm_node with, dm_node *b, uint32_t fro
         u[k] = from ? own : other[k];
         give(p, p->a[n + k], guarded(&c, p->g, other[k]));
     }
-    bring(p, p->f->bend, r + n, bend);
+    dm_transplant(p->g, second->graph, second->nodes, r + n, p->with, bend);
     for (uint32_t k = 0; k < r; k++)
         gather(p, p->root, k, guarded(&c, p->g, dm_neg(p->g, bend[k])));
     for (uint32_t j = 0; j < n; j++) give(p, p->a[j], guarded(&c, p->g, dm_neg(p->g, bend[r + j])));

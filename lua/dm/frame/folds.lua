@@ -63,15 +63,15 @@ end
 local function level_of(frame)
   local n, bonds = frame.k * frame.m, bonds_of(frame)
   local count = #bonds(points.flat(points.sample(frame, 1)))
+  if n - frame.r - count < 1 then return nil end
+  local Z = tangent.section(frame)
   local function equations(x)
-    local out = require("dm.frame").section(frame, points.split(x, frame.k, frame.m))
-    for _, bond in ipairs(count > 0 and bonds(x) or {}) do out[#out + 1] = bond end
-    -- what cancels is compared with the trace beside 1
-    for i = 1, #out do out[i] = 1 + out[i] end
+    local out = kits.list_of(Z(x))
+    for _, bond in ipairs(bonds(x)) do out[#out + 1] = 1 + bond end
     return out
   end
-  if n - frame.r - count < 1 then return nil end
-  return core.section(core.trace(equations, n), tangent.moved(frame), inside_of(frame, n))
+  return core.section(count > 0 and tangent.traced(frame, equations, n) or Z,
+    tangent.moved(frame), inside_of(frame, n))
 end
 
 -- a node of the section

@@ -11,14 +11,27 @@ local M = { CONDITION = 1e10 } -- of J psi: beyond it the frame turns on round-o
 
 local max = math.max
 
-local function slope_of_section(frame)
-  local F = require "dm.frame"
-  frame.slope = frame.slope or core.derivative(function(x)
+-- a function of the section and the action; a root has compared these with what was traced
+local function traced(frame, f, ...)
+  local lengths = { ... }
+  lengths[#lengths + 1] = frame.root and "unchecked"
+  return core.trace(f, table.unpack(lengths))
+end
+M.traced = traced
+
+--- 1 + Z of the points x, one vector: what cancels is compared with the trace beside 1
+function M.section(frame)
+  frame.traced_section = frame.traced_section or traced(frame, function(x)
+    local F = require "dm.frame"
     local value = F.section(frame, F.split(x, frame.k, frame.m))
-    -- what cancels is compared with the trace beside 1
     for i = 1, #value do value[i] = 1 + value[i] end
     return core.vector(value)
   end, frame.k * frame.m)
+  return frame.traced_section
+end
+
+local function slope_of_section(frame)
+  frame.slope = frame.slope or core.derivative(M.section(frame))
   return frame.slope
 end
 
@@ -34,7 +47,7 @@ end
 function M.moved(frame)
   local action, near = frame.action, require("dm.group").kit(frame.group).near
   local image = require("dm.action.points").image
-  return core.trace(function(y, x)
+  return traced(frame, function(y, x)
     local xi, list = M.along_basis(frame, y), points.split(x, frame.k, frame.m)
     local g = not action.generator_by and near(xi)
     for i, z in ipairs(list) do

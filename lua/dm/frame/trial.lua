@@ -114,9 +114,12 @@ local function by_formula(frame, list)
 end
 
 -- The root; nothing where there is none, and why. What else it raises is an error of the section,
--- branch or start.
-local function by_root(frame, list)
-  local fine, y = blame.try(frame.root, points.flat(list))
+-- branch or start. compared: are the equations what was traced? Where the points come to the
+-- section they are.
+local function by_root(frame, list, compared)
+  local root, x = frame.root, points.flat(list)
+  local function find() return compared and root(x) or root:traced(x) end
+  local fine, y = blame.try(find)
   if fine then return require "dm.frame".of_root(frame, y) end
   if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
   return nil, y
@@ -190,6 +193,7 @@ local function frame_of(trial, list)
   local a = { g = g, there = there }
   local on, off = is_on(trial, list, a)
   if on == false then
+    if frame.root then by_root(frame, list, true) end
     refuse("at z = %s the solution is not on the cross-section (off by %.3g)%s", text.points(list),
       off, hint(trial, g, list))
   end

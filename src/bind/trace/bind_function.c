@@ -164,7 +164,8 @@ static const dml_row functions[] =
       "or \"number\" for a bare number (one number when nothing is given). The result is called "
       "like f, on vectors, tables or numbers, and has exact derivatives; upvalues keep the values "
       "they have now. f gives a number, or a vector or table of numbers. Raises when f branches on "
-      "an argument, or returns no number."},
+      "an argument, or returns no number; that is found by calls of f at points of all sizes, "
+      "which \"unchecked\" behind the lengths leaves out."},
      {"derivative", dml_function_derivative,
       "dm.derivative(f [, n, ...]) -> dm.function\n"
       "The exact derivative of f, a Lua function of a vector of n entries (arguments as for "

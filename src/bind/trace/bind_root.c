@@ -77,9 +77,9 @@ static void push_root(lua_State *L, const dml_root_shape *s, const dml_scalar *y
         dml_pushscalars(L, y, s->unknowns);
 }
 
-/* on numbers; the functions are traced anew where a call of the equations shows that they have
- * changed, or where there is no root: those that are the same have none */
-static dml_root_shape *solve(lua_State *L, int top) {
+/* on numbers; the functions are traced anew where a call of the equations shows, if `compared`,
+ * that they have changed, or where there is no root: those that are the same have none */
+static dml_root_shape *solve(lua_State *L, int top, int compared) {
     const dml_root_shape *failed = NULL;
     for (int tries = 0;; tries++) {
         lua_settop(L, top);
@@ -90,7 +90,7 @@ static dml_root_shape *solve(lua_State *L, int top) {
         check_finite(L, x, s->inputs, s->x);
         for (uint32_t i = 0; i < s->uses; i++) s->chosen[i] = s->x[s->used[i]];
         const dm_root_outcome outcome = dm_root_solve(&s->solver, s->chosen, s->y, s->inverse);
-        if (outcome == DM_ROOT_FOUND && !has_changed(L, s)) return s;
+        if (outcome == DM_ROOT_FOUND && !(compared && has_changed(L, s))) return s;
         if (outcome != DM_ROOT_FOUND && tries) dml_raiseroot(L, s->f);
         failed = outcome == DM_ROOT_FOUND ? NULL : s;
         if (tries)
@@ -139,7 +139,7 @@ static int call_on_symbols(lua_State *L, int top, int value) {
 
 /* Derivatives of the root follow from those of its equations. */
 static int call_on_hyperduals(lua_State *L, int top, int value) {
-    dml_root_shape *s = solve(L, top);
+    dml_root_shape *s = solve(L, top, 1);
     dml_scalar *x = lua_newuserdatauv(L, (s->inputs + s->unknowns + 1) * sizeof *x, 0);
     dml_scalar *y = x + s->inputs + 1;
     read_arguments(L, s, top, x);
@@ -160,17 +160,25 @@ static int call_special(lua_State *L, dml_kind kind, int top, int value) {
 }
 
 /* (root, x ...): plain numbers, unless one of the arguments is special. */
-static int root_call(lua_State *L) {
+static int call(lua_State *L, int compared) {
     luaL_checkudata(L, 1, DML_ROOT);
     const int top = lua_gettop(L);
     const dml_kind kind = kind_of(L, top);
     if (kind != DML_NUMBER) return call_special(L, kind, top, 0);
-    const dml_root_shape *s = solve(L, top);
+    const dml_root_shape *s = solve(L, top, compared);
     if (s->s.length[0] == DML_SCALAR_ARGUMENT)
         lua_pushnumber(L, *s->y);
     else
         memcpy(dml_pushvector(L, s->unknowns), s->y, s->unknowns * sizeof *s->y);
     return 1;
+}
+
+static int root_call(lua_State *L) {
+    return call(L, 1);
+}
+
+static int root_traced(lua_State *L) {
+    return call(L, 0);
 }
 
 /* S at the root, of one that was given by `stationary`. */
@@ -184,7 +192,7 @@ static int root_value(lua_State *L) {
     lua_settop(L, top);
     const dml_kind kind = kind_of(L, top);
     if (kind != DML_NUMBER) return call_special(L, kind, top, 1);
-    const dml_root_shape *s = solve(L, top);
+    const dml_root_shape *s = solve(L, top, 1);
     lua_pushnumber(L, dml_rootvalue(s));
     return 1;
 }
@@ -193,7 +201,7 @@ static int root_value(lua_State *L) {
  * look at */
 static int root_inverse(lua_State *L) {
     luaL_checkudata(L, 1, DML_ROOT);
-    const dml_root_shape *s = solve(L, lua_gettop(L));
+    const dml_root_shape *s = solve(L, lua_gettop(L), 1);
     const uint32_t r = s->unknowns;
     memcpy(dml_pushmatrix(L, r, r), s->inverse, r * (size_t)r * sizeof *s->inverse);
     return 1;
@@ -285,7 +293,11 @@ static const dml_row meta[] = {{"__call", root_call, NULL},
                                {"__tostring", root_tostring, NULL},
                                {NULL, NULL, NULL}};
 static const dml_row methods[] =
-    {{"value", root_value,
+    {{"traced", root_traced,
+      "f:traced(x, ...) -> number or dm.vector\n"
+      "f(x, ...) of the equations as they were traced: they are not called to see whether what "
+      "they read has changed since. For many calls of one root, of which each costs less."},
+     {"value", root_value,
       "f:value(x, ...) -> number\n"
       "S(y, x, ...) at the point y where it is stationary. Its first derivatives are those of S at "
       "fixed y, so a Lagrangian that is such a value costs no derivative of y."},

@@ -94,6 +94,15 @@ static void read_lengths(lua_State *L, int first, dml_signature *s) {
     }
 }
 
+/* Is the function at 1 to be traced without a check? "unchecked" behind the lengths is taken off; a
+ * dm.function was checked when it was made. */
+static int take_unchecked(lua_State *L) {
+    const int top = lua_gettop(L), is_text = top > 1 && lua_type(L, top) == LUA_TSTRING;
+    const int said = is_text && strcmp(lua_tostring(L, top), "unchecked") == 0;
+    if (said) lua_settop(L, top - 1);
+    return said || luaL_testudata(L, 1, DML_FUNCTION);
+}
+
 /* Lengths of the arguments, from stack index 2 on; none: as many as the function names. */
 static void read_function(lua_State *L, dml_signature *s) {
     const dml_function *given = luaL_testudata(L, 1, DML_FUNCTION);
@@ -126,22 +135,24 @@ static dml_function *push_function(lua_State *L, const dml_signature *s) {
 /* (function, lengths ...) -> dm.function */
 int dml_function_trace(lua_State *L) {
     dml_signature s;
+    const int unchecked = take_unchecked(L);
     read_function(L, &s);
     dml_function *f = push_function(L, &s);
-    dml_trace_check(L, 1, &s, &want(L, f, DML_VALUE)->kernel, NULL);
+    if (!unchecked) dml_trace_check(L, 1, &s, &want(L, f, DML_VALUE)->kernel, NULL);
     return 1;
 }
 
 /* the function whose value is the derivative of the one at 1 */
 int dml_function_derivative(lua_State *L) {
     dml_signature s;
+    const int unchecked = take_unchecked(L);
     read_function(L, &s);
     dml_function *f = push_function(L, &s);
     const dml_traced traced = {.graph = f->graph,
                                .out = f->parts[DML_VALUE].nodes,
                                .outputs = f->rows};
     dml_refusenans(L, &traced, s.what); /* its derivative would be 0 */
-    dml_trace_check(L, 1, &s, &want(L, f, DML_VALUE)->kernel, NULL);
+    if (!unchecked) dml_trace_check(L, 1, &s, &want(L, f, DML_VALUE)->kernel, NULL);
     const int one_number = f->s.arguments == 1 && f->s.length[0] == DML_SCALAR_ARGUMENT;
     const dm_node *nodes = derive(L, f, DML_JACOBIAN);
     if (f->rank == 0) {

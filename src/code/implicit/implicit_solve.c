@@ -20,9 +20,10 @@ enum {
     SLOW = 8, /* full steps that halve the error, no quick ones after: a root of higher order */
     FORGOTTEN = 64 /* roots found after a trouble */
 };
-static const double EXACT = 0x1p-50;   /* increment, relative: nothing is left to gain */
-static const double NEAR = 1e-9;       /* and one that rounding may keep from shrinking */
-static const double ROUNDED = 0x1p-40; /* of the terms of F */
+static const double EXACT = 0x1p-50;             /* increment, relative: nothing is left to gain */
+static const double NEAR = 1e-9;                 /* and one that rounding may keep from shrinking */
+static const double ROUNDED = 0x1p-40;           /* of the terms of F */
+static const double CUT = 0x1p-4, GROWN = 0x1p8; /* parts of increments, and how these grow */
 static const double QUICK = 0.1;
 static const double ROUGH = 0x1p-24; /* increment, relative */
 static const double LEAST = 0x1p-15; /* part of an increment, */
@@ -152,6 +153,7 @@ typedef struct {
     int blocked;             /* by that, lately */
     int quick;
     double part; /* of dy that the last step took */
+    double cut;  /* |dy| where steps began to be cut short; 0: they are not */
     double bend; /* of the path where a part of dy was too long, per length of dy; 0: not told */
     int waited;  /* increments since only small y had not settled */
     int slow;    /* iterations that halved the step at best, since quick ones */
@@ -266,6 +268,16 @@ static int is_quick(const path *p, double before) {
     return p->step < QUICK * before && (p->quick || before > ROUGH * p->size);
 }
 
+/* Steps that are cut short while increments grow lead to where J loses its rank and F does not
+ * vanish, or to nowhere. */
+static int is_lost(path *p, double part, double before) {
+    if (part > CUT)
+        p->cut = 0.0;
+    else if (p->cut == 0.0)
+        p->cut = before;
+    return p->cut > 0.0 && p->step > GROWN * p->cut;
+}
+
 /* to the root: y, with J^-1 next to it */
 static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     if (!evaluate(s, p->y)) return DM_ROOT_NONE;
@@ -289,6 +301,7 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
             return arrived(s, p); /* F is noise */
         }
         take_step(s, p);
+        if (is_lost(p, part, before)) return DM_ROOT_NONE;
         p->quick = is_quick(p, before) ? p->quick + 1 : 0;
         if (p->quick == 2) p->slow = 0; /* one may be F that rounds to zero */
         if (p->step > 0.3 * before) p->slow++;

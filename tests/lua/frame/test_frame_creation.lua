@@ -252,6 +252,15 @@ raises("met a symbol while 'equations' of the moving frame is traced", frame, { 
   cross_section = by_the_sign, branch = first })
 raises("dm.moving_frame: the group element must be a vector", frame, { action = turn,
   cross_section = second, branch = first, start = function() return "here" end })
+-- sections that are something else on numbers, at first or later
+raises("is not what its trace says", frame, { action = turn, branch = first,
+  cross_section = function(z) return { type(z[2]) == "number" and z[2] or z[2] - 0.1 } end })
+local calls = 0
+raises("is not on the cross-section", frame, { action = turn, branch = first,
+  cross_section = function(z)
+    calls = calls + 1
+    return { z[2] - (calls > 40 and 0.1 or 0) }
+  end })
 -- groups of one's own: of matrices without relations that have a name, of vectors longer than d
 local similar = dm.group { name = "Sim", basis = { { { 0, 0, 1 }, { 0, 0, 0 }, { 0, 0, 0 } },
   { { 0, 0, 0 }, { 0, 0, 1 }, { 0, 0, 0 } }, { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } },

@@ -208,6 +208,15 @@ near(dm.trace(changing)(2), 14, 0, "at once")
 ok(dm.trace(changing):graph() == "y1 = dm.root(x1)[1]\n", "the text of a graph", dm.trace(changing):graph())
 ok(tostring(kepler) == "implicit function 'anomaly'", "its text", tostring(kepler))
 
+---- without a look at the equations ----
+local factor = 4
+local scaled = dm.root { start = 1, equations = function(u, x) return u ^ 2 - factor * x end }
+ok(scaled(1) == 2, "a root")
+factor = 9
+ok(scaled:traced(1) == 2, "as it was traced")
+ok(scaled(1) == 3 and scaled:traced(1) == 3, "traced anew by a call that looks at the equations")
+raises("has no value at (-1)", scaled.traced, scaled, -1)
+
 ---- failures ----
 local none = dm.root { name = "shadow", failure = "look elsewhere", start = 1, equations = function(u, x) return u ^ 2 + x end }
 raises("shadow has no value at (2): Newton's method found no root", none, 2)

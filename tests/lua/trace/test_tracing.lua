@@ -167,6 +167,10 @@ ok(collectgarbage("count") - before < 40000, "the collector sees the memory of g
 
 -- what a trace cannot see is found by comparing with plain calls
 raises("is not what its trace says", trace, function(x) if type(x[1]) == "number" then return 0 end return x[1] end, 1)
+ok(trace(function(x) if type(x[1]) == "number" then return 0 end return x[1] end, 1, "unchecked") { 7 } == 7,
+  "but not where nothing is to be compared")
+raises("bad argument #3", trace, function(x) return x[1] end, 1, nil, "unchecked")
+raises("bad argument #2", trace, function(x) return x end, nil)
 raises("is not what its trace says", trace, function(x) return math.type(x[1]) and x[1] + 1 or x[1] end, 1)
 raises("different values for the same arguments", trace, function(x) return x[1] + math.random() end, 1)
 local count = 0

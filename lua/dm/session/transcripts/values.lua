@@ -73,6 +73,11 @@ M["random.uniform"] = [=[
 > -2 < x and x < 2, x == dm.random(7):uniform(1, 0, -2, 2)
 true	true]=]
 
+M["root.traced"] = [=[
+> root = dm.root { start = 1, equations = function(y, x) return y^2 - x end }
+> root:traced(4)
+2.0]=]
+
 M["root.inverse"] = [=[
 > root = dm.root { start = 1, equations = function(y, x) return y^2 - x end }
 > root(4), root:inverse(4)
