@@ -1,7 +1,7 @@
 /* implicit.c - implicit functions: made with their derivatives, kept by graphs, written as
  * chains of nodes. A function has a graph of its own for F, F_y, F_x, and one for the second
- * derivatives along two vectors; who uses it in another graph has a copy there, node for node, so that
- * kernels of both round alike. Functions are told apart by their serial numbers, whole and
+ * derivatives along two vectors; who uses it in another graph has a copy there, node for node, so
+ * that kernels of both round alike. Functions are told apart by their serial numbers, whole and
  * above 0. */
 #include "algebra/implicit.h"
 
