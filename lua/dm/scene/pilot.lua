@@ -68,8 +68,8 @@ local STANDARD, PROBES = 1e-9, { 64, 4096 }
 local PLACES = 0.6180339887  -- where the mean of V is taken: never in step with the motion
 local FEWEST = 16            -- the part of the steps of a probe that must be made at least
 
--- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1; and whether
--- V has both signs
+-- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1; whether V has
+-- both signs; how many times the mean step the first one is
 local function own_rate(model)
   local start, given, problem = model:ready().start, model.system.given, model.problem
   local V = bound(given.L, given.params)
@@ -83,18 +83,22 @@ local function own_rate(model)
     end
     return sum / #path, least < 0 and most > 0
   end)
-  return fine and mean > 0 and mean < huge and mean or 1, fine and signs
+  if not (fine and mean > 0 and mean < huge) then return 1, fine and signs, 1 end
+  return mean, signs, mean / abs(V(start.q, 0 * start.q, start.t0))
 end
 
 local SHORTER, TRIES = 1 / 16, 3
+local ALMOST = "%s: V almost vanishes at the start, where its steps are too long"
 
 -- the length of the motion in the time of a rule that has its own, with steps that are short enough
 -- to tell: shorter ones where they fail
 local function length_of(model, rule, finish)
-  local mean, signs = own_rate(model)
+  local mean, signs, first = own_rate(model)
   if signs then
     error(("%s: V changes its sign on the way, where its steps have no length"):format(rule), 0)
   end
+  -- even of the finest probe's steps the first one leaves the motion: what comes after takes long
+  if not (first < PROBES[2]) then error(ALMOST:format(rule), 0) end
   local h, count, steps, failed = mean * model.problem.T / PROBES[1], 0, nil, nil
   for _ = 1, TRIES + 2 do
     local solver = model:ready().system:solver { rule = rule, h = h }
@@ -123,7 +127,7 @@ local function measured_scale(model, rule)
   end
   local length, steps = length_of(model, rule, finish)
   if steps < PROBES[2] / FEWEST then
-    error(("%s: V almost vanishes at the start, where its steps are too long"):format(rule), 0)
+    error(ALMOST:format(rule), 0)
   end
   return { length = length }
 end

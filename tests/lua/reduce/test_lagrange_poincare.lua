@@ -44,13 +44,13 @@ for _, c in ipairs(cases) do
     local name = c.name .. ", " .. rule
     local system = dm.system { Q = c.Q, L = c.L }
     local lp = system:reduce { group = c.G, rule = rule, h = 0.05 }
-    local run = lp:solver():run { x = c.x, p = c.p, mu = c.mu, steps = 1000 }
+    local run = lp:solver():run { x = c.x, p = c.p, mu = c.mu, steps = 300 }
     local S, e = lp.space, c.G:identity()
     local full = system:solver { rule = rule, h = 0.05 }:run {
-      q = space.element(S, dm.vector(c.x), e), p = space.joined(S, c.p, c.mu), steps = 1000 }
+      q = space.element(S, dm.vector(c.x), e), p = space.joined(S, c.p, c.mu), steps = 300 }
     local back, worst, drift = run:reconstruct {}, 0, 0
     local J = c.G:coAd(e, c.mu)
-    for k = 1, 1001 do
+    for k = 1, 301 do
       local x, g = space.split(S, full.q[k])
       local p, mu = space.parts(S, full.p[k])
       worst = max(worst, (x - run.x[k]):norm(), (p - run.p[k]):norm(), (mu - run.mu[k]):norm(),

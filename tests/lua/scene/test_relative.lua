@@ -24,11 +24,11 @@ local function scene(options, L, more)
 end
 
 local function worst(run, exact, scale)
-  local out = 0
+  local out, t, columns = 0, run.t, {}
+  for name in pairs(exact(t[1])) do columns[name] = run:column(name) end
   for i = 1, #run do
-    local want = exact(run.t[i])
-    for name, value in pairs(want) do
-      out = max(out, abs(run:column(name)[i] - value) / (scale or 1))
+    for name, value in pairs(exact(t[i])) do
+      out = max(out, abs(columns[name][i] - value) / (scale or 1))
     end
   end
   return out

@@ -35,11 +35,11 @@ local function spring(k, more)
   for key, value in pairs(more or {}) do options[key] = value end
   return dm.scene(options)
 end
-local scene = spring(1e6)
+local scene = spring(1e5)
 local run = scene:run()
 ok(run.error_estimate <= 1e-3, "the tolerance is delivered", run.error_estimate)
 ok(scene.best.model:words():find "a held at" and #run.columns == 2, "by a model of one dimension", scene.best.model:words())
-local exact = stiff(1e6):solver({ rule = "gauss(5)", h = 1e-3 }):run { q = { 9.81e-6, 0.5 }, v = { 0, 0 }, t = 5, every = 5000 }
+local exact = stiff(1e5):solver({ rule = "gauss(5)", h = 1e-3 }):run { q = { 9.81e-5, 0.5 }, v = { 0, 0 }, t = 5, every = 5000 }
 near(run:column "theta"[#run], exact.q[#exact][2], 1e-3, "as an independent run says")
 local why = scene:why()
 ok(why:find "dropped" and why:find "chosen" and why:find "as given" and why:find "agree to", "why: the ladder")
@@ -49,7 +49,7 @@ ok(#run == #run.t and run.t[#run] > 4.99 and #run:csv() > 20, "a run is like a p
 -- a profile that is given decides without a clock
 local file = os.tmpname()
 scene.profile:save(file)
-local again, third = spring(1e6, { profile = file }), spring(1e6, { profile = file })
+local again, third = spring(1e5, { profile = file }), spring(1e5, { profile = file })
 again:run()
 third:run()
 ok(again.best.rule == third.best.rule and again.best.N == third.best.N and again.best.ns == third.best.ns, "the same choice for one profile")
@@ -181,9 +181,10 @@ ok(#picture.columns == 3, "a picture watches every coordinate", #picture.columns
 local middles = {}
 for i = 1, #picture - 1 do middles[i] = (picture.t[i] + picture.t[i + 1]) / 2 end
 local between, bend = all:run { at = middles }, 0
+local theta, of_middles = picture:column "theta", between:column "theta"
 for i = 1, #middles do
-  local line = (picture:column "theta"[i] + picture:column "theta"[i + 1]) / 2
-  bend = math.max(bend, math.abs(between:column "theta"[i] - line) / all.problem.tolerance.theta)
+  local line = (theta[i] + theta[i + 1]) / 2
+  bend = math.max(bend, math.abs(of_middles[i] - line) / all.problem.tolerance.theta)
 end
 ok(bend < 1.3, "with rows so close that straight lines between them are as good as the tolerance", bend)
 ok(all.problem.tolerance.theta < 0.1 and all.problem.tolerance.theta > 1e-4, "to a pixel of its size", all.problem.tolerance.theta)
@@ -235,8 +236,8 @@ words, all = newton("rod", function(q, v) return v:dot(v) / 2 - 9.81 * q[3] end,
 ok(kept(all, "q2 held at 0"), "a pendulum on a rod swings in a plane", words)
 
 -- what cannot be promised
-raises("tolerance", function() spring(1e6, { tolerance = 1e-30 }):run() end)
-raises("tolerance", function() spring(1e6, { rules = { "symplectic-euler(a)" }, tolerance = 1e-9, seconds = 1 }):run() end)
+raises("tolerance", function() spring(1e3, { tolerance = 1e-30 }):run() end)
+raises("tolerance", function() spring(1e3, { rules = { "symplectic-euler(a)" }, tolerance = 1e-9, seconds = 1 }):run() end)
 raises("after until_t", scene.run, scene, { at = { 1, 9 } })
 raises("entry 1 is NaN", scene.run, scene, { at = { 0 / 0 } })
 local last_t = 5
@@ -350,6 +351,8 @@ do
     watch = { "q1" }, tolerance = 1e-4, until_t = 20 }
   local run = saddle:run()
   tap.ok(run.error_estimate <= 1e-4 and not saddle.cut, "from the top of a hill in double precision", tostring(saddle.cut))
+  tap.ok(saddle:why():find("log-hamiltonian(kahan-li(8)), log-hamiltonian(verlet): cannot step this system: V almost vanishes at the start", 1, true),
+    "its start says so, without a step", saddle:why())
 end
 
 -- a deadline with a constraint

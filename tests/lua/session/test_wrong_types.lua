@@ -52,9 +52,14 @@ local function judge(call, how, message)
   end
 end
 local within = require("dm.core").within
+-- a call under a name: for errors of nameless ones Lua looks through all modules that are loaded
+local function named(f, ...)
+  local result = f(...)
+  return result
+end
 local function try(call, how, ...)
   count = count + 1
-  local fine, ended, result = pcall(within, 0.2, call.f, ...) -- (what takes longer is stopped as by Ctrl-C)
+  local fine, ended, result = pcall(within, 0.2, named, call.f, ...) -- (what takes longer is stopped as by Ctrl-C)
   if not fine then judge(call, how, ended) elseif not ended then judge(call, how, result) end
 end
 

@@ -28,19 +28,19 @@ end
 -- and exponents of a chaotic one are those of solver:lyapunov
 local wild, start = top({ 1, 1.3, 0.4 }, 4), { q = G:exp { 0.4, 0, 0 }, v = { 0.3, 0.2, 2 } }
 for _, rule in ipairs { "lie(1)", "gauss(2)" } do
-  local map = dm.stability { system = wild, rule = rule, q = start.q, v = start.v, steps = 8000,
+  local map = dm.stability { system = wild, rule = rule, q = start.q, v = start.v, steps = 3000,
     h = { 0.05 }, refine = false }
   local found = wild:solver { rule = rule, h = 0.05 }:lyapunov { q = start.q, v = start.v,
-    steps = 8000 }
+    steps = 3000 }
   ok(map:at(1, 1).class == "chaotic", rule .. ": a heavy body is chaotic")
   near(map:at(1, 1).exponent, found.exponent, 0.15, rule .. ": its exponent")
 end
 
 -- kicks and drifts lose an oscillation at h omega = 2, omega = sqrt(mgl/I)
-for _, rule in ipairs { "rotations(2)", "verlet" } do
-  local map = dm.stability { system = hung, rule = rule, q = G:exp { pi - 1e-3, 0, 0 },
-    v = { 0, 0, 0 }, steps = 2000, h = { 0.5, 0.9, 1.1 }, chaos = false }
-  near(map:limit(1), 1, 2e-3, rule .. ": the limit of a small swing")
+local small = dm.stability { system = hung, rules = { "rotations(2)", "verlet" },
+  q = G:exp { pi - 1e-3, 0, 0 }, v = { 0, 0, 0 }, steps = 500, h = { 0.5, 0.9, 1.1 }, chaos = false }
+for i, rule in ipairs(small.rules) do
+  near(small:limit(i), 1, 2e-3, rule .. ": the limit of a small swing")
 end
 
 -- a turn of nearly pi a step ends the chart: 2 rad a unit of time of a body that only spins
@@ -106,6 +106,6 @@ end
 near(dm.amplification("rotations(2)", 1)[2][1], -0.75, 1e-14, "rotations(2) is Verlet's rule there")
 tap.raises("unknown rule", dm.stability_limit, "none")
 local theory, said = hung:stability { rule = "rotations(2)", q = rest, v = { 0, 0, 0 }, steps = 100,
-  h = { 0.5 } }:theory(1)
+  h = { 0.5 }, chaos = false, refine = false }:theory(1)
 ok(theory == nil and said:find "the turn of the motion", "why a group has no linear theory", said)
 tap.done()
