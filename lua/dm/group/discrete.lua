@@ -46,7 +46,7 @@ end
 local function while_same(f, lengths, make)
   local text, made
   return function()
-    local now = core.trace(f, table.unpack(lengths)):graph()
+    local now = core.graph_of(f, table.unpack(lengths))
     if now ~= text then made = make() end
     text = now
     return made

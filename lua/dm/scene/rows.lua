@@ -19,8 +19,9 @@ local MIDDLE, ELSEWHERE = 1 / 2, { 1 / 32, 1 / 8, 1 / 4, 3 / 8, 5 / 8, 3 / 4, 7 
 local BETWEEN = 1.15  -- what is off between these places
 local DENSE = 4       -- times of the check in a line: it is no parabola then
 
--- the largest distance of x from straight lines of length H that have it at the part f of them
-local function off_lines(t, x, H, f)
+-- the largest distance of x from straight lines of length H that have it at the part f of them; one
+-- beyond `enough`, where there is such a one
+local function off_lines(t, x, H, f, enough)
   local worst, before, behind = 0, 1, 3
   for k = 2, #t - 1 do
     if f == MIDDLE or DENSE * (t[k + 1] - t[k - 1]) < 2 * H then
@@ -29,6 +30,7 @@ local function off_lines(t, x, H, f)
       local off = abs(x[k] - (b * x[before] + a * x[behind]) / (a + b))
       worst = max(worst, off * (f == MIDDLE and H * H / (4 * a * b)
         or min(1, H / (a + b)) * BETWEEN))
+      if worst > enough then return worst end
     end
   end
   return worst
@@ -37,12 +39,17 @@ end
 -- Largest distance, in tolerances, of the motion from straight lines between rows that are H apart.
 -- The reference tells it, at the times of the check, which are dense where the motion is fast: a
 -- parabola that is y off the line through points a before, b behind is y H^2/(4 a b) off at most.
-local function bend(scene, H)
+-- One that is more than `room` is enough, where room is given.
+local function bend(scene, H, room)
   local problem, t, worst = scene.problem, scene.check_times, 0
   for _, name in ipairs(problem.columns) do
     local x, tolerance = scene.checked[name]:totable(), problem.tolerance[name]
-    worst = max(worst, off_lines(t, x, H, MIDDLE) / tolerance)
-    for _, f in ipairs(ELSEWHERE) do worst = max(worst, off_lines(t, x, H, f) / tolerance) end
+    local enough = room and room * tolerance or huge
+    worst = max(worst, off_lines(t, x, H, MIDDLE, enough) / tolerance)
+    for _, f in ipairs(ELSEWHERE) do
+      if room and worst > room then return worst end
+      worst = max(worst, off_lines(t, x, H, f, enough) / tolerance)
+    end
   end
   return worst
 end
@@ -53,10 +60,10 @@ function M.every(scene, room, per_frame)
   local c, every = scene.best, per_frame or 1
   if not pilot.is_even(c.rule) then return nil, huge end
   local h = scene.problem.T / c.N
-  local err = bend(scene, every * h)
+  local err = bend(scene, every * h, not per_frame and room)
   if err > room or per_frame then return every, err end
   while 8 * every < c.N do
-    local more = bend(scene, 2 * every * h)
+    local more = bend(scene, 2 * every * h, room)
     if more > room then break end
     every, err = 2 * every, more
   end

@@ -19,9 +19,21 @@ local DRAW = { ["plot of a mesh"] = true, ["space and time"] = true }
 -- 1 / volume where there is one is what it is without pinv
 local TRUE_ALIKE = { sharp = { pinv = true } }
 
+-- systems are made again where their own options are tried, not for those of a run
+local walked, made = nil, setmetatable({}, { __mode = "k" })
+for _, name in ipairs { "system", "euler_poincare" } do
+  local make = dm[name]
+  dm[name] = function(options) -- luacheck: ignore
+    if options == walked or type(options) ~= "table" then return make(options) end
+    made[options] = made[options] or make(options)
+    return made[options]
+  end
+end
+
 local taken, tried = {}, 0
 local function walk(row, t, path)
   local found = {}
+  walked = t
   for key in pairs(names) do
     if t[key] == nil then
       t[key], tried = odd, tried + 1
@@ -38,6 +50,7 @@ end
 for _, row in ipairs(require "templates".rows()) do
   if not DRAW[row[1]] and pcall(row[2], row[3]) then walk(row, row[3], "") end
 end
+walked, made = nil, {}
 for _, file in ipairs { "f.npy", "f.checkpoint", "f.vtk", "f.html" } do os.remove(file) end
 table.sort(taken)
 ok(#taken == 0 and tried > 10000, ("no option is taken without a look (%d tried)"):format(tried), table.concat(taken, "\n# "))

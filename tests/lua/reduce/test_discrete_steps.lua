@@ -36,7 +36,7 @@ end
 -- a formula with long steps, from starts all around: turns of most of a circle in one step
 local Ld, steps = trapezoid(well, 0.45), 60
 local worst, most, refused = 0, 0, 0
-for k = 1, 30 do
+for k = 1, 30, 2 do
   local q = { 0.2 + 0.03 * k, 0, 0.8 * cos(2 * k), 0.8 * sin(2 * k) }
   local v = { 0.4 * sin(k), 0.5 + 0.02 * k, 0.6 * cos(3 * k), 0.3 * sin(5 * k) }
   local shape = well:routh { action = turn, section = along, q = q, v = v }

@@ -105,7 +105,7 @@ local function refused(m, starts, h)
 end
 for links = 2, 4 do
   for _, of_masses in ipairs { false, true } do
-    local count, why = refused(model(links, of_masses, 1, 1), 40, 0.005)
+    local count, why = refused(model(links, of_masses, 1, 1), 20, 0.005)
     ok(count == 0, ("%d links by their %s"):format(links, of_masses and "masses" or "own"), why)
   end
 end

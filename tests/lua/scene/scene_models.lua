@@ -104,7 +104,7 @@ local function off_lines(run, m)
 end
 
 --- One model through a scene: { refused = words } or { worst, tolerance, estimate, seconds }; worst
--- of rows at 10^4 times and of lines between those of a plain run.
+-- of rows at those times and of lines between those of a plain run.
 function M.try(m, seconds)
   m.name = m.watch and next(m.watch) or "q1"
   local began = dm.cpu()

@@ -244,7 +244,7 @@ do
     ["of the mass, zero among them"] = function(q, v, _, P) return (P.a * v[1] ^ 2 + v[2] ^ 2) / 2 - P.k * q:dot(q) / 2 end,
     ["that end the dependence on time"] = function(q, v, t, P) return v:dot(v) / 2 - P.k * q:dot(q) / 2 + P.a * q[1] * math.cos(t) end,
     ["that are compared"] = function(q, v, _, P) return v:dot(v) / 2 - (P.k == 4 and 9 or P.k) * q:dot(q) / 2 - P.a * q[1] ^ 4 end } do
-    local axis = { a = { -0.2, 0, 0.5 }, k = { 1, 4, 16 }, rules = { "verlet", "yoshida(4)", "midpoint" } }
+    local axis = { a = { 0, 0.5 }, k = { 4, 16 }, rules = { "verlet", "yoshida(4)", "midpoint" } }
     local fine, i, j, what = same(map_of(dm.system { Q = dm.R(2), params = { a = 0.3, k = 2 }, L = L }, axis), map_of(made(L), axis))
     ok(fine, "parameters " .. name, fine or ("%d, %d: %s"):format(i, j, what))
   end
@@ -336,7 +336,7 @@ do
     return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - k / 2 * (q:norm() - 1) ^ 2 - 9.81 * q[2] end }
   end
   local start = { q = { math.sin(1), -math.cos(1) }, v = { 0, 0 } }
-  local _, failure = pcall(dm.stability, { system = spring, rule = "verlet", k = { 1e2, 1e6, 200, "log" }, h = { 1e-4, 1, 200, "log" },
+  local _, failure = pcall(dm.stability, { system = spring, rule = "verlet", k = { 1e2, 1e6, 12, "log" }, h = { 1e-4, 1, 200, "log" },
     q = start.q, v = start.v, steps = 10 ^ 9 })
   tap.ok(failure and type(failure) ~= "string" and failure.code == "stopped" and tostring(failure.map):find "not run", "a map that is interrupted", tostring(failure))
 end
