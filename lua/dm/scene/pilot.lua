@@ -68,8 +68,8 @@ local STANDARD, PROBES = 1e-9, { 64, 4096 }
 local PLACES = 0.6180339887  -- where the mean of V is taken: never in step with the motion
 local FEWEST = 16            -- the part of the steps of a probe that must be made at least
 
--- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1; whether V has
--- both signs; how many times the mean step the first one is
+-- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1; whether V
+-- has both signs; how many times the mean step the first one is
 local function own_rate(model)
   local start, given, problem = model:ready().start, model.system.given, model.problem
   local V = bound(given.L, given.params)

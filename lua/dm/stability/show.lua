@@ -48,7 +48,8 @@ local function table_of(map, most)
   for k = 1, math.min(n, most) do
     local i = n <= most and k or 1 + (k - 1) * (n - 1) // math.max(most - 1, 1)
     local limit, why = map:limit(i)
-    local fine, theory = blame.try(map.theory, map, i)
+    local fine, theory -- takes seconds along long orbits: none beside a row that was not run
+    if limit then fine, theory = blame.try(map.theory, map, i) end
     lines[#lines + 1] = ("%-34s %12s %12s  %s")
       :format(row_text(map, map.rows[i]), limit_text(limit),
       fine and theory and limit_text(theory) or "-", why)

@@ -339,6 +339,7 @@ do
   local _, failure = pcall(dm.stability, { system = spring, rule = "verlet", k = { 1e2, 1e6, 12, "log" }, h = { 1e-4, 1, 200, "log" },
     q = start.q, v = start.v, steps = 10 ^ 9 })
   tap.ok(failure and type(failure) ~= "string" and failure.code == "stopped" and tostring(failure.map):find "not run", "a map that is interrupted", tostring(failure))
+  tap.ok(failure and failure.map and not failure.map.orbits, "prints itself without a look along orbits that were not run")
 end
 -- among the first instructions, where cells are laid out, too; what the hook does here Ctrl-C does
 do
