@@ -11,8 +11,9 @@
 #include <string.h>
 #include <time.h>
 
-/* s between looks at the clock and the stop flag, between calls of progress */
-static const double LOOK = 2e-2, PROGRESS = 0.1;
+/* s between looks at the clock and the stop flag, between calls of progress, between rows that wait
+ * for a full block: a run that is killed loses no more of them */
+static const double LOOK = 2e-2, PROGRESS = 0.1, SEND = 1.0;
 enum { LONGEST = 1 << 20 }; /* steps between looks at the clock */
 
 typedef struct {
@@ -26,7 +27,7 @@ typedef struct {
     double *open;        /* impulses of a row whose next step is not done yet; NULL: none */
     long burst, until;   /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
-    double saved;        /* s, time of the last call of save */
+    double saved, sent;  /* s, times of the last call of save, and of send */
     double cpu;          /* s of CPU when it began */
     dm_control control;  /* as it was where the state was kept (plan->inertia) */
 } loop;
@@ -349,9 +350,8 @@ static dm_status advance(loop *l, long end) {
     return x ? DM_OK : advance_plainly(l, end);
 }
 
-/* Rows before a state that is saved are in the file before it is, since a run that goes on from
- * there adds to them. One that its next step has a part of waits, first in the block. */
-static dm_status save(loop *l) {
+/* Rows that wait leave the block. One that its next step has a part of stays, first in it. */
+static dm_status send(loop *l) {
     const dm_outlet *out = l->plan->outlet;
     const long held = l->rows_done - l->flushed, whole = l->open ? held - 1 : held;
     if (out && whole > 0) {
@@ -362,7 +362,14 @@ static dm_status save(loop *l) {
         if (l->open) l->open -= size;
         l->flushed += whole;
     }
-    return l->plan->save(l->plan->ud, l->done);
+    return DM_OK;
+}
+
+/* Rows before a state that is saved are in the file before it is, since a run that goes on from
+ * there adds to them. */
+static dm_status save(loop *l) {
+    const dm_status status = send(l);
+    return status == DM_OK ? l->plan->save(l->plan->ud, l->done) : status;
 }
 
 /* look at the clock: tell the progress, save, fit the burst to LOOK */
@@ -375,7 +382,11 @@ static dm_status look(loop *l) {
     }
     if (l->plan->save && t - l->saved >= l->plan->save_every) {
         status = save(l);
-        l->saved = t;
+        l->saved = l->sent = t;
+    }
+    if (status == DM_OK && l->plan->outlet && t - l->sent >= SEND) {
+        status = send(l);
+        l->sent = t;
     }
     if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= took < 0.05 * LOOK ? 8 : 2;
     if (took > LOOK && l->burst > 1) l->burst /= 2;
@@ -454,7 +465,7 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
     l.own = plan->control || s->rule->method->traits & DM_OWN_TIME;
     l.cpu = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-    l.looked = l.told = l.saved = seconds_of(CLOCK_MONOTONIC);
+    l.looked = l.told = l.saved = l.sent = seconds_of(CLOCK_MONOTONIC);
     dm_status status = begin(&l);
     if (status == DM_OK && !dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;
     if (status == DM_OK)

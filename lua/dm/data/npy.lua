@@ -57,7 +57,8 @@ end
 
 ---- files that are written row by row ----
 
-local AT_ONCE = 1 << 20 -- bytes between two times that the head counts the rows
+-- bytes and seconds between two times that the head counts the rows
+local AT_ONCE, SECONDS = 1 << 20, 1
 
 local function check(out, fine, why)
   if not fine then error(("cannot write %s: %s"):format(out.file, why), 0) end
@@ -70,7 +71,7 @@ local function count_rows(out)
   out.handle:seek("set", out.behind)
   local fine, why = out.handle:write(count_text(out.rows))
   out.handle:seek("set", #out.head + out.rows * out.width)
-  out.since = 0
+  out.since, out.counted = 0, os.time()
   return fine, why
 end
 
@@ -78,7 +79,7 @@ local function add(out, fields, row)
   local record = M.record(fields, row)
   put(out, record)
   out.rows, out.since = out.rows + 1, out.since + #record
-  if out.since > AT_ONCE then check(out, count_rows(out)) end
+  if out.since > AT_ONCE or os.time() >= out.counted + SECONDS then check(out, count_rows(out)) end
 end
 
 -- the time of row i, from 0
@@ -117,7 +118,7 @@ end
 local function open(file, fields, where, from)
   local goes_on = from and not core.is_silent() and is_there(file)
   local out = { handle = text_file.open(file, goes_on and "r+b" or "wb", where), file = file,
-    rows = 0, since = 0, width = 0 }
+    rows = 0, since = 0, width = 0, counted = os.time() }
   out.handle:setvbuf "no" -- a row is there or is not counted, also on a disk that is full
   out.head, out.behind = M.header(fields, 0)
   for _, field in ipairs(fields) do out.width = out.width + 8 * math.max(1, field[2]) end

@@ -37,8 +37,10 @@ local COLUMNS = { "energy", "enstrophy", "circulation" }
 function Flow.__len(run) return #run.w end
 
 function Flow.__tostring(run)
-  return ("flow of %d steps of %s to t = %.6g; %d rows%s"):format(run.steps, run.rule,
-    run.t[#run.t] or run.t0, #run.w, run.file and ", all of them in " .. run.file or "")
+  local note = run.euler.report.note
+  return ("flow of %d steps of %s to t = %.6g; %d rows%s%s"):format(run.steps, run.rule,
+    run.t[#run.t] or run.t0, #run.w, run.file and ", all of them in " .. run.file or "",
+    note and "; " .. note or "")
 end
 
 ---- how long ----

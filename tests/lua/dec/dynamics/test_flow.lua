@@ -154,6 +154,8 @@ local pair = two:euler { vorticity = function(x, y) return x - y * y end, circul
 integrals_kept(pair, "two holes")
 ok(pair.euler.report.note == nil, "no handles")
 ok(tostring(torus:euler { vorticity = 0 }):find "round the 1 handle of the surface are left out", "a handle is told")
+ok(tostring(torus:euler({ vorticity = 0 }):solver({ h = 0.1 }):run { steps = 1 }):find "round the 1 handle of the surface are left out",
+  "by the run as well")
 
 -- times, starts, files
 local solver = ball:euler { vorticity = wave(ball, 0) }:solver { h = 0.1 }
