@@ -82,11 +82,12 @@ void dm_constraints_add_force(double *sum, const dm_constraints *constraints, co
                               double *f);
 
 /* A constraint whose row depends on those before it, from 1, by the outputs of both kernels at a
- * point; holonomic NULL: there are none; 0: none does. work[dm_constraints_dependent_work]
- * (constraints_rank.c). */
+ * point; holonomic NULL: there are none; 0: none does. least: the square of the sine of the angle
+ * between rows that do not. work[dm_constraints_dependent_work] (constraints_rank.c). */
+#define DM_CONSTRAINTS_NEAR 1e-10 /* near enough for a step to fail */
 size_t dm_constraints_dependent_work(const dm_constraints *constraints);
 uint32_t dm_constraints_dependent(const dm_constraints *constraints, const double *holonomic,
-                                  const double *rolling, double *work);
+                                  const double *rolling, double least, double *work);
 
 /* ---- the start (constraints_start.c); W[n*n] is the inverse of the mass matrix there ---- */
 

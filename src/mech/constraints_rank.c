@@ -65,12 +65,11 @@ size_t dm_constraints_dependent_work(const dm_constraints *t) {
 /* Elimination with the largest entry of each row as its pivot: a row that vanishes depends on those
  * before it. */
 uint32_t dm_constraints_dependent(const dm_constraints *t, const double *holonomic,
-                                  const double *rolling, double *work) {
-    static const double LEAST = 1e-10; /* square of the sine of an angle */
+                                  const double *rolling, double least, double *work) {
     const uint32_t m = t->holonomic + t->rolling;
     uint32_t *taken = (uint32_t *)(void *)(work + m * (size_t)m);
     fill(t, work, (point){holonomic, rolling});
     for (uint32_t b = 0; b < m; b++)
-        if (!(eliminate(work, taken, b, m) > LEAST)) return b + 1;
+        if (!(eliminate(work, taken, b, m) > least)) return b + 1;
     return 0;
 }

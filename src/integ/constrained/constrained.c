@@ -309,8 +309,11 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     g->residual = 0.0;
     g->lost = 0;
     if (g->h != h) dm_constrained_weights_scale(g, h);
+    const int loose = (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     dm_status status = dm_constrained_begin(g);
-    if (status == DM_OK) status = find_lost(g, solve(g, stepper), 0);
+    if (status == DM_OK && loose && dm_constrained_is_lost(g, 0)) status = DM_SINGULAR;
+    if (status == DM_OK) status = solve(g, stepper);
+    status = find_lost(g, status, 0);
     if (status == DM_OK)
         status = find_lost(g,
                            dm_constrained_turns(g) ? dm_constrained_turning_end(g, stepper)
@@ -325,7 +328,6 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     stepper->report.evaluations += g->evaluations;
     if (status != DM_OK) return status;
     report_constraints(g, &stepper->report);
-    const int loose = (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     if (!loose) dm_constrained_memory_keep(g); /* no v1 is known of a loose momentum */
     memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
     return DM_OK;

@@ -105,7 +105,9 @@ static dm_status by_newton(dm_constrained *g, const dm_stepper *stepper) {
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->end, &problem, g->scratch, &report);
     g->residual = status == DM_OK ? g->residual : report.residual;
-    if (status != DM_OK || g->l == 0) return status;
+    if (status != DM_OK) return status;
+    if (dm_constrained_is_lost(g, g->K)) return DM_SINGULAR;
+    if (g->l == 0) return status;
     memcpy(g->x + g->n, g->end, g->n * sizeof *g->x);
     dm_constrained_rows(g, g->K); /* E at v1 itself */
     return DM_OK;
@@ -132,8 +134,9 @@ static const double *row_of(const dm_constrained *g, uint32_t c, int across) {
     return E + ((across ? 0 : g->l) + c - g->k) * g->n;
 }
 
-/* S[m][m] = rows . M^-1 rows of the impulses; M^-1 of these into `push` */
-static dm_status weigh(dm_constrained *g, double *S, double *push, uint32_t *pivot) {
+/* S[m][m] = rows . M^-1 rows of the impulses; M^-1 of these into `push`; *sines: det S over the
+ * product of its diagonal, the squares of sines of the angles between rows */
+static dm_status weigh(dm_constrained *g, double *S, double *push, uint32_t *pivot, double *sines) {
     const uint32_t n = g->n, m = g->k + g->l;
     for (uint32_t c = 0; c < m; c++) {
         by_inverse(g->m, push + c * n, row_of(g, c, 1));
@@ -144,7 +147,11 @@ static dm_status weigh(dm_constrained *g, double *S, double *push, uint32_t *piv
             S[b * m + c] = sum;
         }
     }
-    return dm_lu_factor(S, pivot, m);
+    *sines = 1.0;
+    for (uint32_t c = 0; c < m; c++) *sines /= S[c * m + c];
+    const dm_status status = dm_lu_factor(S, pivot, m);
+    for (uint32_t c = 0; c < m; c++) *sines /= S[c * m + c]; /* these are 1/U */
+    return status;
 }
 
 /* what is missing at v1 to the constraints, negative: g_t + G v, phi with phi_v v instead of its
@@ -168,13 +175,19 @@ static void offsets(const dm_constrained *g, double *offset) {
     }
 }
 
+/* Of what sines multiply to: at less it is asked whether rows depend on each other. */
+static const double NEARLY = 1e-13;
+
 /* twice: the second time from v1, for what rounding in S left */
 static dm_status by_elimination(dm_constrained *g) {
     const uint32_t n = g->n, m = g->k + g->l;
     double *S = g->scratch, *push = S + (size_t)m * m, *offset = push + (size_t)m * n;
     double *more = offset + m;
     uint32_t *pivot = (uint32_t *)(void *)(more + m);
-    const dm_status status = weigh(g, S, push, pivot);
+    double sines;
+    dm_status status = weigh(g, S, push, pivot, &sines);
+    if (status == DM_OK && !(fabs(sines) > NEARLY)) /* the check takes the place of S */
+        status = dm_constrained_is_lost(g, g->K) ? DM_SINGULAR : weigh(g, S, push, pivot, &sines);
     if (status != DM_OK) return status;
     offsets(g, offset);
     for (uint32_t i = 0; i < n; i++) g->v[i] = g->before[i] - g->m->momentum_shift[i];

@@ -184,4 +184,8 @@ void dm_constrained_longer_guess(dm_constrained *g, const double *V);
  * none; ended: did the step come to its end, where rolling is evaluated last? */
 uint32_t dm_constrained_dependent(dm_constrained *g, int ended);
 
+/* Do rows depend on each other there to rounding, so that they leave a velocity open? A step that
+ * ends so, exactly where they cross, may have any. */
+int dm_constrained_is_lost(dm_constrained *g, uint32_t k);
+
 #endif

@@ -1,6 +1,8 @@
 /* constrained_rank.c - which constraint cannot be held at a point of a step. */
 #include "integ/constrained/constrained_inside.h"
 
+#include <math.h>
+
 /* Rolling conditions are held at the Gauss points, where G is not known, and, with the momentum,
  * at the end. */
 uint32_t dm_constrained_dependent(dm_constrained *g, int ended) {
@@ -8,10 +10,36 @@ uint32_t dm_constrained_dependent(dm_constrained *g, int ended) {
     const dm_constraints *c = g->constraints;
     uint32_t lost = 0;
     for (uint32_t k = 0; k <= last && !lost; k++)
-        lost = dm_constraints_dependent(c, dm_constrained_holonomic(g, k),
-                                        dm_constrained_rolling(g, k), g->scratch);
+        lost =
+            dm_constraints_dependent(c, dm_constrained_holonomic(g, k),
+                                     dm_constrained_rolling(g, k), DM_CONSTRAINTS_NEAR, g->scratch);
     for (uint32_t k = 0; k < g->K && !lost && !g->k; k++)
         lost = dm_constraints_dependent(c, NULL, g->roll + k * g->l * (1 + 3 * (size_t)g->n),
-                                        g->scratch);
+                                        DM_CONSTRAINTS_NEAR, g->scratch);
     return lost;
+}
+
+/* `count` rows of a point, each coordinate in the unit in which its mass is 1, behind `values`
+ * entries that are not looked at; where those end. */
+static double *place_rows(const dm_constrained *g, double *out, const double *rows, size_t values,
+                          size_t count) {
+    const size_t n = g->n;
+    out += values;
+    for (size_t c = 0; c < count; c++)
+        for (size_t i = 0; i < n; i++) {
+            const double own = fabs(g->mass[n + i * n + i]);
+            out[c * n + i] = rows[values + c * n + i] / sqrt(own > 0.0 ? own : g->mass_size);
+        }
+    return out + count * n;
+}
+
+int dm_constrained_is_lost(dm_constrained *g, uint32_t k) {
+    static const double NONE = 1e-14; /* a velocity has seven digits left there */
+    enum { FEW = 8 };                 /* more would be felt in the time of a step */
+    const size_t hol = g->k, roll = g->l;
+    double *rows = g->scratch;
+    if (hol + roll < 2 || hol + roll > FEW) return 0;
+    double *rolling = place_rows(g, rows, dm_constrained_holonomic(g, k), hol, hol);
+    double *work = place_rows(g, rolling, dm_constrained_rolling(g, k), roll, 2 * roll);
+    return dm_constraints_dependent(g->constraints, rows, rolling, NONE, work) != 0;
 }

@@ -189,7 +189,7 @@ static dm_status solve(dm_lie_joints *e, const dm_stepper *s) {
 static uint32_t dependent(dm_lie_joints *e, const double *q) {
     dm_lie_joints_look(e, q, e->last, e->t);
     return dm_constraints_dependent(e->constraints, e->k ? e->holonomic : NULL,
-                                    e->l ? e->rolling : NULL, e->work);
+                                    e->l ? e->rolling : NULL, DM_CONSTRAINTS_NEAR, e->work);
 }
 
 /* that by the velocity of the start */
