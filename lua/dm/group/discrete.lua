@@ -45,8 +45,10 @@ end
 -- changed since
 local function while_same(f, lengths, make)
   local text, made
+  local of = table.move(lengths, 1, #lengths, 1, {})
+  of[#of + 1] = "unchecked" -- `make` compares what it traces with calls
   return function()
-    local now = core.graph_of(f, table.unpack(lengths))
+    local now = core.trace(f, table.unpack(of)):graph()
     if now ~= text then made = make() end
     text = now
     return made

@@ -96,20 +96,14 @@ static void put(void *ud, const char *text, size_t length) {
     luaL_addlstring(ud, text, length);
 }
 
-static int push_graph(lua_State *L, const dml_function *f) {
+/* In the language of graphviz. */
+static int function_graph(lua_State *L) {
+    dml_function *f = check(L);
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     dm_print(f->graph, f->parts[DML_VALUE].nodes, dml_outputs(f), NULL, put, &b);
     luaL_pushresult(&b);
     return 1;
-}
-
-static int function_graph(lua_State *L) {
-    return push_graph(L, check(L));
-}
-
-static int graph_of(lua_State *L) {
-    return push_graph(L, dml_function_unchecked(L));
 }
 
 /* Of the compacted value, without inputs and constants. */
@@ -178,10 +172,6 @@ static const dml_row functions[] =
       "dm.trace) or a dm.function: called on x it gives the gradient as a vector; the matrix of "
       "derivatives where f gives a vector; a number where f takes and gives one number. Raises as "
       "dm.trace does."},
-     {"graph_of", graph_of,
-      "core.graph_of(f [, n, ...]) -> string\n"
-      "What dm.trace(f, n, ...):graph() gives, without the comparison with plain calls of f: tells "
-      "whether f is still the function that was traced."},
      {NULL, NULL, NULL}};
 
 static const dml_extension more[] = {

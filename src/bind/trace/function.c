@@ -142,13 +142,6 @@ int dml_function_trace(lua_State *L) {
     return 1;
 }
 
-/* the same without its check; no kernel is made */
-dml_function *dml_function_unchecked(lua_State *L) {
-    dml_signature s;
-    read_function(L, &s);
-    return push_function(L, &s);
-}
-
 /* the function whose value is the derivative of the one at 1 */
 int dml_function_derivative(lua_State *L) {
     dml_signature s;

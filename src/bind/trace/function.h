@@ -36,9 +36,6 @@ static inline uint32_t dml_outputs(const dml_function *f) {
 int dml_function_trace(lua_State *L);
 int dml_function_derivative(lua_State *L);
 
-/* The same as dm.trace, not compared with plain calls: what is only looked at. */
-dml_function *dml_function_unchecked(lua_State *L);
-
 /* The part at f->x; kept by f. Raises where it is NaN. */
 const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what);
 

@@ -129,11 +129,6 @@ M["core.new_file"] = [=[
 > part:match "result" ~= nil, io.open(part) ~= nil
 true	true]=]
 
-M["core.graph_of"] = [=[
-> core = require "dm.core"
-> core.graph_of(function(x) return x[1] ^ 2 end, 2) == dm.trace(function(x) return x[1] ^ 2 end, 2):graph()
-true]=]
-
 M["core.trace_with"] = [=[
 > core = require "dm.core"
 > s = dm.system { Q = dm.R(1), params = { k = 1, m = 1 },
