@@ -1,5 +1,5 @@
---- Modules as Lua compiles them, in one file for the interpreter, which reads them in a fifth of the
--- time of their texts (src/cli/compiled.c). `make` writes it.
+--- Modules as Lua compiles them, in one file for the interpreter, which reads them in a fifth of
+-- the time of their texts (src/cli/compiled.c). `make` writes it.
 local M = {}
 
 -- a field of src/cli/compiled.c's head
@@ -19,8 +19,8 @@ local function text_of(name)
   return text
 end
 
---- Writes the file `out`: the modules `names`, a text of words like "lua/dm/init.lua", for a program
--- that finds them in the folder `home` (nil: this one). Errors name the places there, as they do
+--- Writes the file `out`: the modules `names`, a text of words like "lua/dm/init.lua", for a
+-- program that finds them in the folder `home` (nil: this one). Errors name the places there, as they do
 -- where the texts are read.
 function M.write(out, names, home)
   local own = own_home()

@@ -9,8 +9,9 @@ local M = {}
 local abs = math.abs
 local LOST = 1e12 -- a condition at which points have no digits left to tell shapes by
 
---- { q0, q1, J0, J1 }: the points of a look { x0, x1, psi } with the group at theta, and dq/d(theta,
--- x) there, nil where q are these coordinates. Raises where the points have lost their digits.
+--- { q0, q1, J0, J1 }: the points of a look { x0, x1, psi } with the group at theta, and
+-- dq/d(theta, x) there, nil where q are these coordinates. Raises where the points have lost their
+-- digits.
 function M.of(D, look, theta)
   local info, there = D.info, {}
   for a = 1, info.m do there[a] = theta[a] + look.psi[a] end
