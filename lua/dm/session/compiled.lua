@@ -20,8 +20,8 @@ local function text_of(name)
 end
 
 --- Writes the file `out`: the modules `names`, a text of words like "lua/dm/init.lua", for a
--- program that finds them in the folder `home` (nil: this one). Errors name the places there, as they do
--- where the texts are read.
+-- program that finds them in the folder `home` (nil: this one). Errors name the places there, as
+-- they do where the texts are read.
 function M.write(out, names, home)
   local own = own_home()
   local rows, blobs, n = {}, {}, select(2, names:gsub("%S+", ""))
