@@ -141,6 +141,7 @@ local function lines_of(handle, skip, fail)
       if line:find "\0" then
         fail("line %d: zeros between the letters: save it as UTF-8", number)
       end
+      line = line:gsub("^\f+", "")  -- a page begins
       check_control(line, number, fail)
       local comment = line:match "^%s*#(.*)$"
       if not comment and line:find "%S" then

@@ -74,6 +74,15 @@ static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, cons
     return w.fine;
 }
 
+/* Is that what this program reads or prints to, as /dev/stdout is where it goes to a file? */
+static int is_own_stream(const struct stat *at) {
+    struct stat own;
+    for (int stream = 0; stream <= 2; stream++)
+        if (fstat(stream, &own) == 0 && own.st_dev == at->st_dev && own.st_ino == at->st_ino)
+            return 1;
+    return 0;
+}
+
 /* What is written goes to a new file in the same folder, so that it is the folder which must let
  * us. */
 int dml_checkpoint_try(const char *file) {
@@ -81,7 +90,7 @@ int dml_checkpoint_try(const char *file) {
     struct stat at;
     const int there = stat(file, &at) == 0;
     /* a checkpoint takes the place of what has its name: of a file, not of /dev/null */
-    if (!*file || (there && !S_ISREG(at.st_mode))) {
+    if (!*file || (there && (!S_ISREG(at.st_mode) || is_own_stream(&at)))) {
         errno = !*file ? ENOENT : S_ISDIR(at.st_mode) ? EISDIR : EPERM;
         return 0;
     }

@@ -154,9 +154,12 @@ static int find_lost(place *at) {
 
 /* ---- where it leads ---- */
 
-/* As far along that velocity as an end of the way is from the place, to at->there; 0: the way does
- * not go along it. */
-static int go_along(place *at, const double *end) {
+/* How far an end of the way is from the place: along that velocity, and in all. */
+typedef struct {
+    double along, all;
+} distance;
+
+static distance distance_of(const place *at, const double *end) {
     const dm_inertia *x = at->x;
     const uint32_t n = x->model->n;
     double squares = 0.0, along = 0.0, lost = 0.0;
@@ -165,21 +168,33 @@ static int go_along(place *at, const double *end) {
         const double d = (end[i] - at->q[i]) / unit, w = at->lost[i] / unit;
         squares += d * d, along += d * w, lost += w * w;
     }
-    const double far = copysign(sqrt(squares / lost), along);
-    for (uint32_t i = 0; i < n; i++) at->there[i] = at->q[i] + far * at->lost[i];
-    return fabs(along) > MOVES * sqrt(squares * lost);
+    return (distance){along / lost, copysign(sqrt(squares / lost), along)};
+}
+
+/* Does the way go along it? */
+static int goes_along(distance d) {
+    return fabs(d.along) > MOVES * fabs(d.all);
+}
+
+/* The value so far along that velocity from the place. */
+static double value_along(place *at, double far) {
+    for (uint32_t i = 0; i < at->x->model->n; i++) at->there[i] = at->q[i] + far * at->lost[i];
+    return value_at(at, at->there, at->t);
 }
 
 /* Does that velocity lead off the place, as an end with this value does? One at the place does not
  * tell. */
 static int leads_off(place *at, const double *end, double value) {
-    return value <= at->none ||
-           (go_along(at, end) && value_at(at, at->there, at->t) > GIVEN_BACK * value);
+    const double much = GIVEN_BACK * value;
+    if (value <= at->none) return 1;
+    const distance d = distance_of(at, end);
+    return goes_along(d) && (value_along(at, d.along) > much || value_along(at, d.all) > much);
 }
 
 /* Is it lost at that time at an end of the way, too, which goes along it? */
 static int is_lost_there(place *at, const double *end, double value) {
-    return (value <= at->none || go_along(at, end)) && value_at(at, end, at->t) <= at->none;
+    return (value <= at->none || goes_along(distance_of(at, end))) &&
+           value_at(at, end, at->t) <= at->none;
 }
 
 int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, const double *v,
@@ -191,7 +206,8 @@ int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *w
     const double last = way->last > 0.0 ? way->last : value_on(&at, way, 1.0);
     const double most = fmax(first, last), least = fmin(first, last);
     if (!(value_on(&at, c, 0.5) < DM_INERTIA_VALLEY * most)) return 0;
-    at.none = NONE * (least > NONE * most ? least : most); /* an end may be the place */
+    const double some = fmin(most, 1.0);                   /* as at the start */
+    at.none = NONE * (least > NONE * some ? least : some); /* an end may be the place */
     if (!(least_value(&at, c) <= at.none) || !find_lost(&at)) return 0;
     return (leads_off(&at, way->a, first) && leads_off(&at, way->b, last)) ||
            (is_lost_there(&at, way->a, first) && is_lost_there(&at, way->b, last));

@@ -102,6 +102,12 @@ ok(slurp(at "victim") == "mine", "a link in the way is not followed")
 os.execute(("ln -s victim %s/linked"):format(folder))
 path:checkpoint(at "linked")
 ok(slurp(at "victim") == "mine", "a link in the place of a checkpoint is replaced, not followed")
+local printing = ([[dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 end }
+  :solver { rule = "verlet", h = 0.1 }:run { q = { 0 }, v = { 1 }, steps = 3 }:checkpoint "%s"]]):format(at "out")
+os.execute(("ln -s /proc/self/fd/1 %s && %s -e '%s' >%s 2>%s"):format(at "out", arg[-1], printing, at "printed", at "said"))
+local is_link = os.execute("test -L " .. at "out")
+ok(is_link and slurp(at "said"):find("not permitted", 1, true), "a link to what is printed stays, and is told", slurp(at "said"))
+os.execute(("rm %s %s %s"):format(at "out", at "printed", at "said"))
 local left = io.popen("ls " .. folder):read "a"
 ok(not left:find(("%w"):rep(12)), "nothing is left beside", left)
 -- what killed runs left for this file goes with the next one: of this name alone, and not what may still be written to
