@@ -73,7 +73,7 @@ $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
 # where another machine is built for
 compiled = $(B)/dmlua -e 'require "dm.session.compiled".write("$(1)", "$(LUA_FILES)"$(2))'
 $(B)/modules.luac: $(B)/dmlua $(LUA_FILES)
-	$(call say,lua,$@)$(call compiled,$@.new) && mv $@.new $@ || echo "modules are read as texts"
+	$(call say,lua,$@)$(call compiled,$@) || echo "modules are read as texts"
 # for a stock lua5.4, which brings the lua_ functions itself
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)

@@ -92,7 +92,7 @@ end
 
 --- t[key] if it passes test(value).
 function M.passing(t, key, where, test, what, default)
-  local x = t[key]
+  local x = core.unlocked(t[key])
   if x == nil then return default end
   M.demand(test(x), t, key, where, what)
   return x

@@ -1,5 +1,6 @@
 --- Columns of numbers from a text: fields between commas, semicolons, tabs or blanks; numbers with
 -- a decimal point or comma; names in the first line or in a comment above the numbers, or none.
+local core = require "dm.core"
 local option = require "dm.base.options"
 
 local M = {}
@@ -247,6 +248,7 @@ end
 
 -- the names that were given for so many columns
 local function given_names(names, count, fail)
+  names = core.unlocked(names)
   if type(names) ~= "table" then fail "names must be a list of texts" end
   for c = 1, math.max(count, #names) do
     if type(names[c]) ~= "string" then

@@ -35,9 +35,11 @@ function M.write(out, names, home)
     blobs[#blobs + 1] = place .. text .. code
     at = at + #blobs[#blobs]
   end
-  local file = assert(io.open(out, "wb"))
+  local part = out .. ".new" -- processes that run have the old file mapped: it is not written to
+  local file = assert(io.open(part, "wb"))
   assert(file:write(head, table.concat(rows), table.concat(blobs)))
   assert(file:close())
+  assert(os.rename(part, out))
 end
 
 return M

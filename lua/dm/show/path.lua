@@ -86,6 +86,7 @@ one range is 4 times the other or more they do not, which is written below the p
 makes them equal all the same.]]
 
 M.plot = blame.caller(function(path, x, y, options)
+  x, y = core.unlocked(x), core.unlocked(y)
   if type(x) == "table" and next(x) and not x[1] then x, options = nil, x end
   if type(y) == "table" and next(y) and not y[1] then y, options = nil, y end
   if x == nil then x, y = default_columns(path) end

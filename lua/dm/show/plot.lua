@@ -88,7 +88,8 @@ local function make_series(given, options, i)
   if #x == 0 then fail("%s is empty", what) end
   check_series(given, WHERE .. ": " .. what)
   if given.style ~= "cells" then option.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
-  local names = type(options.names) == "table" and options.names or {}
+  local names = core.unlocked(options.names)
+  names = type(names) == "table" and names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
     colour = given.colour, halo = given.halo, open = given.open,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }

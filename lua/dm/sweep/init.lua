@@ -52,6 +52,7 @@ end
 local function columns_of(value, i)
   if type(value) == "number" then return { "value" }, { value } end
   local names, numbers = {}, {}
+  value = core.unlocked(value)
   if type(value) == "table" then names, numbers = of_table(value) end
   if option.got(value) == "dm.vector" then names, numbers = numbered(value, #value) end
   for k, x in ipairs(numbers) do

@@ -300,7 +300,9 @@ int dml_field(lua_State *L, int arg, const char *key) {
         lua_pushnil(L);
         return 0;
     }
-    return lua_getfield(L, arg, key) != LUA_TNIL;
+    lua_getfield(L, arg, key);
+    dml_unlock(L, -1);
+    return !lua_isnil(L, -1);
 }
 
 static double read_number(lua_State *L, const char *key, const char *expected) {

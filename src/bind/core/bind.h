@@ -137,4 +137,7 @@ void dml_setresult(lua_State *L);
  * columns of a path", cannot be set. */
 void dml_lock(lua_State *L, const char *what);
 
+/* Put a table of its own in the place of such a list; what else is there stays. */
+void dml_unlock(lua_State *L, int at);
+
 #endif

@@ -79,3 +79,12 @@ void dml_lock(lua_State *L, const char *what) {
     push_class(L);
     lua_setmetatable(L, -2);
 }
+
+void dml_unlock(lua_State *L, int at) {
+    if (!luaL_testudata(L, at, LIST)) return;
+    at = lua_absindex(L, at);
+    lua_getiuservalue(L, at, ENTRIES);
+    dml_pushcopy(L, lua_gettop(L));
+    lua_replace(L, at);
+    lua_pop(L, 1);
+}

@@ -50,7 +50,7 @@ static void check_name(lua_State *L, int names, uint32_t i) {
 }
 
 static void check_coordinates(lua_State *L, uint32_t n) {
-    if (lua_getfield(L, 1, "coordinates") != LUA_TNIL) {
+    if (dml_field(L, 1, "coordinates")) {
         const int names = lua_gettop(L);
         if (!lua_istable(L, names) || luaL_len(L, names) != (lua_Integer)n)
             luaL_error(L, "field 'coordinates' must be a table of %d names", (int)n);
@@ -173,6 +173,7 @@ static void refuse_place(lua_State *L) {
 
 void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
+    dml_unlock(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
     dml_text(L, 1, "name");

@@ -229,7 +229,7 @@ static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r, 
 
 /* all entries of the field; names on the stack under what keeps the kernels */
 static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, reading *in) {
-    lua_getfield(L, 2, in->field);
+    dml_field(L, 2, in->field);
     in->table = lua_gettop(L);
     if (!lua_istable(L, in->table))
         luaL_error(L,

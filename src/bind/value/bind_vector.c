@@ -304,6 +304,12 @@ static int locked(lua_State *L) {
     return 1;
 }
 
+static int unlocked(lua_State *L) {
+    lua_settop(L, 1);
+    dml_unlock(L, 1);
+    return 1;
+}
+
 static const dml_row functions[] =
     {{"vector", vector_new,
       "dm.vector{x1, x2, ...} -> dm.vector\n"
@@ -316,6 +322,10 @@ static const dml_row functions[] =
       "x as what an object hands out and would not see change: a vector or a matrix whose entries "
       "cannot be set from now on, or in the place of a table what reads as it does; `what` it is, "
       "of the message. It is no table: next(x) raises."},
+     {"unlocked", unlocked,
+      "core.unlocked(x) -> x\n"
+      "A table with the entries of what core.locked put in the place of one; anything else as it "
+      "is."},
      {NULL, NULL, NULL}};
 
 static void open_vector(lua_State *L) {

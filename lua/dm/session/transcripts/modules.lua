@@ -157,6 +157,13 @@ M["core.locked"] = [=[
 > (pcall(function() list[2] = "q2" end))
 false]=]
 
+M["core.unlocked"] = [=[
+> core = require "dm.core"
+> list = core.unlocked(core.locked({ "t", "q1" }, "the list of the columns"))
+> list[2] = "q2"
+> list[2]
+q2]=]
+
 M["core.end_file"] = [=[
 > core = require "dm.core"
 > part = core.new_file "end.txt"
