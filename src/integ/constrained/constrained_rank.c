@@ -20,16 +20,18 @@ uint32_t dm_constrained_dependent(dm_constrained *g, int ended) {
 }
 
 /* `count` rows of a point, each coordinate in the unit in which its mass is 1, behind `values`
- * entries that are not looked at; where those end. */
+ * entries that are not looked at; where those end. NULL: a coordinate has no mass of its own, as
+ * those of tangent maps, whose vectors may have any length: no unit tells which rows are near. */
 static double *place_rows(const dm_constrained *g, double *out, const double *rows, size_t values,
                           size_t count) {
     const size_t n = g->n;
     out += values;
-    for (size_t c = 0; c < count; c++)
-        for (size_t i = 0; i < n; i++) {
-            const double own = fabs(g->mass[n + i * n + i]);
-            out[c * n + i] = rows[values + c * n + i] / sqrt(own > 0.0 ? own : g->mass_size);
-        }
+    for (size_t i = 0; i < n; i++) {
+        const double own = fabs(g->mass[n + i * n + i]);
+        if (!(own > 0.0)) return NULL;
+        const double unit = 1.0 / sqrt(own);
+        for (size_t c = 0; c < count; c++) out[c * n + i] = rows[values + c * n + i] * unit;
+    }
     return out + count * n;
 }
 
@@ -40,6 +42,7 @@ int dm_constrained_is_lost(dm_constrained *g, uint32_t k) {
     double *rows = g->scratch;
     if (hol + roll < 2 || hol + roll > FEW) return 0;
     double *rolling = place_rows(g, rows, dm_constrained_holonomic(g, k), hol, hol);
-    double *work = place_rows(g, rolling, dm_constrained_rolling(g, k), roll, 2 * roll);
-    return dm_constraints_dependent(g->constraints, rows, rolling, NONE, work) != 0;
+    double *work =
+        rolling ? place_rows(g, rolling, dm_constrained_rolling(g, k), roll, 2 * roll) : NULL;
+    return work && dm_constraints_dependent(g->constraints, rows, rolling, NONE, work) != 0;
 }

@@ -130,7 +130,7 @@ function M.ensemble(plain, run, solver, options)
     if known and why then
       found[e] = found[e] or {}
       found[e][i] = why
-      debug.getmetatable(e.status).__index[i] = why.code -- the list itself, which users cannot set
+      debug.getuservalue(e.status, 1)[i] = why.code -- the list itself, which users cannot set
     end
   end
   return e
