@@ -350,11 +350,21 @@ static dm_status advance(loop *l, long end) {
     return x ? DM_OK : advance_plainly(l, end);
 }
 
-/* Rows that wait leave the block. One that its next step has a part of stays, first in it. */
+/* How many of the rows in the block no step will change: not one that its next step has a part of,
+ * nor those inside of the step ahead, which may not be taken. */
+static long settled(const loop *l) {
+    const long held = l->rows_done - l->flushed;
+    const double now = time_now(l), slack = dm_time_slack(l->s, l->plan->h, now, now + l->plan->h);
+    long out = l->open ? held - 1 : held;
+    while (looks_ahead(l) && out > 0 && l->rows[width(l) * (size_t)(out - 1)] > now + slack) out--;
+    return out;
+}
+
+/* Rows that wait leave the block, but for those that stay, first in it. */
 static dm_status send(loop *l) {
     const dm_outlet *out = l->plan->outlet;
-    const long held = l->rows_done - l->flushed, whole = l->open ? held - 1 : held;
-    if (out && whole > 0) {
+    const long held = l->rows_done - l->flushed, whole = out ? settled(l) : 0;
+    if (whole > 0) {
         const dm_status status = out->flush(out->ud, l->rows, whole);
         if (status != DM_OK) return status;
         const size_t size = width(l) * (size_t)whole;
