@@ -217,6 +217,13 @@ ok(scaled:traced(1) == 2, "as it was traced")
 ok(scaled(1) == 3 and scaled:traced(1) == 3, "traced anew by a call that looks at the equations")
 raises("has no value at (-1)", scaled.traced, scaled, -1)
 
+---- roots far away, on the way to which increments grow as y does ----
+for name, far_away in pairs { log = { function(y) return math.log(y) end, 100, exp(100) }, power = { function(y) return y ^ 0.1 end, 30, 30 ^ 10 },
+  asinh = { function(y) return math.log(y + sqrt(y * y + 1)) end, 100, sinh(100) } } do
+  local f, x, y = table.unpack(far_away)
+  near(dm.root({ start = 1, equations = function(u, z) return f(u) - z end })(x) / y, 1, 1e-13, name .. ": a root far from its start")
+end
+
 ---- failures ----
 local none = dm.root { name = "shadow", failure = "look elsewhere", start = 1, equations = function(u, x) return u ^ 2 + x end }
 raises("shadow has no value at (2): Newton's method found no root", none, 2)
