@@ -25,12 +25,13 @@ static uint32_t check_extent(lua_State *L, int arg) {
 /* row i of the matrix at stack index m = the vector or table on top, which is popped */
 static void set_row(lua_State *L, int m, uint32_t i) {
     const dml_array *a = lua_touserdata(L, m);
-    const dml_array *row = dml_vectorat(L, -1);
-    if (row->rows != a->columns)
-        luaL_error(L, "row %d has %d entries, but the matrix has %d columns", (int)i + 1,
-                   (int)row->rows, (int)a->columns);
+    const int row = lua_gettop(L);
+    const long n = dml_length(L, row);
+    if (n != (long)a->columns)
+        luaL_error(L, "row %d has %d entries, but the matrix has %d columns", (int)i + 1, (int)n,
+                   (int)a->columns);
     for (uint32_t j = 0; j < a->columns; j++) {
-        const dml_scalar x = dml_get(row, j);
+        const dml_scalar x = dml_entry(L, row, j);
         dml_assign(L, m, i * a->columns + j, &x);
     }
     lua_pop(L, 1);

@@ -217,20 +217,22 @@ const char *dml_kindname(lua_State *L, int arg) {
 /* entry i, or 0 with *type what stands there instead */
 static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type) {
     const dml_array *a = dml_toarray(L, arg, 1);
-    *type = luaL_typename(L, arg);
     if (a && i < a->rows) return *x = dml_get(a, i), 1;
-    if (!dml_islist(L, arg)) return dml_toscalar(L, arg, x);
+    if (a || !dml_islist(L, arg)) {
+        *type = luaL_typename(L, arg);
+        return dml_toscalar(L, arg, x);
+    }
     luaL_checkstack(L, 4, NULL);
     lua_geti(L, arg, (lua_Integer)i + 1);
     const int there = dml_toscalar(L, -1, x);
-    *type = dml_kindname(L, -1);
+    if (!there) *type = dml_kindname(L, -1);
     lua_pop(L, 1);
     return there;
 }
 
 dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
     dml_scalar x;
-    const char *type;
+    const char *type = "";
     if (!read_entry(L, arg, i, &x, &type))
         luaL_error(L, "entry %d must be a number, got %s%s", (int)i + 1, type,
                    i == 0 && strcmp(type, "table") == 0 ? ": rows make a dm.matrix {{1, 2}, {3, 4}}"
@@ -292,7 +294,7 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
     luaL_checkstack(L, 4, NULL);
     for (uint32_t i = read_plain(L, arg, out, n); i < n; i++) {
         dml_scalar x;
-        const char *type;
+        const char *type = "";
         if (!read_entry(L, arg, i, &x, &type))
             luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1, type);
         if (x.kind != DML_NUMBER)
