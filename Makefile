@@ -71,9 +71,10 @@ $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
 	$(call say,link,$@)$(CC) $(CFLAGS) $(LDFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),$(READLINE_LIBS)) -lm
 # the modules in Lua, compiled: the interpreter reads them faster, and does without them as well, as
 # where another machine is built for
-compiled = $(B)/dmlua -e 'require "dm.session.compiled".write("$(1)", "$(LUA_FILES)"$(2))'
+compiled = $(B)/dmlua -e 'require "dm.session.compiled".write("$(1)", "$(LUA_FILES)"$(2))' || \
+  echo "modules are read as texts"
 $(B)/modules.luac: $(B)/dmlua $(LUA_FILES)
-	$(call say,lua,$@)$(call compiled,$@) || echo "modules are read as texts"
+	$(call say,lua,$@)$(call compiled,$@)
 # for a stock lua5.4, which brings the lua_ functions itself
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
