@@ -113,7 +113,16 @@ raises("too few", dm.mesh, { points = { { 0, 0 }, { 1, 1 } } })
 raises("1 to 8 coordinates", dm.mesh, { points = cloud(11, 9) })
 raises("finite", dm.mesh, { points = { { 0, 0 }, { 1, 1 }, { 0, 0 / 0 } } })
 
--- random points in many dimensions: simplices may be thin there without being flat
+-- simplices of many dimensions may be thin without being flat: one edge of 1, others of 1/100 across
+for n = 4, 6 do
+  local corners, volume = { {}, {} }, 1
+  for k = 1, n + 1 do
+    corners[k] = {}
+    for i = 1, n do corners[k][i] = i == k - 1 and (i == 1 and 1 or 0.01) or 0 end
+    volume = volume * (k <= n and (k == 1 and 1 or 0.01) / k or 1)
+  end
+  near(dm.mesh({ points = corners }):volume(n)[1] / volume, 1, 1e-12, "a thin simplex of dimension " .. n)
+end
 for n, count in pairs { [4] = 150, [5] = 70, [6] = 24 } do
   for try = 1, 3 do
     local fine, K = pcall(dm.mesh, { points = cloud(count, n) })
