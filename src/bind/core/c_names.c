@@ -85,9 +85,15 @@ static int is_listed(const char *list, const char *name, size_t length) {
     return 0;
 }
 
+/* One that ends in _ begins macros, which have no small letters: LC_ALL, but not LC_circuit. */
 static int begins_listed(const char *list, const char *name) {
-    for (const char *at = list + 1; *at; at += strcspn(at, " ") + 1)
-        if (strncmp(at, name, strcspn(at, " ")) == 0) return 1;
+    static const char small[] = "abcdefghijklmnopqrstuvwxyz";
+    const int is_small = name[strcspn(name, small)] != 0;
+    for (const char *at = list + 1; *at; at += strcspn(at, " ") + 1) {
+        const size_t length = strcspn(at, " ");
+        const int is_macro = at[length - 1] == '_' && !strchr(small, *at);
+        if (strncmp(at, name, length) == 0 && !(is_macro && is_small)) return 1;
+    }
     return 0;
 }
 

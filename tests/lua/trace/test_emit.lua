@@ -106,5 +106,5 @@ end
 ok(#free == 0 and tried > 500, "no name of the library's headers is taken", table.concat(free, " "))
 for name, why in pairs { NULL = "C library", errno = "C library", size_t = "C library", INT_MAX = "C library", uint8_t = "C library", EDOM = "C library",
   sinf64x = "math.h", creal = "complex.h", f32addf64 = "math.h", M_PIf128 = "math.h" } do raises(why, f.emit_c, f, name) end
-for _, name in ipairs { "E", "EKIN", "SIGMA", "K_t", "int8", "INTEGRAL", "fl", "M_P", "dsum" } do ok(pcall(f.emit_c, f, name), name .. " is free, too") end
+for _, name in ipairs { "E", "EKIN", "SIGMA", "K_t", "int8", "INTEGRAL", "fl", "M_P", "dsum", "LC_circuit", "TIME_of_flight", "FP_map" } do ok(pcall(f.emit_c, f, name), name .. " is free, too") end
 tap.done()
