@@ -192,6 +192,18 @@ local function of_name(name)
   return #found > 0 and table.concat(sorted(#found <= MOST and found or lines), "\n") or nil
 end
 
+-- "solver.multiplier", "path.plott" of an object or a class: that it has no such name, and the
+-- nearest that it has; or nothing
+local function not_there(name)
+  local complete = require "dm.session.complete"
+  local owner, key = name:match "^(.+)[.:]([%a_][%w_]*)$"
+  local object = owner and complete.look_up(owner)
+  local class = object and (object.class or complete.class_of(object.value))
+    or owner and "dm." .. owner:gsub("^dm%.", "")
+  return class and complete.methods_of(class)
+    and require "dm.session.missing".of(class, key) or nil
+end
+
 local explain  -- what x is
 
 local function help_name(name)
@@ -220,9 +232,10 @@ local function help_name(name)
   if docs["dm." .. name] then return help_name("dm." .. name) end
   local same = of_name(name)
   if same then write(same) end
-  if not search.about(name) and not same then
-    search.first_mentions(name)
-  end
+  if search.about(name) or same then return end
+  local why = not_there(name)
+  if why then return write(why) end
+  search.first_mentions(name)
 end
 
 -- a group: what its elements look like

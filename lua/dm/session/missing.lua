@@ -114,6 +114,9 @@ function M.explain(message)
   return message .. name .. ": " .. why
 end
 
+--- That a class has nothing of this name, and what it has.
+function M.of(class, key) return explained { of = class, key = key } end
+
 --- What is noted in words, or nothing.
 function M.noted()
   local note = getregistry().dm_missed

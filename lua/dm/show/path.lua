@@ -91,6 +91,10 @@ M.plot = blame.caller(function(path, x, y, options)
   if type(y) == "table" and next(y) and not y[1] then y, options = nil, y end
   if x == nil then x, y = default_columns(path) end
   if y == nil then x, y = "t", x end
+  if type(x) == "table" and type(x[1]) == "string" then
+    error("plot: x must be one column; for curves with x of their own: "
+      .. "dm.plot { path:series(\"q1\", \"q2\"), path:series(\"q3\", \"q4\") }", 0)
+  end
   local series = {}
   for i, key in ipairs(listed(y)) do series[i] = M.series(path, x, key) end
   return require "dm.show.plot".plot(series, options or {})

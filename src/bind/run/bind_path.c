@@ -349,7 +349,7 @@ const dml_class dml_class_path = {
            "recorded them), columns (names), steps, h, rule, system, solver, title, units, "
            "ns_per_step, events (of a run that looked for some), file (of a run that wrote its "
            "rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); "
-           "#path rows\n"
+           "#path rows.\n"
            "Printed, it says how far the energy was off at its rows (\"at these rows\" where not "
            "every step was kept), from when on where it jumped to another level, and whether it "
            "drifts: \"no drift\" within three standard errors, \"drift\" beyond six, nothing "

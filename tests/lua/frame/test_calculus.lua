@@ -360,6 +360,9 @@ end)
 raises("start.kappa must have 2 numbers, kappa, kappa_s", function()
   plane:extremal { L = bending, start = { kappa = { 1 } }, length = 1 }
 end)
+raises("option 'length' must be how far the curve goes, a number > 0 (got -1)", function()
+  plane:extremal { L = bending, start = { kappa = { 1, 0 } }, length = -1 }
+end)
 raises("leaves kappa free", function()
   plane:extremal { L = function(J) return J.kappa[1] end, start = { kappa = {} }, length = 1 }
 end)

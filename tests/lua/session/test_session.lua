@@ -170,6 +170,12 @@ has(text, "  no_convergence  the step equation did not converge", "and codes of 
 has(text, "Take a smaller h; solver:fold says", "?code says what to try")
 has(text, 'nothing mentions "soliton_of_nothing"', "and where nothing is found it says so")
 has(text, 'nothing mentions "dm.systm"; did you mean dm.system?', "a name that is nearly one")
+do
+  local near = session { "u = dm.vector { 3, 4 }", "?u.nrom", "help 'solver.multiplier'", "?path.flub" }
+  has(near, "a dm.vector has no 'nrom'; did you mean 'norm'?", "a method that is nearly one, of a value")
+  has(near, "a dm.solver has no 'multiplier'; did you mean 'multipliers'?", "and of a class")
+  has(near, "a dm.path has no 'flub'; help(x) lists what there is", "and one that is like none")
+end
 has(text, 'demo "noether" runs it', "?name of a demonstration")
 local asked = session { "?v" }
 local said = asked:match "> %?v\n(.-)\n> " or asked

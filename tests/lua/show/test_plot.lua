@@ -305,6 +305,7 @@ raises("a table of panels", dm.figure, 3)
 raises("'columns' must be", dm.figure, { { u, u }, columns = 0 })
 raises("no column 'q9'", path.plot, path, "q9")
 raises("has 3 numbers, but the path has 501 rows", path.plot, path, "t", u)
+raises("x must be one column", path.plot, path, { "q1", "q2" }, { "p1", "p2" })
 
 local _, where = pcall(function() path:plot("t", "q9") end)
 ok(where:find "^[^\n]*test_plot.lua:%d+: no column 'q9'", "an error names the line of the script that called", where)

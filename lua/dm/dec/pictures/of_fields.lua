@@ -30,7 +30,7 @@ Of a field on a mesh: fields t, q, p, where a row of q is an array of all values
 of_fields("plot", function(before, path, ...)
   local file, other = motion().plot(path, ...)
   if other then return before(path, ...) end
-  return file
+  if file then return file end  -- in the terminal a prompt has nothing to print behind the picture
 end, [[
 Of a field on a mesh: path:plot("q" | "p", {row=, file=, title=, azimuth=, height=}) draws a row,
 the last by default, as form:plot does; columns such as "energy" as above.]])

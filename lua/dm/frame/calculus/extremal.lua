@@ -159,11 +159,9 @@ local function check(C, o)
   if C.p ~= 1 then option.fail(WHERE, "is for curves, not for %d independent variables", C.p) end
   option.need(o, "L", WHERE, "a function of the invariants")
   option.need(o, "start", WHERE, "the invariants at the start, { kappa = { kappa, kappa_s } }")
-  local length = option.number(o, "length", WHERE)
-  if not length or not (math.abs(length) < math.huge) or length == 0 then
-    option.fail(WHERE, "option 'length' must be how far the curve goes, a number other than 0")
-  end
-  return length, option.whole(o, "steps", WHERE, 1, nil, 100)
+  option.need(o, "length", WHERE, "how far the curve goes, a number > 0")
+  return option.positive(o, "length", WHERE, "how far the curve goes, a number"),
+    option.whole(o, "steps", WHERE, 1, nil, 100)
 end
 
 -- rows of the run as points, invariants and elements

@@ -104,8 +104,8 @@ method("invariants", function(self, jet)
   return core.result(out)
 end, [[
 calculus:invariants(jet) -> { kappa = { kappa, kappa_s, ... }, ... }
-The named invariants and as many of their derivatives as a jet of numbers has: what f:value takes.
-]])
+The named invariants and as many of their derivatives as a jet of numbers has: what
+f:value takes.]])
 
 method("extremal", function(self, o)
   return core.result(extremal.run(self.C, lagrangian.of, o))

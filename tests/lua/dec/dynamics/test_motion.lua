@@ -69,6 +69,20 @@ if io.popen "command -v gnuplot 2>/dev/null":read "l" then
   os.remove(base .. ".png")
 end
 
+-- in the terminal a picture is all there is: no nil behind it
+do
+  local dmlua = os.getenv "DMLUA" or arg[-1]
+  local pipe = assert(io.popen(dmlua .. [[ -e '
+    local K = dm.mesh { triangle = 2 }
+    local u = K:field { L = function(a, v) return v:dot(v)/2 - a:d():dot(a:d())/2 end }
+    local run = u:solver { rule = "verlet", h = 0.01 }:run { steps = 2, q = function(x) return x end,
+      v = function() return 0 end }
+    local flow = K:euler { vorticity = function(x) return x end }:solver { h = 0.1 }:run { steps = 2 }
+    print(select("#", run:plot "q"), select("#", flow:plot "w"))']]))
+  ok(pipe:read "a":find "\n0\t0\n$", "a picture in the terminal returns nothing")
+  pipe:close()
+end
+
 raises("ends in .html", function() flow:animate "page" end)
 raises("takes the name of a form, w, psi", function() flow:animate(base .. ".html", { of = "u" }) end)
 raises("takes the name of a form, w, psi", function() flow:plot "vorticity" end)
