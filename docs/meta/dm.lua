@@ -1321,7 +1321,7 @@ function dm_ensemble_class:summary(name) end
 
 ---dm.euler: flow on a surface by its vorticity, made by K:euler
 ---fields: mesh, vorticity (a 0-form, at the start), circulations (round the holes, a dm.vector),
----report (of the solver of the stream function; note: what is left out)
+---around (b_k, round the handles), report (of the solver of the stream function)
 ---@class dm.euler
 local dm_euler_class = {}
 
@@ -1355,6 +1355,12 @@ local dm_euler_engine_class = {}
 ---@return any
 function dm_euler_engine_class:advance(h, steps) end
 
+---e:around() -> dm.vector
+---
+---How much the flow has of each form of the handles.
+---@return dm.vector
+function dm_euler_engine_class:around() end
+
 ---e:fail(steps, t, h, rule, run) -> nothing
 ---
 ---Raises a dm.failure that says why the last e:advance ended, with the run so far.
@@ -1368,13 +1374,13 @@ function dm_euler_engine_class:fail(steps, t, h, rule, run) end
 
 ---e:low() -> dm.vector
 ---
----What compensated sums of the vorticity have beside it.
+---What compensated sums of the vorticity, and then of e:around(), have beside them.
 ---@return dm.vector
 function dm_euler_engine_class:low() end
 
 ---e:measure() -> dm.vector, energy, enstrophy, circulation
 ---
----The stream function at the vertices, |d psi|^2 / 2, |w|^2 / 2 and the sum of *v w.
+---The stream function at the vertices, the energy, |w|^2 / 2 and the sum of *v w.
 ---@return dm.vector
 ---@return any
 ---@return any
@@ -1392,14 +1398,15 @@ function dm_euler_engine_class:vorticity() end
 ---@class dm.euler_solver
 local dm_euler_solver_class = {}
 
----solver:run{t= | steps=, every=, t0=, vorticity=, circulations=, file=, checkpoint=} -> dm.flow
+---solver:run{t= | steps=, every=, t0=, vorticity=, circulations=, harmonic=, ...} -> dm.flow
 ---
 ---From the vorticity of the flow, or another one at time t0 (0), for the duration t or so many steps.
----circulations: round the holes, with a vorticity of its own, as in K:euler.
+---circulations, harmonic: round holes and handles, with a vorticity of its own, as in K:euler.
 ---every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
----with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
----the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises
----dm.failure with the run so far where a step finds no solution: h is too long.
+---with the fields t, w (an array), energy, enstrophy, circulation and around, and the run keeps the
+---first and the last. checkpoint: a file for where it ended, also where it was stopped
+---(run:checkpoint). Raises dm.failure with the run so far where a step finds no solution: h is too
+---long.
 ---@param options? table
 ---@return dm.flow
 function dm_euler_solver_class:run(options) end
@@ -1461,9 +1468,9 @@ function dm_field_chart_class:plot(options) end
 function dm_field_chart_class:table() end
 
 ---dm.flow: what a run of K:euler recorded
----fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), columns (names), steps, h,
----rule, euler, solver, circulations (round the holes), sweeps (rates that a step needed, in the mean),
----file; #run rows
+---fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), around[i] (b_k of row i,
+---round the handles), columns (names), steps, h, rule, euler, solver, circulations (round the holes), sweeps
+---(rates that a step needed, in the mean), file; #run rows
 ---@class dm.flow
 local dm_flow_class = {}
 
@@ -1475,6 +1482,14 @@ local dm_flow_class = {}
 ---@param options? table
 ---@return string
 function dm_flow_class:animate(file, options) end
+
+---run:beta(i) -> dm.form
+---
+---The closed 1-form of row i that, turned by 90 degrees, is the velocity u = *beta: d psi and what
+---flows round the handles. Its integral along a path is what crosses it from its right to its left.
+---@param i? any
+---@return dm.form
+function dm_flow_class:beta(i) end
 
 ---run:checkpoint(file) -> file name
 ---
@@ -1507,8 +1522,8 @@ function dm_flow_class:form(i) end
 
 ---run:npy(file) -> file name
 ---
----The rows as a NumPy array with fields t, w (of one number a vertex), energy, enstrophy, circulation;
----dm.load reads it.
+---The rows as a NumPy array with fields t, w (of one number a vertex), energy, enstrophy, circulation
+---and, on surfaces with handles, around; dm.load reads it.
 ---@param file? string
 ---@return string
 function dm_flow_class:npy(file) end
@@ -1526,7 +1541,7 @@ function dm_flow_class:plot(w, options) end
 ---run:stream(i) -> dm.form
 ---
 ---The stream function of row i, div grad psi = w: 0 on the longest loop of the boundary, a constant on
----the others, or 0 at one vertex. d psi turned by 90 degrees is the velocity.
+---the others, or 0 at one vertex.
 ---@param i? any
 ---@return dm.form
 function dm_flow_class:stream(i) end
@@ -2721,7 +2736,7 @@ function dm_mesh_class:dual_volume(k) end
 ---@return dm.vector
 function dm_mesh_class:dual_wedge_values(k, a, l, b, rule) end
 
----K:euler{vorticity=, circulations=} -> dm.euler
+---K:euler{vorticity=, circulations=, harmonic=} -> dm.euler
 ---
 ---The flow of an ideal fluid on a surface: w' = -*(d psi ^ d w), div grad psi = w (as in
 ---K:laplace_beltrami()), with the product of each triangle in thirds to its corners. vorticity: a
@@ -2730,10 +2745,13 @@ function dm_mesh_class:dual_wedge_values(k, a, l, b, rule) end
 ---0 on the longest of each component, on the others, the holes, what keeps the circulation round them
 ---(Kelvin). circulations: a number for every hole, in the order of their first vertices, the integral
 ---of the velocity along it with the fluid on the left; left out, psi is 0 on all loops at the start.
----On a closed component the mean of w has no psi and stays where it is. Flows round the handles of a
----surface are left out, and the report's note says so. Raises where the mesh is not orientable, and
----where a vertex has no positive dual area. euler:solver{h=}:run{t=} goes on; the energy |d psi|^2/2,
----the enstrophy |w|^2/2 and the circulation, the sum of *v w, are kept to round-off (Arakawa 1966).
+---On a closed component the mean of w has no psi and stays where it is. Round handles there are flows
+---without psi: w' = -*(beta ^ d w), beta = d psi + sum b_k eta_k, eta_k an orthonormal basis of them,
+---b_k' the integral of w eta_k ^ beta. harmonic: the velocity at the start as a 1-form, the function
+---that K:form(1, f) takes or a list, of which its part round the handles is taken; left out, none.
+---Raises where the mesh is not orientable, and where a vertex has no positive dual area.
+---euler:solver{h=}:run{t=} goes on; the energy |beta|^2/2, the enstrophy |w|^2/2 and the circulation,
+---the sum of *v w, are kept to round-off (Arakawa 1966).
 ---@param options? table
 ---@return dm.euler
 function dm_mesh_class:euler(options) end

@@ -32,7 +32,7 @@ static void *take(lua_State *L, dm_arena *arena, size_t count, size_t size) {
 }
 
 /* arguments of core.euler by their places */
-enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY, LOW, HOLES, INVERSE, ROUND };
+enum { MESH = 1, FACTOR, SOLVED, COMPONENT, SIGN, VORTICITY, LOW, HOLES, INVERSE, ROUND, ETA, B };
 
 /* Signs as small integers; corners are read where the mesh has them. */
 static void read_triangles(lua_State *L, dm_euler *e, const dml_mesh *m, dm_arena *arena) {
@@ -83,12 +83,35 @@ static void read_holes(lua_State *L, dm_euler *e, dm_arena *arena) {
     e->holes.circulation = copied(L, arena, ROUND, "the circulations", count);
 }
 
-/* core.euler(mesh, factor, solved, component, sign, w, low, holes, inverse, circulations) */
+/* as many as there are numbers of the flow round them */
+static void read_handles(lua_State *L, dm_euler *e, dm_arena *arena) {
+    const dml_array *around = dml_toarray(L, B, 1);
+    if (!around) luaL_argerror(L, B, "a vector is needed");
+    const size_t count = (size_t)around->rows, numbers = 2 * (size_t)e->triangles;
+    luaL_argcheck(L, count * (numbers + 1) <= INT32_MAX, B, "too many handles");
+    e->handles.count = (uint32_t)count;
+    e->handles.eta = copied(L, arena, ETA, "the forms of the handles", count * numbers);
+}
+
+/* vorticity, flow round handles and the low parts of both */
+static void read_state(lua_State *L, dm_euler *e) {
+    const double *w = dml_numbersat(L, VORTICITY, "the vorticity", (int32_t)e->vertices);
+    memcpy(e->w, w, e->vertices * sizeof *w);
+    if (e->handles.count) {
+        const double *b = dml_numbersat(L, B, "flows", (int32_t)e->handles.count);
+        memcpy(e->w + e->vertices, b, e->handles.count * sizeof *b);
+    }
+    if (lua_isnil(L, LOW)) return;
+    const double *low = dml_numbersat(L, LOW, "the low parts", (int32_t)e->size);
+    memcpy(e->low, low, e->size * sizeof *low);
+}
+
+/* core.euler(mesh, factor, solved, component, sign, w, low, holes, inverse, round, eta, b) */
 static int core_euler(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, MESH);
     luaL_argcheck(L, m->K.n == 2, MESH, "a surface is needed");
     dml_needmetric(L, m);
-    lua_settop(L, ROUND);
+    lua_settop(L, B);
     void *factor = lua_isnil(L, FACTOR) ? NULL : luaL_checkudata(L, FACTOR, DML_FACTOR);
     engine *own = lua_newuserdatauv(L, sizeof *own, KEPT);
     *own = (engine){.flow.poisson = {dml_factorsolve, factor}};
@@ -103,15 +126,11 @@ static int core_euler(lua_State *L) {
     read_triangles(L, e, m, arena);
     read_vertices(L, e, m, arena);
     if (!lua_isnil(L, ROUND)) read_holes(L, e, arena);
+    if (!lua_isnil(L, B)) read_handles(L, e, arena);
     luaL_argcheck(L, factor ? dml_factorunknowns(factor) == e->unknowns : !e->unknowns, FACTOR,
                   "as many unknowns as marks are needed");
     if (dm_euler_open(e, arena) != DM_OK) luaL_error(L, "a flow: not enough memory");
-    const double *w = dml_numbersat(L, VORTICITY, "the vorticity", (int32_t)e->vertices);
-    memcpy(e->w, w, e->vertices * sizeof *w);
-    if (!lua_isnil(L, LOW)) {
-        const double *low = dml_numbersat(L, LOW, "the low parts", (int32_t)e->vertices);
-        memcpy(e->low, low, e->vertices * sizeof *low);
-    }
+    read_state(L, e);
     lua_settop(L, at);
     luaL_setmetatable(L, ENGINE);
     return 1;
@@ -158,7 +177,14 @@ static int engine_vorticity(lua_State *L) {
 
 static int engine_low(lua_State *L) {
     const dm_euler *e = &check(L)->flow;
-    memcpy(dml_pushvector(L, e->vertices), e->low, e->vertices * sizeof *e->low);
+    memcpy(dml_pushvector(L, e->size), e->low, e->size * sizeof *e->low);
+    return 1;
+}
+
+static int engine_around(lua_State *L) {
+    const dm_euler *e = &check(L)->flow;
+    const uint32_t count = e->handles.count;
+    memcpy(dml_pushvector(L, count), e->w + e->vertices, count * sizeof *e->w);
     return 1;
 }
 
@@ -184,20 +210,26 @@ static const dml_row methods[] = {
      "Raises a dm.failure that says why the last e:advance ended, with the run so far."},
     {"vorticity", engine_vorticity, "e:vorticity() -> dm.vector\nThe vorticity at the vertices."},
     {"low", engine_low,
-     "e:low() -> dm.vector\nWhat compensated sums of the vorticity have beside it."},
+     "e:low() -> dm.vector\n"
+     "What compensated sums of the vorticity, and then of e:around(), have beside them."},
+    {"around", engine_around,
+     "e:around() -> dm.vector\nHow much the flow has of each form of the handles."},
     {"measure", engine_measure,
      "e:measure() -> dm.vector, energy, enstrophy, circulation\n"
-     "The stream function at the vertices, |d psi|^2 / 2, |w|^2 / 2 and the sum of *v w."},
+     "The stream function at the vertices, the energy, |w|^2 / 2 and the sum of *v w."},
     {NULL, NULL, NULL}};
 
 static const dml_row functions[] = {
     {"euler", core_euler,
-     "core.euler(mesh, factor, solved, component, sign, w [, low, holes, inverse, round])\n"
+     "core.euler(mesh, factor, solved, component, sign, w [, low, holes, inverse, round, eta, b])\n"
      "-> dm.euler_engine\n"
      "Flow by its vorticity w, with its low-order parts; factor: of -div grad on the vertices that "
      "are marked as solved (nil where there are none); component: of vertices whose component "
      "holds none, from 1, else 0; sign of every triangle; holes: harmonic functions, one after "
-     "the other, the inverse of their products, round: the circulations. See mesh:euler."},
+     "the other, the inverse of their products, round: the circulations; eta: forms of handles, "
+     "one "
+     "after the other, each with its values on the edges from the first corner of every triangle, "
+     "b: how much of each. See mesh:euler."},
     {NULL, NULL, NULL}};
 
 const dml_class dml_class_euler = {

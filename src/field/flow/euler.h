@@ -2,11 +2,14 @@
  *   w' = -*(d psi ^ d w),   div grad psi = w.
  * The product of every triangle, the area form of the natural wedge, goes to its corners in
  * thirds, and *v weighs the vertices. psi is a constant on every loop of the boundary: 0, and on
- * holes what keeps the circulation round them. So energy |d psi|^2 / 2, enstrophy |w|^2 / 2 and
- * circulation, the sum of *v w, have zero rates; all three are quadratic at most, so the implicit
- * midpoint rule keeps them to round-off (Arakawa 1966; Hairer, Lubich, Wanner IV.2).
+ * holes what keeps the circulation round them. Flows round handles have no psi. With them
+ *   w' = -*(beta ^ d w),   beta = d psi + sum b_k eta_k,   b_k' = integral of w eta_k ^ beta,
+ * eta_k closed, orthonormal and across all d psi: the part of *beta' = w beta - dp along eta_k. So
+ * energy |beta|^2 / 2, enstrophy |w|^2 / 2 and circulation, the sum of *v w, have zero rates; all
+ * three are quadratic at most, so the implicit midpoint rule keeps them to round-off (Arakawa 1966;
+ * Hairer, Lubich, Wanner IV.2).
  *
- * Between calls w + low is the vorticity; psi, rate and the rest are work. */
+ * Between calls w + low is the state, the vorticity and then b; psi, rate and the rest are work. */
 #ifndef DM_EULER_H
 #define DM_EULER_H
 
@@ -31,6 +34,12 @@ typedef struct {
     double *c, *gap;           /* [count] of the last psi; circulation without that of w */
 } dm_euler_holes;
 
+/* Handles: of every eta_k and triangle with corners (a, b, c) the values on (a, b) and (a, c). */
+typedef struct {
+    uint32_t count;
+    const double *eta; /* [count][triangles][2] */
+} dm_euler_handles;
+
 enum { DM_EULER_SWEEPS = 500 };
 
 typedef struct {
@@ -44,9 +53,12 @@ typedef struct {
     const uint32_t *free; /* [unknowns]: vertices whose psi is solved for; 0 at the others */
     uint32_t unknowns;
     dm_euler_holes holes;
+    dm_euler_handles handles;
     dm_linear_solve poisson; /* of -div grad with the free vertices alone, n = unknowns */
-    double *w, *low;         /* [vertices] */
-    double *psi, *rate;      /* [vertices] of the last dm_euler_rate */
+    uint32_t size;           /* of a state: vertices + handles */
+    double *w, *low;         /* [size] */
+    double *psi, *rate;      /* [vertices], [size] of the last dm_euler_rate */
+    double *weight;          /* [size] of norms of states: |*v|, and 1 / area for b, by its unit */
     double *mean, *area;     /* [components + 1] */
     double change;           /* |y - x| of the last sweep of a step */
     double *work;
@@ -55,7 +67,7 @@ typedef struct {
 /* Arrays for w, c and work; what stands above w is set. DM_NO_MEMORY. */
 dm_status dm_euler_open(dm_euler *e, dm_arena *arena);
 
-/* psi and rate at x[vertices]. */
+/* psi and rate at x[size]. */
 dm_status dm_euler_rate(dm_euler *e, const double *x);
 
 /* One step of the implicit midpoint rule, by fixed-point iteration with Anderson's acceleration

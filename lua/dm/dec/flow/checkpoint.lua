@@ -16,26 +16,30 @@ return {
 
   same = function(euler)
     local K, system = euler.mesh, euler.system
-    return { { "vertices", K:count(0) }, { "triangles", fingerprint(corners(K)) },
+    local same = { { "vertices", K:count(0) }, { "triangles", fingerprint(corners(K)) },
       { "lengths", fingerprint(K:volume(1)) }, { "weights", fingerprint(K:dual_volume(0)) },
       { "faces", fingerprint(system.sign) } }
+    if system.handles.count > 0 then
+      same[#same + 1] = { "handles", fingerprint(system.handles.on_triangles) }
+    end
+    return same
   end,
 
   ending = function(run)
     local e = run.ending
     return { { "rule", run.rule }, { "h", run.h }, { "t0", e.t0 * 1.0 }, { "step", e.step } },
-      #e.circulations > 0 and { e.w, e.low, e.circulations } or { e.w, e.low }
+      { e.w, e.low, e.circulations, e.around }
   end,
 
   sizes = function(euler)
-    local n, holes = euler.mesh:count(0), euler.system.holes.count
-    return holes > 0 and { n, n, holes } or { n, n }
+    local n, system = euler.mesh:count(0), euler.system
+    return { n, n + system.handles.count, system.holes.count, system.handles.count }
   end,
 
   solver = function(euler, read, vectors)
     local solver = euler:solver { rule = read:text "rule", h = read:positive "h" }
     solver.ending = { w = vectors[1], low = vectors[2],
-      circulations = vectors[3] or euler.circulations, t0 = read:number "t0",
+      circulations = vectors[3], around = vectors[4], t0 = read:number "t0",
       step = read:count "step" }
     return solver
   end,

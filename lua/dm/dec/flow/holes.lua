@@ -41,17 +41,10 @@ local function inner(K, all)
   return out
 end
 
--- handles, by Euler's number 2 - 2 handles - loops of every component
-local function handles(K, loop_count)
-  local _, components = K:component_of()
-  return K.manifold and (2 * components - loop_count - K.euler) // 2 or 0
-end
-
 --- { count, functions (all g_i, one after the other), list of them, inverse of g_i . S g_j, row by
--- row, handles }; S: -div grad; solver: of S on the solved vertices, or nil.
+-- row }; S: -div grad; solver: of S on the solved vertices, or nil.
 function M.of(K, S, solved, solver)
-  local all = loops(K)
-  local marks, g, flat, inverse = inner(K, all), {}, {}, {}
+  local marks, g, flat, inverse = inner(K, loops(K)), {}, {}, {}
   for i, one in ipairs(marks) do
     g[i] = one
     if solver then
@@ -75,8 +68,7 @@ function M.of(K, S, solved, solver)
   for i = 1, #g do
     for j = 1, #g do inverse[#inverse + 1] = C[i][j] end
   end
-  return { count = #g, list = g, functions = core.vector(flat), inverse = core.vector(inverse),
-    handles = handles(K, #all) }
+  return { count = #g, list = g, functions = core.vector(flat), inverse = core.vector(inverse) }
 end
 
 -- the circulations of a flow with vorticity w whose psi is 0 on all loops
@@ -102,13 +94,6 @@ function M.circulations(options, K, holes, w, where)
     end
   end
   return out
-end
-
---- What is left out, or nil.
-function M.note(holes)
-  if holes.handles == 0 then return nil end
-  return ("flows round the %d handle%s of the surface are left out; where it is curved, vorticity "
-    .. "drives them"):format(holes.handles, holes.handles == 1 and "" or "s")
 end
 
 return M

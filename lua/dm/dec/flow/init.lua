@@ -3,6 +3,7 @@
 local checkpoint = require "dm.data.checkpoint"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local handles = require "dm.dec.flow.handles"
 local held = require "dm.dec.equations.held"
 local holes = require "dm.dec.flow.holes"
 local mass = require "dm.dec.equations.mass"
@@ -22,7 +23,7 @@ local fail = option.failing(WHERE)
 local Euler = core.class({ __name = "dm.euler" }, [[
 dm.euler: flow on a surface by its vorticity, made by K:euler
 fields: mesh, vorticity (a 0-form, at the start), circulations (round the holes, a dm.vector),
-report (of the solver of the stream function; note: what is left out)]])
+around (b_k, round the handles), report (of the solver of the stream function)]])
 
 local Solver = core.class({ __name = "dm.euler_solver" }, [[
 dm.euler_solver: steps of a flow, made by euler:solver
@@ -58,15 +59,17 @@ local function system_of(K)
     local S, sign = poisson.stiffness(K), outward.signs(K)
     local free = S:pick(solved, solved)
     local inside = free.rows > 0 and solver.new(free, nil, WHERE) or nil
-    return { solved = solved, component = component, sign = sign, solver = inside,
+    local system = { solved = solved, component = component, sign = sign, solver = inside,
       holes = holes.of(K, S, solved, inside) }
+    system.handles = handles.of(K, system, mass.of(K, 1).values)
+    return system
   end)
 end
 
 ---- classes ----
 
 class.method("dm.mesh", "euler", function(K, options)
-  option.check(options, { "vorticity", "circulations" }, WHERE)
+  option.check(options, { "vorticity", "circulations", "harmonic" }, WHERE)
   option.need(options, "vorticity", WHERE, "a 0-form, a function of the point, a list or a number")
   check_surface(K)
   local w = sample.values(options.vorticity, K, operator.primal(0), K:count(0),
@@ -75,11 +78,12 @@ class.method("dm.mesh", "euler", function(K, options)
   local report = system.solver and system.solver:report() or core.result { unknowns = 0 }
   local negatives = mass.of(K, 1).negatives
   if negatives > 0 then report.negative_stars = negatives end
-  report.note = mass.joined(mass.joined(report.note, mass.note(K)), holes.note(system.holes))
+  report.note = mass.joined(report.note, mass.note(K))
   return setmetatable({ mesh = K, vorticity = K:form(0, w), system = system, report = report,
-    circulations = holes.circulations(options, K, system.holes, w, WHERE) }, Euler)
+    circulations = holes.circulations(options, K, system.holes, w, WHERE),
+    around = handles.around(options, K, system, WHERE) }, Euler)
 end, [[
-K:euler{vorticity=, circulations=} -> dm.euler
+K:euler{vorticity=, circulations=, harmonic=} -> dm.euler
 The flow of an ideal fluid on a surface: w' = -*(d psi ^ d w), div grad psi = w (as in
 K:laplace_beltrami()), with the product of each triangle in thirds to its corners. vorticity: a
 0-form, a function of the point, a list or a number. Closed surfaces face outwards; others as
@@ -87,10 +91,13 @@ K:orientation() says. psi is a constant on every loop of the boundary, so that n
 0 on the longest of each component, on the others, the holes, what keeps the circulation round them
 (Kelvin). circulations: a number for every hole, in the order of their first vertices, the integral
 of the velocity along it with the fluid on the left; left out, psi is 0 on all loops at the start.
-On a closed component the mean of w has no psi and stays where it is. Flows round the handles of a
-surface are left out, and the report's note says so. Raises where the mesh is not orientable, and
-where a vertex has no positive dual area. euler:solver{h=}:run{t=} goes on; the energy |d psi|^2/2,
-the enstrophy |w|^2/2 and the circulation, the sum of *v w, are kept to round-off (Arakawa 1966).]])
+On a closed component the mean of w has no psi and stays where it is. Round handles there are flows
+without psi: w' = -*(beta ^ d w), beta = d psi + sum b_k eta_k, eta_k an orthonormal basis of them,
+b_k' the integral of w eta_k ^ beta. harmonic: the velocity at the start as a 1-form, the function
+that K:form(1, f) takes or a list, of which its part round the handles is taken; left out, none.
+Raises where the mesh is not orientable, and where a vertex has no positive dual area.
+euler:solver{h=}:run{t=} goes on; the energy |beta|^2/2, the enstrophy |w|^2/2 and the circulation,
+the sum of *v w, are kept to round-off (Arakawa 1966).]])
 
 class.method("dm.euler", "solver", function(e, options)
   local where = "euler:solver"
@@ -112,12 +119,13 @@ solver:run{t=}, without vorticity, gives the bits of a run that never stopped. R
 is not a whole checkpoint or the flow is on another mesh.]])
 
 class.method("dm.euler_solver", "run", function(s, options) return run.run(s, options) end, [[
-solver:run{t= | steps=, every=, t0=, vorticity=, circulations=, file=, checkpoint=} -> dm.flow
+solver:run{t= | steps=, every=, t0=, vorticity=, circulations=, harmonic=, ...} -> dm.flow
 From the vorticity of the flow, or another one at time t0 (0), for the duration t or so many steps.
-circulations: round the holes, with a vorticity of its own, as in K:euler.
+circulations, harmonic: round holes and handles, with a vorticity of its own, as in K:euler.
 every: a row for so many steps (1), and one for the end. file: rows go to a .npy file as they come,
-with the fields t, w (an array), energy, enstrophy, circulation, and the run keeps the first and
-the last. checkpoint: a file for where it ended, also where it was stopped (run:checkpoint). Raises
-dm.failure with the run so far where a step finds no solution: h is too long.]])
+with the fields t, w (an array), energy, enstrophy, circulation and around, and the run keeps the
+first and the last. checkpoint: a file for where it ended, also where it was stopped
+(run:checkpoint). Raises dm.failure with the run so far where a step finds no solution: h is too
+long.]])
 
 return M

@@ -94,6 +94,14 @@ M["flow.plot"] = [=[
 > run:plot("w", { file = "flow.svg" })
 flow.svg]=]
 
+M["flow.beta"] = [=[
+> ring = dm.mesh { torus = {8, 6}, radii = {2, 1} }
+> flow = ring:euler { vorticity = 0, harmonic = function(x, y) return { -y, x, 0 } end }
+> run = flow:solver({ h = 0.1 }):run { steps = 1 }
+> beta = run:beta(1)
+> beta:d():norm() < 1e-12, math.abs(beta:norm()^2/2 - run:column("energy")[1]) < 1e-12
+true	true]=]
+
 M["flow.stream"] = [=[
 > ball = dm.mesh { icosphere = 2 }
 > solver = ball:euler({ vorticity = function(x, y, z) return z + x*y end }):solver { h = 0.1 }
@@ -144,6 +152,17 @@ M["euler_engine.fail"] = [=[
 > raised, failure = pcall(engine.fail, engine, 0, 0.3, 0.1, "midpoint", nil)
 > failure.rule, failure.code
 midpoint	no_convergence]=]
+
+M["euler_engine.around"] = [=[
+> core = require "dm.core"
+> K = dm.mesh { icosphere = 0 }
+> solved, part = dm.zeros(12) + 1, dm.zeros(12) + 1
+> solved[1] = 0
+> A = K:incidence(0):gram(K:volume(1)):pick(solved, solved)
+> w = K:form(0, function(x, y, z) return z end).values
+> engine = core.euler(K, A:factor "dense", solved, part, K:volume(2), w)
+> #engine:around()
+0]=]
 
 M["euler_engine.low"] = [=[
 > core = require "dm.core"

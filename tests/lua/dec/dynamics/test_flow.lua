@@ -138,7 +138,7 @@ raises("a number for every hole, 1 in all", function() ring:euler { vorticity = 
 raises("circulations[1] must be finite", function() ring:euler { vorticity = 0, circulations = { 1 / 0 } } end)
 raises("0 in all", function() plate:euler { vorticity = 0, circulations = { 1 } } end)
 raises("this solver goes on", function() dm.resume(half):run { steps = 5, circulations = { 1 } } end)
--- two holes, and handles: counted
+-- two holes
 local plate_2 = dm.mesh { grid = 9 }
 local kept_cells = {}
 for _, c in ipairs(plate_2:simplices(2)) do
@@ -152,10 +152,7 @@ local two = dm.mesh { simplices = kept_cells, points = plate_2:points() }
 ok(two:betti()[2] == 2, "a square with two holes")
 local pair = two:euler { vorticity = function(x, y) return x - y * y end, circulations = { 0.3, -0.2 } }:solver { h = 0.1 }:run { t = 3 }
 integrals_kept(pair, "two holes")
-ok(pair.euler.report.note == nil, "no handles")
-ok(tostring(torus:euler { vorticity = 0 }):find "round the 1 handle of the surface are left out", "a handle is told")
-ok(tostring(torus:euler({ vorticity = 0 }):solver({ h = 0.1 }):run { steps = 1 }):find "round the 1 handle of the surface are left out",
-  "by the run as well")
+ok(#pair.euler.around == 0, "no handles")
 
 -- times, starts, files
 local solver = ball:euler { vorticity = wave(ball, 0) }:solver { h = 0.1 }
