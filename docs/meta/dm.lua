@@ -1321,7 +1321,8 @@ function dm_ensemble_class:summary(name) end
 
 ---dm.euler: flow on a surface by its vorticity, made by K:euler
 ---fields: mesh, vorticity (a 0-form, at the start), circulations (round the holes, a dm.vector),
----around (b_k, round the handles), report (of the solver of the stream function)
+---around (b_k, round the handles), report (of the solver of the stream function; note: what is left
+---out)
 ---@class dm.euler
 local dm_euler_class = {}
 
@@ -1469,8 +1470,8 @@ function dm_field_chart_class:table() end
 
 ---dm.flow: what a run of K:euler recorded
 ---fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), around[i] (b_k of row i,
----round the handles), columns (names), steps, h, rule, euler, solver, circulations (round the holes), sweeps
----(rates that a step needed, in the mean), file; #run rows
+---round the handles), columns (names), steps, h, rule, euler, solver, circulations (round the holes),
+---sweeps (rates that a step needed, in the mean), file; #run rows
 ---@class dm.flow
 local dm_flow_class = {}
 
@@ -2749,7 +2750,8 @@ function dm_mesh_class:dual_wedge_values(k, a, l, b, rule) end
 ---without psi: w' = -*(beta ^ d w), beta = d psi + sum b_k eta_k, eta_k an orthonormal basis of them,
 ---b_k' the integral of w eta_k ^ beta. harmonic: the velocity at the start as a 1-form, the function
 ---that K:form(1, f) takes or a list, of which its part round the handles is taken; left out, none.
----Raises where the mesh is not orientable, and where a vertex has no positive dual area.
+---Where a surface touches itself in a vertex they are left out, and the report's note says so. Raises
+---where the mesh is not orientable, and where a vertex has no positive dual area.
 ---euler:solver{h=}:run{t=} goes on; the energy |beta|^2/2, the enstrophy |w|^2/2 and the circulation,
 ---the sum of *v w, are kept to round-off (Arakawa 1966).
 ---@param options? table

@@ -135,7 +135,10 @@ end
 --- { count, list of eta, on_triangles: their values on the edges ab and ac of all triangles, one
 -- after the other }; masses: stars of edges; system: solved, solver, holes of the flow.
 function M.of(K, system, masses)
-  if not K.manifold then return { count = 0, list = {}, on_triangles = core.vector(0) } end
+  if not K.manifold then
+    return { count = 0, list = {}, on_triangles = core.vector(0),
+      note = "the surface is no manifold: flows round handles are left out" }
+  end
   local triangles, of = sides(K)
   local next, left = cut_open(K, of)
   local order, list, flat = order_of(next), {}, {}

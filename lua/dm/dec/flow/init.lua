@@ -23,7 +23,8 @@ local fail = option.failing(WHERE)
 local Euler = core.class({ __name = "dm.euler" }, [[
 dm.euler: flow on a surface by its vorticity, made by K:euler
 fields: mesh, vorticity (a 0-form, at the start), circulations (round the holes, a dm.vector),
-around (b_k, round the handles), report (of the solver of the stream function)]])
+around (b_k, round the handles), report (of the solver of the stream function; note: what is left
+out)]])
 
 local Solver = core.class({ __name = "dm.euler_solver" }, [[
 dm.euler_solver: steps of a flow, made by euler:solver
@@ -78,7 +79,7 @@ class.method("dm.mesh", "euler", function(K, options)
   local report = system.solver and system.solver:report() or core.result { unknowns = 0 }
   local negatives = mass.of(K, 1).negatives
   if negatives > 0 then report.negative_stars = negatives end
-  report.note = mass.joined(report.note, mass.note(K))
+  report.note = mass.joined(mass.joined(report.note, mass.note(K)), system.handles.note)
   return setmetatable({ mesh = K, vorticity = K:form(0, w), system = system, report = report,
     circulations = holes.circulations(options, K, system.holes, w, WHERE),
     around = handles.around(options, K, system, WHERE) }, Euler)
@@ -95,7 +96,8 @@ On a closed component the mean of w has no psi and stays where it is. Round hand
 without psi: w' = -*(beta ^ d w), beta = d psi + sum b_k eta_k, eta_k an orthonormal basis of them,
 b_k' the integral of w eta_k ^ beta. harmonic: the velocity at the start as a 1-form, the function
 that K:form(1, f) takes or a list, of which its part round the handles is taken; left out, none.
-Raises where the mesh is not orientable, and where a vertex has no positive dual area.
+Where a surface touches itself in a vertex they are left out, and the report's note says so. Raises
+where the mesh is not orientable, and where a vertex has no positive dual area.
 euler:solver{h=}:run{t=} goes on; the energy |beta|^2/2, the enstrophy |w|^2/2 and the circulation,
 the sum of *v w, are kept to round-off (Arakawa 1966).]])
 

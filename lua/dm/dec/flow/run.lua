@@ -20,8 +20,8 @@ local fail = option.failing(WHERE)
 local Flow = core.class({ __name = "dm.flow" }, [[
 dm.flow: what a run of K:euler recorded
 fields: mesh, t (a dm.vector), w[i] (vorticity of row i, a dm.vector), around[i] (b_k of row i,
-round the handles), columns (names), steps, h, rule, euler, solver, circulations (round the holes), sweeps
-(rates that a step needed, in the mean), file; #run rows]])
+round the handles), columns (names), steps, h, rule, euler, solver, circulations (round the holes),
+sweeps (rates that a step needed, in the mean), file; #run rows]])
 
 lacking.refuse(Flow, { fellow = "dm.path", what = "flow", reasons = {
   csv = "run:npy(file) writes rows and columns, run:column(name) has single ones",
