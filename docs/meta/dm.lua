@@ -1312,9 +1312,9 @@ function dm_ensemble_class:range(i, name, until_) end
 ---@return integer
 function dm_ensemble_class:stride(i, names, share) end
 
----ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, late, nearest, span, megno}
+---ensemble:summary([name]) -> {first, last, least, largest, mean, slope, error, early, late, nearest, span, megno} or {name = {least, mean, largest}}
 ---
----What the rows of every member say of a watched column y, as tables with an entry for each: slope per unit of time with its standard error as path:drift finds them; early, late: largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y - first| and largest - least in their second half (infinite without rows there); megno: the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a tangent vector. NaN without rows.
+---What the rows of every member say of a watched column y, as tables with an entry for each: slope per unit of time with its standard error as path:drift finds them; early, late: largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y - first| and largest - least in their second half (infinite without rows there); megno: the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a tangent vector. NaN without rows. Without a name: of every watched column the extent over the rows of all members.
 ---@param name? any
 ---@return table
 function dm_ensemble_class:summary(name) end
@@ -3314,7 +3314,9 @@ local dm_operator_class = {}
 ---with which eigenvalues do not converge. Up to 300 unknowns (1200
 ---where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
 ---(libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
----self-adjoint, and where negative stars leave the forms without a norm.
+---self-adjoint, and where negative stars leave the forms without a norm. u' = -A u, with A =
+---K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k] t)
+---(forms[k] . u0) forms[k].
 ---@param m? any
 ---@param options? table
 ---@return table
@@ -4890,8 +4892,9 @@ function dm_system_class:lift(x, v, theta, t) end
 ---the motion goes along the field. fastest: the largest frequency, which a step has to resolve. p
 ---stands in place of v, too; of a system that has only H the matrix is that of (dq, dp). On a group
 ---the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1 where that is steady; of an H without
----L dmu), a generator gives the body velocity, and there may be forces, controls, constraints and
----rolling: the matrix is then on an orthonormal basis of the changes that these allow. Of a reduced
+---L dmu), and a generator gives the body velocity. There may be forces, controls (as they are at this
+---state), constraints and rolling: the matrix is then on an orthonormal basis of the changes that
+---these allow, as the tangent space of the constraints, and the state must be on them. Of a reduced
 ---system (dm.euler_poincare; v or p, and a) it is that of (dxi, da), or (dmu, da) of an h.
 ---@param options? table
 ---@return table
@@ -5029,7 +5032,8 @@ function dm_system_class:rolling(q, v, t) end
 ---there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); where an
 ---orbit meets a section several times, as at r and, half a turn on, at -r, a point has the shape of
 ---least norm, of equal norms the one whose first entry is positive, or the one of them where branch(x)
----> 0; names: of theta and x. On a group action(theta, g), of an abelian group, and section(x), which
+---> 0; names: of theta and x (default theta, x1, x2, ..., but a coordinate that the group leaves alone
+---keeps its name). On a group action(theta, g), of an abelian group, and section(x), which
 ---has to be given, make elements, for instance a top's turns about the vertical: x are coordinates
 ---near the section, states and reconstructed paths have elements. connection(x): m rows of dim Q - m
 ---numbers, in place of the mechanical connection. Invariance of L under cyclic coordinates is proved,
@@ -6102,11 +6106,13 @@ function dm.lagrange_poincare(options) end
 ---
 ---Columns of a .npy file or of a text, as path:npy and path:csv write them, or of what comes through
 ---a pipe ("/dev/stdin"), up to its end: data.columns lists the
----names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. In a text commas,
----semicolons, tabs or blanks stand between the fields; blank lines and comments, from a # on, are
----skipped. A column of the name columns is data.columns_. Names are in the first line, or in the
----last comment above the numbers; without names the columns are c1, c2, ... Words beside bare
----numbers in the first line are refused: a row with a fault, or names that need quotes. A decimal
+---names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. Of a .npy file the
+---numbers may be of any length, whole or not, and bytes and rows in any order; an array has columns
+---c1, c2, ... In a text commas, semicolons, tabs or blanks stand between the fields; blank lines and
+---comments, from a # on, are skipped. A column of the name columns is data.columns_. Names are in the
+---first line, or in the last comment above the numbers; without names the columns are c1, c2, ...
+---Words beside bare numbers in the first line are refused: a row with a fault, or names that need
+---quotes. A decimal
 ---comma is seen where the fields show it ("1,5;2,5"); exponents may be of Fortran ("1.0D+00"). Given:
 ---separator = ",", ";", "tab" or "blank", decimal = "," or ".", names = a list, skip = lines to
 ---leave out.

@@ -110,6 +110,40 @@ local function check(system, params, name, value)
     there, near and ("; did you mean '%s'?"):format(near) or ""), 3)
 end
 
+-- why no function of the system can be computed with these params, or nil
+local function why_not(system, params)
+  local fine, why = blame.try(core.trace_with, system, watching(params, {}))
+  return not fine and (type(why) == "string" and why or "no number comes of it") or nil
+end
+
+local function shown_value(value)
+  if type(value) == "table" then return "a table" end
+  return type(value) == "string" and ("%q"):format(value) or tostring(value)
+end
+
+-- a number in place of a number is taken, any other value where the functions that could be
+-- computed before still can
+local function check_value(system, params, key, value)
+  if value ~= value then
+    error(("params.%s: NaN is no value of a parameter"):format(key), 3)
+  end
+  if type(params[key]) == "number" then
+    if type(value) == "number" then return end
+    if type(value) == "string" then
+      error(("params.%s = %q: a text in place of the number %s"):format(key, value,
+        params[key]), 3)
+    end
+  end
+  local copy = setmetatable({}, getmetatable(params))
+  for name, own in next, params do copy[name] = own end
+  copy[key] = value
+  local why = why_not(system, copy)
+  if why and not why_not(system, params) then
+    error(("params.%s = %s: the functions of this system cannot be computed with it: %s"):format(
+      key, shown_value(value), why), 3)
+  end
+end
+
 local shown = setmetatable({}, { __mode = "k" })
 
 -- do two stand for one table, as those of systems that share their params?
@@ -118,7 +152,8 @@ local function stands_for_same(a, b)
 end
 
 --- What `system.params` is: the table that the system was made with, but that a name which nothing
--- reads is refused. A metatable put there would hide the params.
+-- reads is refused, and a value with which nothing can be computed. A metatable put there would
+-- hide the params.
 function M.shown(system, params)
   if shown[system] then return shown[system] end
   shown[system] = setmetatable({}, { __name = "dm.params", __metatable = "dm.params",
@@ -128,6 +163,7 @@ function M.shown(system, params)
       if type(key) == "string" and value ~= nil and params[key] == nil then
         check(system, params, key, value)
       end
+      if params[key] ~= value then check_value(system, params, key, value) end
       params[key] = value
     end })
   return shown[system]

@@ -12,6 +12,7 @@ local orders = require "dm.chart.orders"
 local ranks = require "dm.sweep.ranks"
 local reference = require "dm.chart.reference_run"
 local rows = require "dm.chart.rows"
+local rule_alone = require "dm.base.rule_alone"
 local show = require "dm.chart.show"
 local sizes = require "dm.chart.sizes"
 local starts = require "dm.base.start"
@@ -76,7 +77,7 @@ local function check_options(options)
   if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
   local rules = given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")
   for _, rule in ipairs(rules) do
-    system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
+    rule_alone(system, rule)  -- a misspelled one is told here
   end
   return system
 end

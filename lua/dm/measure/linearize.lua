@@ -8,6 +8,7 @@ local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local left = require "dm.group.trivialization.left"
 local lists = require "dm.base.lists"
+local on_constraints = require "dm.measure.on_constraints"
 local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
@@ -43,7 +44,12 @@ local function by_hessian(system)
   end
 end
 
--- the same where L depends on time, and with it what is constant above
+-- constraints and forces of a system in coordinates: the accelerations know them
+local function is_bound(given)
+  return given.constraint or given.rolling or given.force or given.control
+end
+
+-- the same where L depends on time, or there is more than L
 local function by_acceleration(system, rates)
   local n = system.Q.dimension
   local slope = core.derivative(rates, n, n, "number")
@@ -58,7 +64,9 @@ end
 
 local function field(system)
   local function rates(q, v, t) return lists.joined(v, system:acceleration(q, v, t)) end
-  if system:structure().autonomous then return by_hessian(system), rates end
+  if system:structure().autonomous and not is_bound(system.given) then
+    return by_hessian(system), rates
+  end
   return by_acceleration(system, rates), rates
 end
 
@@ -89,11 +97,6 @@ end
 local function check_plain(system, what)
   local given = system.given
   if not (given and (given.L or given.H)) then error(what .. " needs a dm.system", 0) end
-  local bound = given.constraint or given.rolling or given.force or given.control
-  if bound and not system.place then
-    error(what .. ": for systems without constraints and forces; solver:multipliers has the "
-      .. "tangent map of any", 0)
-  end
   if system:structure().linear_in_v then
     error(what .. ": L has no term quadratic in v, so that no acceleration follows from it: its "
       .. "equations are not of second order", 0)
@@ -129,8 +132,11 @@ local function result_of(A)
     matrix = A }
 end
 
--- what the constraints leave of a matrix of changes
-local function restricted(A, basis)
+-- what the constraints leave of a matrix of changes (n of them, and as many rates)
+local function restricted(A, system, n, q, x, t)
+  local rows = tangent_space.of_velocity(system, q, x, t)
+  if #rows == 0 then return A end
+  local basis = tangent_space.basis(rows, n)
   local out = core.matrix(#basis, #basis)
   for k, y in ipairs(basis) do
     local moved = A * y
@@ -214,9 +220,7 @@ local function of_group(system, options, what)
       if steady() then system, x, A, is_constant = other, y, B, steady end
     end
   end
-  local rows = tangent_space.of_velocity(system, g, x, t)
-  if #rows > 0 then A = restricted(A, tangent_space.basis(rows, own.dimension)) end
-  return A, is_constant, w
+  return restricted(A, system, own.dimension, g, x, t), is_constant, w
 end
 
 local function in_coordinates(system, options, what, kept)
@@ -231,15 +235,17 @@ local function in_coordinates(system, options, what, kept)
   elseif options.p then
     x = system:velocity(q, options.p, t)
   end
+  on_constraints.check(system, q, x, t, what)
   if options.generator then
-    return comoving.matrix(system, q, x, t, options.generator, what)
+    local A, w = comoving.matrix(system, q, x, t, options.generator, what)
+    return restricted(A, system, n, q, x, t), w
   end
   if not kept.at then
     kept.at, kept.rates = (system.given.L and field or phase_field)(system)
   end
   local at, rates = kept.at, kept.rates
   local A = at(q, x, t)
-  return A, function()
+  return restricted(A, system, n, q, x, t), function()
     return is_steady(A, at, rates, function(y, u) return y + u end, q, x, t)
   end
 end
@@ -357,8 +363,9 @@ symmetry (path:momentum): the matrix is then that of what moves along, exact, an
 the motion goes along the field. fastest: the largest frequency, which a step has to resolve. p
 stands in place of v, too; of a system that has only H the matrix is that of (dq, dp). On a group
 the changes are (g^-1 dg, dxi) (right trivialization: dg g^-1 where that is steady; of an H without
-L dmu), a generator gives the body velocity, and there may be forces, controls, constraints and
-rolling: the matrix is then on an orthonormal basis of the changes that these allow. Of a reduced
+L dmu), and a generator gives the body velocity. There may be forces, controls (as they are at this
+state), constraints and rolling: the matrix is then on an orthonormal basis of the changes that
+these allow, as the tangent space of the constraints, and the state must be on them. Of a reduced
 system (dm.euler_poincare; v or p, and a) it is that of (dxi, da), or (dmu, da) of an h.]])
 
 class.method("dm.solver", "multipliers", M.multipliers, [[

@@ -5,6 +5,7 @@ local class = require "dm.base.class"
 local core = require "dm.core"
 local decide = require "dm.scene.decide"
 local deadline = require "dm.scene.deadline"
+local rule_alone = require "dm.base.rule_alone"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
 local option = require "dm.base.options"
@@ -50,7 +51,7 @@ local function check_rules(rules, system)
       fail("option 'rules' must hold rules as texts, such as \"gauss(4)\" (got %s)", type(rule))
     end
     -- a misspelled one is told here
-    system:solver { rule = pilot.controlled(rule) or rule, h = 1 }
+    rule_alone(system, pilot.controlled(rule) or rule)
   end
 end
 

@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
+local rule_alone = require "dm.base.rule_alone"
 
 local M = {}
 
@@ -50,8 +51,7 @@ function M.rules(given, system, except)
       local inner = pilot.controlled(rule) or rule
       if not seen[rule] and not (except and except[rule]) then
         seen[rule] = true
-        local row = known[inner] or { order = system:solver({ rule = inner, h = 1 }).order,
-          stages = 1 }
+        local row = known[inner] or { order = rule_alone(system, inner).order, stages = 1 }
         out[#out + 1] = { rule = rule, order = row.order,
           stages = inner == rule and row.stages or TWICE * row.stages }
       end

@@ -206,6 +206,42 @@ local FEW = 8
 
 local look_for  -- what apropos does
 
+local LISTED = 3  -- names that have one last word
+
+-- what is documented or has a name of its own, by its last word: "cross" -> { "v:cross" }
+local function by_last_word()
+  local out = {}
+  local function add(word, name)
+    out[word] = out[word] or {}
+    table.insert(out[word], name)
+  end
+  for line in pairs(M.docs()) do
+    local name = line:match "^[%a_][%w_.:]*"
+    if name and not name:find "^core%." then add(name:match "[%w_]*$", name) end
+  end
+  for _, rule in ipairs(core.rules()) do add(rule.name, rule.name) end
+  for _, name in ipairs(require "dm.session.demo".names()) do add(name, name) end
+  for _, name in ipairs(examples.names) do add(name, name) end
+  return out
+end
+
+-- names whose last word is nearly that of this one, joined, or nil; of a member those of its owner
+-- first
+local function nearest(word)
+  local known, words = by_last_word(), {}
+  for last in pairs(known) do words[#words + 1] = last end
+  table.sort(words)
+  local near = core.nearest(word:match "[^.:]*$", words)
+  if not near then return nil end
+  local owner, names = word:match "^(.+)[.:]", known[near]
+  table.sort(names, function(a, b)
+    local first, second = a:match "^(.-)[.:]" == owner, b:match "^(.-)[.:]" == owner
+    if first ~= second then return first end
+    return a < b
+  end)
+  return table.concat(names, ", ", 1, math.min(#names, owner and 1 or LISTED))
+end
+
 --- ?word of what has no doc: the first of the places that mention the word, and how many there are.
 function M.first_mentions(word)
   local pattern = "%f[%w_]" .. word:lower():gsub("%p", "%%%0") .. "%f[^%w_]"
@@ -228,10 +264,8 @@ function look_for(word)
   local function has(what) return what:lower():find(plain, 1, true) end
   if mentions(has) > 0 then return end
   local other = OTHER_WORDS[plain] or OTHER_WORDS[plain:match "^(.-)s?$"]
-  local name, names = word:match "^dm%.([%w_]+)$", {}
-  for key in pairs(name and require "dm" or {}) do names[#names + 1] = key end
-  local near = name and core.nearest(name, names)
-  write(("nothing mentions %q; %s"):format(word, near and ("did you mean dm.%s?"):format(near)
+  local near = nearest(word)
+  write(("nothing mentions %q; %s"):format(word, near and ("did you mean %s?"):format(near)
     or "?topics lists where to look"))
   if other then
     write(("but %q is spoken of:"):format(other))

@@ -3,6 +3,7 @@ local blame = require "dm.base.blame"
 local axes = require "dm.stability.axes"
 local core = require "dm.core"
 local lines = require "dm.stability.lines"
+local rule_alone = require "dm.base.rule_alone"
 local starts = require "dm.base.start"
 
 local M = {}
@@ -188,7 +189,7 @@ function M.check_first(map, cell)
   end
   -- a misspelled one is told here
   for _, rule in ipairs(map.rule_list) do
-    system:solver { rule = rule, h = 1 }
+    rule_alone(system, rule)
     if type(rule) == "string" and rule:find "^%s*avi%s*$" then
       fail("rule '%s' has steps of its own in every cell, and no ensembles: its report tells which "
         .. "are beyond their limit", tostring(rule))

@@ -211,14 +211,15 @@ static const dml_row methods[] =
       "The rows of member i, of an ensemble that was asked to keep some (every=, watch=): what "
       "solver:run would have given, of a failed member up to its last good state."},
      {"summary", dml_ensemble_summary,
-      "ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, late, "
-      "nearest, span, megno}\n"
+      "ensemble:summary([name]) -> {first, last, least, largest, mean, slope, error, early, late, "
+      "nearest, span, megno} or {name = {least, mean, largest}}\n"
       "What the rows of every member say of a watched column y, as tables with an entry for each: "
       "slope per unit of time with its standard error as path:drift finds them; early, late: "
       "largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y "
       "- first| and largest - least in their second half (infinite without rows there); megno: the "
       "mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a "
-      "tangent vector. NaN without rows."},
+      "tangent vector. NaN without rows. Without a name: of every watched column the extent over "
+      "the rows of all members."},
      {"departure", dml_ensemble_departure,
       "ensemble:departure(i, flow, j, names [, until, bounds]) -> table of numbers, number\n"
       "How far the rows of member i are at most from those of member j of the ensemble `flow`, for "

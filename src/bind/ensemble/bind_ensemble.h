@@ -72,6 +72,22 @@ typedef struct {
     dm_follow *follow;    /* [members] of the ensemble beside their flows; NULL: they have none */
 } dml_part;
 
+/* What is done to the start of every member of a part: body does it to member `next`. */
+typedef struct dml_starting {
+    const dml_part *these;
+    dml_stepping *r;
+    void (*body)(lua_State *L, struct dml_starting *s);
+    long next;
+    int theirs;       /* a function of the user runs: what it raises is no member's alone */
+    const char *key;  /* of the options, for all members */
+    int source;       /* its stack index */
+    double *v, *room; /* of one member */
+    long inside;      /* members that start in the domain of L */
+} dml_starting;
+
+/* Over all members; raises with the first reason and the numbers of those that cannot start. */
+void dml_each_start(lua_State *L, dml_starting *s);
+
 /* The options q, and v or p: raises unless they are sources; 1 for v, DML_PLACES_ALONE where
  * neither is there, which is a start where L is linear in v. */
 enum { DML_PLACES_ALONE = 2 };

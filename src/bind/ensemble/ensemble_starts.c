@@ -44,25 +44,29 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
  * not */
 static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
     if (lua_type(L, at) != LUA_TTABLE) return 0;
+    const int row = lua_gettop(L) + 1;
     int plain =
         lua_geti(L, at, i + 1) == LUA_TTABLE && !lua_getmetatable(L, -1) && lua_rawlen(L, -1) == n;
     for (uint32_t k = 0; plain && k < n; k++) {
-        lua_rawgeti(L, at + 1, (lua_Integer)k + 1);
+        lua_rawgeti(L, row, (lua_Integer)k + 1);
         out[k] = lua_tonumberx(L, -1, &plain);
         if (lua_type(L, -1) != LUA_TNUMBER) plain = 0; /* texts are for the slow way */
-        lua_settop(L, at + 1);
+        lua_settop(L, row);
     }
-    lua_settop(L, at);
+    lua_settop(L, row - 1);
     return plain;
 }
 
-/* n numbers for member i from the source at `at`, field `key` of the options */
-static void read_member(lua_State *L, int at, const char *key, long i, double *out, uint32_t n) {
-    if (read_plain(L, at, i, out, n)) return;
-    dml_push_source(L, 2, key, i);
-    const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
+/* n numbers for member i from the source at s->source, field s->key of the options */
+static void read_member(lua_State *L, dml_starting *s, long i, double *out, uint32_t n) {
+    const int at = lua_gettop(L);
+    if (read_plain(L, s->source, i, out, n)) return;
+    s->theirs = 1;
+    dml_push_source(L, 2, s->key, i);
+    s->theirs = 0;
+    const char *name = lua_pushfstring(L, "'%s' of member %d", s->key, (int)i + 1);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    if (!dml_unfield(L, -1, -3, key) && dml_is_named(L, -3)) dml_unname(L, -1, -3, name);
+    if (!dml_unfield(L, -1, -3, s->key) && dml_is_named(L, -3)) dml_unname(L, -1, -3, name);
     lua_pop(L, 1);
     dml_vectorarg(L, -2, name, out, n);
     lua_settop(L, at);
@@ -75,20 +79,37 @@ static const double *entries_of(lua_State *L, int at, uint32_t n) {
     return a && a->columns == n ? dml_numbersof(a) : NULL;
 }
 
-/* field `key` for all members of a part, from entry `first` of their states on */
-static void read_column(lua_State *L, const dml_part *p, const char *key, uint32_t first) {
-    const uint32_t n = p->e->n;
-    const size_t size = dm_state_size(n);
-    double *out = p->e->state + (size_t)p->first * size + first;
-    lua_getfield(L, 2, key);
-    const int at = lua_gettop(L);
-    const double *rows = entries_of(L, at, n);
-    for (long i = p->first; i < p->first + p->count; i++, out += size) {
-        if (rows)
-            dm_small_copy(out, rows + (size_t)i * n, n);
-        else
-            read_member(L, at, key, i, out, n);
+/* where the numbers of field `key` stand in the states */
+static double *place_in(const dml_part *p, const char *key, long i) {
+    return p->e->state + (size_t)i * dm_state_size(p->e->n) + (*key == 'q' ? 0 : p->e->n);
+}
+
+/* field s->key of member s->next */
+static void read_field(lua_State *L, dml_starting *s) {
+    read_member(L, s, s->next, place_in(s->these, s->key, s->next), s->these->e->n);
+}
+
+/* q and the other one of member s->next, each by its function */
+static void read_both(lua_State *L, dml_starting *s) {
+    const char *keys[] = {"q", s->these->velocity ? "v" : "p"};
+    for (int k = 0; k < 2; k++) {
+        s->key = keys[k];
+        lua_getfield(L, 2, s->key);
+        s->source = lua_gettop(L);
+        read_field(L, s);
     }
+}
+
+/* field `key` for all members of a part */
+static void read_column(lua_State *L, const dml_part *p, const char *key) {
+    const uint32_t n = p->e->n;
+    dml_starting s = {.these = p, .body = read_field, .key = key};
+    lua_getfield(L, 2, key);
+    s.source = lua_gettop(L);
+    const double *rows = entries_of(L, s.source, n);
+    if (!rows) dml_each_start(L, &s);
+    for (long i = p->first; rows && i < p->first + p->count; i++)
+        dm_small_copy(place_in(p, key, i), rows + (size_t)i * n, n);
     lua_pop(L, 1);
 }
 
@@ -102,17 +123,12 @@ static int is_function(lua_State *L, const char *key) {
 void dml_read_places(lua_State *L, const dml_part *p) {
     const char *second = p->velocity ? "v" : "p";
     const int alone = p->velocity == DML_PLACES_ALONE;
-    dml_part one = *p;
-    one.count = 1;
     if (alone || (!is_function(L, "q") && !is_function(L, second))) {
-        read_column(L, p, "q", 0);
-        if (!alone) read_column(L, p, second, p->e->n);
+        read_column(L, p, "q");
+        if (!alone) read_column(L, p, second);
         return;
     }
-    for (; one.first < p->first + p->count; one.first++) {
-        read_column(L, &one, "q", 0);
-        read_column(L, &one, second, p->e->n);
-    }
+    dml_each_start(L, &(dml_starting){.these = p, .body = read_both});
 }
 
 /* the trace is checked at the first member, which may be outside of the domain where others are
@@ -241,6 +257,17 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
     return inside;
 }
 
+/* the momentum of member s->next, on the constraints */
+static void start_member(lua_State *L, dml_starting *s) {
+    const dml_part *these = s->these;
+    dml_stepping *r = s->r;
+    const int linear = (r->model->model.structure & DM_LINEAR_IN_V) != 0;
+    if (linear && !these->velocity) check_alpha(L, these, r, s->next);
+    s->inside += !these->velocity || find_momentum(L, these, r, s->next, s->v, s->room);
+    if (r->model->model.constraints || dml_placed(L, r->system))
+        start_on_constraints(L, these, r, s->next, these->velocity ? s->v : NULL);
+}
+
 /* starts: q, and p given or by the Legendre transform */
 long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
@@ -248,16 +275,13 @@ long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     if (these->velocity == DML_PLACES_ALONE && !linear) refuse_starts(L);
     dml_read_places(L, these);
     if (!these->values) check_trace(L, these, r);
-    double *v = lua_newuserdatauv(L, (3 * n + 1 + many) * sizeof *v, 0), *room = v + n;
-    long inside = 0;
-    for (long i = these->first; i < these->first + these->count; i++) {
-        if (linear && !these->velocity) check_alpha(L, these, r, i);
-        inside += !these->velocity || find_momentum(L, these, r, i, v, room);
-        if (r->model->model.constraints || dml_placed(L, r->system))
-            start_on_constraints(L, these, r, i, these->velocity ? v : NULL);
-    }
+    dml_starting s = {.these = these, .r = r, .body = start_member};
+    s.v = lua_newuserdatauv(L, (3 * n + 1 + many) * sizeof *s.v, 0);
+    s.room = s.v + n;
+    dml_each_start(L, &s);
     /* where none is inside that is a mistake of the whole; room has the last one */
-    if (!inside && !these->values && !these->varied) dml_checkmodel(L, r->system, r->model, room);
+    if (!s.inside && !these->values && !these->varied)
+        dml_checkmodel(L, r->system, r->model, s.room);
     lua_pop(L, 1);
-    return inside;
+    return s.inside;
 }

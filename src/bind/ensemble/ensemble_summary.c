@@ -19,9 +19,15 @@ static const struct {
               {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
 enum { FIELDS = sizeof fields / sizeof *fields };
 
-uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name) {
+/* names of what was watched, the time first */
+static void push_columns(lua_State *L, int arg) {
     if (lua_getiuservalue(L, arg, DML_ENSEMBLE_COLUMNS) != LUA_TTABLE)
-        luaL_error(L, "this ensemble watched nothing: ask for rows with watch = { ... }");
+        luaL_error(L, "this ensemble watched nothing: ask for rows with watch = { \"energy\" }, "
+                      "or another column of a path");
+}
+
+uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name) {
+    push_columns(L, arg);
     const lua_Integer count = luaL_len(L, -1);
     for (lua_Integer k = 1; k <= count; k++) {
         lua_rawgeti(L, -1, k);
@@ -29,7 +35,13 @@ uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name) {
         lua_pop(L, 1);
         if (found) return lua_pop(L, 1), (uint32_t)k - 1;
     }
-    return (uint32_t)luaL_error(L, "no column '%s' was watched", name);
+    lua_pushliteral(L, "t");
+    for (lua_Integer k = 2; k <= count; k++) {
+        lua_pushliteral(L, ", ");
+        lua_rawgeti(L, -3, k);
+        lua_concat(L, 3);
+    }
+    return (uint32_t)luaL_error(L, "no column '%s' was watched, but %s", name, lua_tostring(L, -1));
 }
 
 /* how many steps lie between two rows of member i */
@@ -48,8 +60,42 @@ static double number_of(const dm_summary *s, int k) {
     return *(const double *)(const void *)((const char *)s + fields[k].offset);
 }
 
+/* {least, mean, largest} of a column over the rows of all members; NaN where none has rows */
+static void push_extent(lua_State *L, const dml_ensemble *e, uint32_t column, double *y) {
+    double least = NAN, largest = NAN, sum = 0.0;
+    long rows = 0;
+    for (long i = 0; i < e->members; i++) {
+        dm_summary s;
+        if (!e->rows.count[i]) continue;
+        summarize(&s, e, i, column, y);
+        least = fmin(least, s.least), largest = fmax(largest, s.largest);
+        sum += s.mean * (double)e->rows.count[i], rows += e->rows.count[i];
+    }
+    lua_createtable(L, 0, 3);
+    dml_setresult(L);
+    lua_pushnumber(L, least), lua_setfield(L, -2, "least");
+    lua_pushnumber(L, largest), lua_setfield(L, -2, "largest");
+    lua_pushnumber(L, sum / (double)rows), lua_setfield(L, -2, "mean");
+}
+
+/* {name = extent} of all columns but the time */
+static int push_all(lua_State *L, const dml_ensemble *e) {
+    lua_settop(L, 1);
+    double *y = lua_newuserdatauv(L, ((size_t)e->rows.room + 1) * sizeof *y, 0);
+    push_columns(L, 1);
+    lua_newtable(L);
+    dml_setresult(L);
+    for (lua_Integer k = 2; lua_rawgeti(L, 3, k) == LUA_TSTRING; k++) {
+        push_extent(L, e, (uint32_t)k - 1, y);
+        lua_rawset(L, 4);
+    }
+    lua_settop(L, 4);
+    return 1;
+}
+
 int dml_ensemble_summary(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
+    if (lua_isnoneornil(L, 2)) return push_all(L, e);
     const uint32_t column = dml_ensemble_column(L, 1, luaL_checkstring(L, 2));
     double *y = lua_newuserdatauv(L, ((size_t)e->rows.room + 1) * sizeof *y, 0);
     const int first = lua_gettop(L) + 2;

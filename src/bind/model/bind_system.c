@@ -217,6 +217,19 @@ static int system_structure(lua_State *L) {
     return 1;
 }
 
+/* names and units at the top of the stack: others in them would reach half of what was made */
+static void lock_names(lua_State *L, const char *key) {
+    const int is_units = strcmp(key, "units") == 0;
+    if (!lua_istable(L, -1) || (!is_units && strcmp(key, "coordinates") != 0)) return;
+    dml_lock(L, is_units ? "the table of units of a system" : "the list of names of coordinates");
+}
+
+int dml_shownfield(lua_State *L, const char *key) {
+    dml_systemfield(L, 1, key);
+    lock_names(L, key);
+    return 1;
+}
+
 /* a copy of the options that the system was made with, but its own params, as members have them */
 static int push_given(lua_State *L) {
     lua_newtable(L);
@@ -234,6 +247,8 @@ static int push_given(lua_State *L) {
     }
     lua_pop(L, 1);
     dml_systemfield(L, 1, "params"), lua_setfield(L, -2, "params");
+    for (const char *const *key = dml_names; *key; key++)
+        lua_getfield(L, -1, *key), lock_names(L, *key), lua_setfield(L, -2, *key);
     return 1;
 }
 
@@ -248,7 +263,7 @@ static int system_field(lua_State *L) {
     static const char *const fields[] = {"Q",     "L",     "H",     "name", "coordinates",
                                          "units", "place", "field", NULL};
     for (const char *const *f = fields; *f; f++)
-        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
+        if (strcmp(*f, key) == 0) return dml_shownfield(L, key);
     return 0;
 }
 

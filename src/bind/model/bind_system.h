@@ -113,6 +113,12 @@ void dml_asgiven(lua_State *L, dml_model *m);
  * large. */
 void dml_writeout(lua_State *L, dml_model *m);
 
+/* Names that a system is made with, NULL behind them: lists and tables that are copied. */
+extern const char *const dml_names[];
+
+/* Push field `key` of the system at 1 as a script sees it: names cannot be set. */
+int dml_shownfield(lua_State *L, const char *key);
+
 /* (system, key) -> params as a script sees them; the options at 1 with those behind such. */
 int dml_shownparams(lua_State *L);
 void dml_plainparams(lua_State *L);

@@ -5,6 +5,7 @@
 #include "bind/model/space_group.h"
 #include "bind/model/system_dual.h"
 
+#include <math.h>
 #include <string.h>
 
 /* field `key` of the table at 1, or an error that shows what is expected */
@@ -74,13 +75,28 @@ static int wants_hyperdual(lua_State *L) {
     return hyper;
 }
 
-/* copy the options at 1, so that later changes of the table do not reach the system */
+const char *const dml_names[] = {"coordinates", "units", NULL};
+
+/* copy the options at 1 and the names in them, so that later changes of these tables do not reach
+ * the system */
 static void keep_fields(lua_State *L, const char *const *known) {
     lua_newtable(L);
+    const int kept = lua_gettop(L);
     for (; *known; known++) {
         lua_getfield(L, 1, *known);
-        lua_setfield(L, -2, *known);
+        lua_setfield(L, kept, *known);
     }
+    for (const char *const *key = dml_names; *key; key++) {
+        if (dml_field(L, 1, *key)) dml_pushcopy(L, lua_gettop(L)), lua_setfield(L, kept, *key);
+        lua_settop(L, kept);
+    }
+}
+
+/* no number among the params at the top of the stack is NaN */
+static void check_numbers(lua_State *L) {
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+        if (lua_type(L, -1) == LUA_TNUMBER && isnan(lua_tonumber(L, -1)))
+            luaL_error(L, "field 'params': params.%s is NaN", luaL_tolstring(L, -2, NULL));
 }
 
 /* what L can index */
@@ -91,6 +107,7 @@ static void check_params(lua_State *L) {
                    "field 'params' must be a table that L gets as its last argument, for instance "
                    "{ k = 2 } (got %s)",
                    luaL_typename(L, -1));
+    if (type == LUA_TTABLE) check_numbers(L);
     lua_pop(L, 1);
 }
 
@@ -128,7 +145,8 @@ static void check_arguments(lua_State *L) {
 
 /* name -> unit */
 static void check_units(lua_State *L) {
-    const int type = lua_getfield(L, 1, "units");
+    dml_field(L, 1, "units");
+    const int type = lua_type(L, -1);
     if (type != LUA_TNIL && type != LUA_TTABLE)
         luaL_error(L,
                    "field 'units' must be a table name -> unit, for instance { q1 = \"m\", t = "

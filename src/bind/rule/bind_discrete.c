@@ -218,7 +218,7 @@ static int discrete_field(lua_State *L) {
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
     if (strcmp(key, "source") == 0) return dml_discrete_source(L);
     for (const char *const *f = fields; *f; f++)
-        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
+        if (strcmp(*f, key) == 0) return dml_shownfield(L, key);
     return 0;
 }
 

@@ -234,6 +234,19 @@ static void add_every(luaL_Buffer *b, const dml_path *p) {
     luaL_addstring(b, text);
 }
 
+/* Equations of first order y' = f(y) are those of H = p . f(y) with p = 0: their H is 0 whatever
+ * the rule does. */
+static int is_of_first_order(const dml_path *p, const dml_system *s, const double *E) {
+    double largest = 0.0;
+    if (!s->hamiltonian || p->width < 1 + p->n + p->momenta) return 0;
+    for (long i = 0; i < p->rows; i++) {
+        const double *momenta = p->data + (size_t)i * dml_path_width(p) + 1 + p->n;
+        largest = fmax(largest, fabs(E[i]));
+        for (uint32_t k = 0; k < p->momenta; k++) largest = fmax(largest, fabs(momenta[k]));
+    }
+    return largest == 0.0;
+}
+
 /* One line: steps, rule, last time, what became of the energy, rows and columns. */
 static int path_tostring(lua_State *L) {
     const dml_path *p = check(L);
@@ -252,7 +265,7 @@ static int path_tostring(lua_State *L) {
     add_end(&b, p);
     snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
-    if (E) add_energy(&b, E, p, keeps);
+    if (E && !is_of_first_order(p, s, E)) add_energy(&b, E, p, keeps);
     add_sem(&b, &p->sem);
     add_defect(&b, p);
     add_columns(L, &b, p);

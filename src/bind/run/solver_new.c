@@ -2,6 +2,7 @@
 #include "bind/rule/bind_rule.h"
 #include "bind/rule/bind_step.h"
 #include "bind/rule/discrete_rule.h"
+#include "bind/run/start_constraints.h"
 #include "bind/run/stepping.h"
 #include "bind/trace/backend.h"
 #include "integ/registry.h"
@@ -124,6 +125,17 @@ static int has_map(lua_State *L) {
     return there;
 }
 
+/* A rule that does not know what the system has beside L is refused where it is named. */
+static void check_constraints(lua_State *L, const solver *s) {
+    static const char *const beside[] = {"constraint", "rolling", "force", "control", NULL};
+    const int top = lua_gettop(L);
+    int some = 0;
+    for (const char *const *key = beside; *key; key++)
+        some |= dml_systemfield(L, 2, *key) != LUA_TNIL;
+    if (some && !s->pair) dml_refuseconstraints(L, s, dml_pushlast(L, 2, NULL));
+    lua_settop(L, top);
+}
+
 /* solver options at 1, system at 2 */
 static int new_solver(lua_State *L) {
     static const char *const known[] = {"rule", "h", "newton", "backend", "sums", "threads", NULL};
@@ -145,6 +157,7 @@ static int new_solver(lua_State *L) {
                    "rule '%s' takes the step that a discrete Lagrangian brings with it as "
                    "map =, and this one has none: it is stepped by 'del'",
                    s->nodes[0].name);
+    check_constraints(L, s);
     lua_setiuservalue(L, 3, DML_SOLVER_RULE);
     read_step(L, s, system);
     read_newton(L, s);

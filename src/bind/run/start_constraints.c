@@ -33,14 +33,14 @@ static void add_rules(luaL_Buffer *b, unsigned needs) {
 }
 
 /* Before any step: a rule must not drop what it does not know. */
-void dml_refuseconstraints(lua_State *L, const dml_stepping *r) {
-    const unsigned needs = dm_method_needs(&r->model->model);
-    const unsigned lacking = needs & ~r->solver->method->traits;
+void dml_refuseconstraints(lua_State *L, const dml_solver *s, const dml_model *m) {
+    const unsigned needs = dm_method_needs(&m->model);
+    const unsigned lacking = needs & ~s->method->traits;
     luaL_Buffer b;
     if (!lacking) return;
     luaL_buffinit(L, &b);
     lua_pushfstring(L, "rule '%s' cannot step this system: it knows no %s; rules that do: ",
-                    r->solver->nodes[0].name, name_of(lacking));
+                    s->nodes[0].name, name_of(lacking));
     luaL_addvalue(&b);
     add_rules(&b, needs);
     luaL_addstring(&b, " (where base is one of the others)");

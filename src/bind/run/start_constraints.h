@@ -5,7 +5,7 @@
 #include "bind/run/stepping.h"
 
 /* Raise where the rule does not know a constraint that the system has; names the rules that do. */
-void dml_refuseconstraints(lua_State *L, const dml_stepping *r);
+void dml_refuseconstraints(lua_State *L, const dml_solver *s, const dml_model *m);
 
 /* Raise where L is linear in v and the rule is not for that, or none knows what is beside it. */
 void dml_refuselinear(lua_State *L, const dml_stepping *r);

@@ -100,7 +100,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) shows "
                    "it), and rule '%s' needs a regular Lagrangian",
                    s->nodes[0].name);
-    dml_refuseconstraints(L, r);
+    dml_refuseconstraints(L, s, r->model);
     const char *refusal = dm_rule_fits(s->nodes, &r->model->model);
     if (refusal) luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = dm_rule_engine(s->nodes, &r->model->model)->wants(s->nodes, &r->model->model);

@@ -153,8 +153,8 @@ typedef struct {
     int blocked;             /* by that, lately */
     int quick;
     double part; /* of dy that the last step took */
-    double cut;  /* |dy| where steps began to be cut short; 0: they are not */
-    double from; /* the larger one of that and |y| there */
+    double cut;  /* |dy| where steps began to be cut short, or y had doubled; 0: they are not */
+    double from; /* |y| there */
     double bend; /* of the path where a part of dy was too long, per length of dy; 0: not told */
     int waited;  /* increments since only small y had not settled */
     int slow;    /* iterations that halved the step at best, since quick ones */
@@ -269,15 +269,16 @@ static int is_quick(const path *p, double before) {
     return p->step < QUICK * before && (p->quick || before > ROUGH * p->size);
 }
 
-/* Steps that are cut short while increments grow, by more than y does, lead to where J loses its
- * rank and F does not vanish, or to nowhere. */
-static int is_lost(path *p, double part, double before, uint32_t r) {
+/* Steps that are cut short while increments grow and y does not double lead to where J loses its
+ * rank and F does not vanish, or to nowhere. On the way to a root that is far, as of y^0.1 = 100,
+ * both grow. */
+static int is_lost(path *p, double part, uint32_t r) {
     const double size = norm(p->y, r);
     if (part > CUT)
         p->cut = 0.0;
-    else if (p->cut == 0.0)
-        p->cut = before, p->from = fmax(before, size);
-    return p->cut > 0.0 && p->step / p->cut > GROWN * fmax(1.0, size / p->from);
+    else if (p->cut == 0.0 || size > 2.0 * p->from)
+        p->cut = p->step, p->from = size;
+    return p->cut > 0.0 && p->step > GROWN * p->cut;
 }
 
 /* to the root: y, with J^-1 next to it */
@@ -303,7 +304,7 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
             return arrived(s, p); /* F is noise */
         }
         take_step(s, p);
-        if (is_lost(p, part, before, s->r)) return DM_ROOT_NONE;
+        if (is_lost(p, part, s->r)) return DM_ROOT_NONE;
         p->quick = is_quick(p, before) ? p->quick + 1 : 0;
         if (p->quick == 2) p->slow = 0; /* one may be F that rounds to zero */
         if (p->step > 0.3 * before) p->slow++;

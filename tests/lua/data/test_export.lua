@@ -162,10 +162,6 @@ raises("ends at row 2", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain
 local killed = dm.load(spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<ddddddd"):pack(1, 2, 3, 4, 5,
   6, 7)))
 ok(#killed.c1 == 2, "of a run that was killed while it wrote: the rows that its header counts", #killed.c1)
-raises("only <f8", dm.load, spit(npy,
-  "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,), }"))
-raises("Fortran", dm.load, spit(npy,
-  "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': '<f8', 'fortran_order': True, 'shape': (1, 2), }"))
 local full = io.open("/dev/full", "w")
 if full then
   full:close()

@@ -319,4 +319,32 @@ local bare = solver:ensemble { members = 3, q = q0, v = v0, steps = 4, every = 2
 ok(plain.q == bare.q and plain.p == bare.p, "vary = {} of a system without params")
 raises("there are members 1 to 3", plain.path, plain, math.mininteger)
 raises("there are members 1 to 3", plain.path, plain, math.maxinteger)
+
+-- what was watched, without a name: its extent over the rows of all members
+local few = { watch = { "energy", place = function(q) return q[1] end }, members = 3, steps = 8, every = 2,
+  q = function(i) return { 0.1 * i } end, v = function() return { 0 } end }
+local watched = quick:ensemble(few)
+local all, least, largest, sum = watched:summary(), math.huge, -math.huge, 0
+for i = 1, 3 do
+  local x = watched:path(i):column "place"
+  for k = 1, #x do least, largest, sum = math.min(least, x[k]), math.max(largest, x[k]), sum + x[k] end
+end
+ok(all.place.least == least and all.place.largest == largest and math.abs(all.place.mean - sum / 15) < 1e-15,
+  "a summary without a name lists the columns", dm.pretty(all))
+ok(all.energy and not all.t, "but for the time")
+raises("no column 'x' was watched, but t, energy, place", watched.summary, watched, "x")
+raises('watch = { "energy" }', bare.summary, bare)
+
+-- members without a start are told together
+local function starts_of(of, q, v) return of.ensemble, of, { members = 12, steps = 1, q = q, v = v } end
+local function none() return { 0 } end
+raises("'q' of member 3: entry 1 is NaN, but must be finite (4 of 12 members have no start: 3, 6, 9, 12)",
+  starts_of(quick, function(i) return { i % 3 == 0 and 0 / 0 or 1 } end, none))
+raises("'v' of member 5 must have 1 entries (got 2)", starts_of(quick, none, function(i) return i == 5 and { 1, 2 } or { 1 } end))
+raises("my own mistake", starts_of(quick, function(i) if i > 2 then error("my own mistake", 0) end return { 1 } end, none))
+local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return q:dot(q) - 1 end }
+raises("member 2: no start: it is off the constraints: constraint 1: |g(q)| = 3.0; project = true moves it to the nearest q on them "
+  .. "(11 of 12 members have no start: 2, 3, 4, 5, 6, 7, 8, 9, ...)", starts_of(rod:solver { rule = "rattle", h = 0.1 },
+  function(i) return { 0, i > 1 and -2 or -1 } end, function() return { 0, 0 } end))
+
 tap.done()

@@ -371,4 +371,20 @@ raises("jet", function() plane:conservation_law(bending):value { 1, 2 , 3, 4, 5,
 raises("independent", function() calculus(dm.SE(2), 2, 3, {}, function(z) return z end) end)
 ok(exp(0) == 1, "done")
 
+-- what stands for an invariant and its derivatives is no number
+do
+  local curves = dm.differential_invariants { action = dm.action { group = dm.SE(2), on = dm.R(2) }, independent = 1,
+    invariants = { kappa = 4 }, cross_section = function(z) return { z[1], z[2], z[3] } end }
+  for _, L in ipairs { function(I) return I.kappa ^ 2 end, function(I) return 2 * I.kappa end, function(I) return -I.kappa end,
+    function(I) return 1 + I.kappa end, function(I) return I.kappa / 2 end } do
+    tap.raises("I.kappa is kappa with its derivatives: the invariant itself is I.kappa[1]", curves.euler_lagrange, curves, L)
+  end
+  tap.ok(tostring(curves:syzygies()):find("^no syzygies: the invariants are free"), "no syzygies are told in a sentence")
+  local wire = curves:extremal { L = function(I) return I.kappa[1] ^ 2 / 2 end, start = { kappa = { 0.5, 1 } }, length = 1, steps = 20 }
+  tap.ok(not tostring(wire.path):find "energy", "an extremal's path speaks of no energy", tostring(wire.path))
+  local real = dm.system { Q = dm.R(1), H = function(q, p) return q[1] * p[1] end }
+    :solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1 }, p = { 1 }, steps = 20 }
+  tap.ok(tostring(real):find "energy off by", "that of an H with momenta does", tostring(real))
+end
+
 tap.done()

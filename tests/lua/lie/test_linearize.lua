@@ -165,4 +165,69 @@ raises("systems that are not reduced", free.linearize, free, { generator = uprig
 raises("the velocity v or the momentum p", left.linearize, left,
   { q = G:identity(), v = { 0, 0, 1 }, p = { 0, 0, 1 } })
 
+---- constraints and forces in coordinates: on what they leave ----
+
+local gravity = 9.81
+local function rods(n, count)
+  return dm.system { Q = dm.R(2 * n), L = function(q, v)
+    local V = 0
+    for i = 1, n do V = V + gravity * q[2 * i] end
+    return v:dot(v) / 2 - V
+  end, constraint = function(q)
+    local out = {}
+    for i = 1, count or n do
+      local x, y = q[2 * i - 1], q[2 * i]
+      if i > 1 then x, y = x - q[2 * i - 3], y - q[2 * i - 2] end
+      out[i] = x ^ 2 + y ^ 2 - 1
+    end
+    return out
+  end }
+end
+local hanging = rods(1):linearize { q = { 0, -1 } }
+near(hanging.fastest, math.sqrt(gravity), 1e-14, "a pendulum of x and y swings as one of its angle")
+ok(hanging.stable and hanging.matrix.rows == 2, "in two changes", hanging.why)
+near(growth(rods(1):linearize { q = { 0, 1 } }), math.sqrt(gravity), 1e-14, "and falls as it does")
+local double = rods(2):linearize({ q = { 0, -1, 0, -2 } }).frequencies:totable()
+table.sort(double)
+near(double[4] / math.sqrt(gravity * (2 + math.sqrt(2))), 1, 1e-13, "a double pendulum: the fast mode")
+near(double[3] / math.sqrt(gravity * (2 - math.sqrt(2))), 1, 1e-13, "and the slow one")
+local upside = rods(2):linearize({ q = { 0, 1, 0, 2 } }).rates:totable()
+table.sort(upside)
+near(upside[4] / math.sqrt(gravity * (2 + math.sqrt(2))), 1, 1e-13, "upside down both grow")
+near(upside[3] / math.sqrt(gravity * (2 - math.sqrt(2))), 1, 1e-13, "at these rates")
+
+-- a spherical pendulum's circle at the angle theta: (omega / Omega)^2 = 1 + 3 cos(theta)^2
+local ball = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - gravity * q[3] end,
+  constraint = function(q) return q:dot(q) - 1 end }
+for _, angle in ipairs { 0.2, 0.7, 1.3 } do
+  local Omega = math.sqrt(gravity / math.cos(angle))
+  local round = { q = { math.sin(angle), 0, -math.cos(angle) }, v = { 0, Omega * math.sin(angle), 0 } }
+  ok(ball:linearize(round).frozen, "a spherical pendulum that goes around moves on")
+  round.generator = function(q) return { -q[2], q[1], 0 } end
+  local its = ball:linearize(round)
+  near(its.rate, Omega, 1e-13 * Omega, "at this rate")
+  near(its.fastest / Omega, math.sqrt(1 + 3 * math.cos(angle) ^ 2), 1e-13, "and nutates at that one")
+end
+-- the same in polar coordinates with friction: -c/2 +- sqrt(c^2/4 - g)
+local rubbed = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - gravity * q[2] end,
+  constraint = function(q) return q:dot(q) - 1 end, force = function(_, v) return -0.3 * v end }
+local slowed = rubbed:linearize { q = { 0, -1 } }
+near(slowed.rates[1], -0.15, 1e-14, "friction damps it")
+near(slowed.fastest, math.sqrt(gravity - 0.15 ^ 2), 1e-14, "and slows it")
+-- a skate on a slope that holds its heading: rolling leaves one direction less of velocities
+local skate = dm.system { Q = dm.R(3), L = function(q, v) return (v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2 - 2 * q[3] ^ 2 - q[1] ^ 2) / 2 end,
+  rolling = function(q, v) return dm.cos(q[3]) * v[2] - dm.sin(q[3]) * v[1] end }
+local still = skate:linearize { q = { 0, 0, 0 } }
+local tones = still.frequencies:totable()
+table.sort(tones)
+ok(#tones == 5 and math.abs(tones[5] - math.sqrt(2)) < 1e-14 and math.abs(tones[4] - 1) < 1e-14,
+  "a skate slides along x and turns", still.frequencies)
+-- a massless slider between springs: regular with its constraint alone
+local slider = dm.system { Q = dm.R(2), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2 - 3 * q[2] ^ 2) / 2 end,
+  constraint = function(q) return q[2] - q[1] end }
+near(slider:linearize({ q = { 0, 0 } }).fastest, 2, 1e-13, "a slider without mass")
+raises("off the constraints: constraint 1 is 0.21 there", ball.linearize, ball, { q = { 0, 0, -1.1 } })
+raises("the rate of constraint 1 is -2 there", ball.linearize, ball, { q = { 0, 0, -1 }, v = { 0, 0, 1 } })
+raises("rolling condition 1 is 1 there", skate.linearize, skate, { q = { 0, 0, 0 }, v = { 0, 1, 0 } })
+
 tap.done()

@@ -178,4 +178,39 @@ for c in (function() local e = -300 return function() e = e + 150 return e <= 15
     end
   end
 end
+
+-- a parameter is a number with which something can be computed
+do
+  local s = dm.system { Q = dm.R(1), params = { k = 2, c = { 1, 2 }, mode = "soft" }, L = function(q, v, _, p)
+    return v[1] ^ 2 / 2 - (p.mode == "hard" and 10 or 1) * p.k * q[1] ^ 2 / 2 - p.c[1] * q[1]
+  end }
+  local function set(name, value) return function() s.params[name] = value end end
+  raises('params.k = "a": a text in place of the number 2', set("k", "a"))
+  raises('params.k = "3": a text in place of the number 2', set("k", "3"))
+  raises("params.k: NaN is no value of a parameter", set("k", 0 / 0))
+  raises("params.k = nil: the functions of this system cannot be computed with it", set("k", nil))
+  raises("params.k = a table", set("k", {}))
+  raises("params.c = 3", set("c", 3))
+  raises("did you mean 'k'?", set("kk", 1))
+  ok(s.params.k == 2 and s.params.c[2] == 2 and s.params.kk == nil, "none of these is taken")
+  s.params.k, s.params.c, s.params.mode = 4, dm.vector { 5, 6 }, "hard"
+  ok(s:energy({ 1 }, { 0 }) == 25, "other numbers, lists and texts are")
+  raises("field 'params': params.k is NaN", dm.system, { Q = dm.R(1), params = { k = 0 / 0 }, L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] end })
+end
+
+-- names are those that a system was made with
+do
+  local names, units = { "x", "y" }, { x = "m" }
+  local s = dm.system { Q = dm.R(2), coordinates = names, units = units, L = function(_, v) return v:dot(v) / 2 end }
+  names[1], units.x = "z", "km"
+  ok(s.coordinates[1] == "x" and s.units.x == "m", "a change of the tables that were given does not reach it")
+  raises("the list of names of coordinates cannot be set", function() s.coordinates[1] = "z" end)
+  raises("the list of names of coordinates cannot be set", function() s.given.coordinates[1] = "z" end)
+  raises("the table of units of a system cannot be set", function() s.units.x = "km" end)
+  local again = dm.system { Q = dm.R(2), coordinates = s.coordinates, units = s.units, L = function(_, v) return v:dot(v) / 2 end }
+  ok(table.concat(again.coordinates, " ") == "x y" and again.units.x == "m", "another system takes them")
+  local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, coordinates = { "x" }, Ld = function(a, b, h) return (b[1] - a[1]) ^ 2 / 2 / h end }
+  raises("cannot be set", function() Ld.coordinates[1] = "z" end)
+end
+
 tap.done()

@@ -174,4 +174,14 @@ do
   ok(is_taken(1.02, 0.01) == false and is_taken(1.05, 0.1) == false, "by one of (q0, q1) 2 % at h = 0.01 and 5 % at 0.1")
   ok(is_taken(1.02, 0.1) == true and is_taken(1.3, 0.5) == true, "and 2 % at 0.1, 30 % at 0.5 are what rules differ by")
 end
+
+-- round-off at the border of a domain: to the side where there is a value
+do
+  local noise = require "dm.reduce.discrete.places".noise
+  local at = { q0 = dm.vector { 1 }, q1 = dm.vector { 2 } }
+  tap.near(noise(at, function(a, b) return math.sqrt(1 - a[1]) + b[1] end), math.sqrt(2 ^ -50) + 2 * 2 ^ -50, 1e-12,
+    "what has no value on one side of q0")
+  tap.ok(noise(at, function(a) return a[1] == 1 and 1 or 0 / 0 end) == 0, "what has none on either excuses nothing")
+end
+
 tap.done()

@@ -171,6 +171,14 @@ has(text, "Take a smaller h; solver:fold says", "?code says what to try")
 has(text, 'nothing mentions "soliton_of_nothing"', "and where nothing is found it says so")
 has(text, 'nothing mentions "dm.systm"; did you mean dm.system?', "a name that is nearly one")
 do
+  local near = session { "?vektor", "?multiplyers", "?verlt", "?noethr", "?solver.lyapunof" }
+  has(near, 'nothing mentions "vektor"; did you mean dm.vector?', "of dm, one level down")
+  has(near, "did you mean path:multipliers, solver:multipliers, system:multipliers?", "of classes, all that have it")
+  has(near, "did you mean verlet?", "of a rule")
+  has(near, "did you mean noether", "of a demonstration")
+  has(near, "did you mean 'lyapunov'?", "and of a class that is named")
+end
+do
   local near = session { "u = dm.vector { 3, 4 }", "?u.nrom", "help 'solver.multiplier'", "?path.flub" }
   has(near, "a dm.vector has no 'nrom'; did you mean 'norm'?", "a method that is nearly one, of a value")
   has(near, "a dm.solver has no 'multiplier'; did you mean 'multipliers'?", "and of a class")

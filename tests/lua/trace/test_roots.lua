@@ -256,4 +256,40 @@ local fine, failure = pcall(function()
 end)
 ok(not fine and tostring(failure):find("half line has no value at (-", 1, true) and #failure.path > 3,
   "a run that leaves the domain says which function, and keeps its path", tostring(failure))
+
+---- far starts, flat and steep ones, systems of the literature (More, Garbow, Hillstrom 1981) ----
+
+local function is_found(name, equations, start, root)
+  local y = dm.root { start = start, equations = equations }()
+  local is_one = type(root) == "number"
+  local off = is_one and math.abs(y / root - 1) or (y - dm.vector(root)):norm() / dm.vector(root):norm()
+  ok(off < 1e-12, name, y)
+end
+is_found("y^0.1 = 100 is 20 decades away", function(y) return y ^ 0.1 - 100 end, 1, 1e20)
+is_found("y^0.01 = 3 is 48", function(y) return y ^ 0.01 - 3 end, 1, 3 ^ 100)
+is_found("log y = 100", function(y) return dm.log(y) - 100 end, 1, math.exp(100))
+is_found("y^0.5 = 1e5", function(y) return dm.sqrt(y) - 1e5 end, 1, 1e10)
+is_found("1/y = 1e-6", function(y) return 1 / y - 1e-6 end, 1, 1e6)
+is_found("y^10 = 1 from the flat side", function(y) return y ^ 10 - 1 end, 0.5, 1)
+is_found("y^9 = 1e-9 from the steep side", function(y) return y ^ 9 - 1e-9 end, 2, 0.1)
+is_found("exp y = 1e10", function(y) return dm.exp(y) - 1e10 end, 0, 10 * math.log(10))
+is_found("exp y = 1e-10 from afar", function(y) return dm.exp(y) - 1e-10 end, 30, -10 * math.log(10))
+is_found("atan y = 1 from where Newton's method diverges", function(y) return dm.atan(y) - 1 end, 10, math.tan(1))
+is_found("atan y = 1.5 from the other side", function(y) return dm.atan(y) - 1.5 end, -20, math.tan(1.5))
+is_found("Powell's badly scaled function", function(y)
+  return { 1e4 * y[1] * y[2] - 1, dm.exp(-y[1]) + dm.exp(-y[2]) - 1.0001 }
+end, { 0, 1 }, { 1.0981593296998e-5, 9.1061467398665 })
+local function freudenstein_roth(y)
+  return { -13 + y[1] + ((5 - y[2]) * y[2] - 2) * y[2], -29 + y[1] + ((y[2] + 1) * y[2] - 14) * y[2] }
+end
+is_found("Freudenstein and Roth's", freudenstein_roth, { 0.5, -2 }, { 5, 4 })
+is_found("and from afar", freudenstein_roth, { 15, -2 }, { 5, 4 })
+is_found("Rosenbrock's", function(y) return { 10 * (y[2] - y[1] ^ 2), 1 - y[1] } end, { -1.2, 1 }, { 1, 1 })
+is_found("Brown's badly scaled function", function(y) return { y[1] - 1e6, y[2] - 2e-6 } end, { 1, 1 }, { 1e6, 2e-6 })
+for name, equations in pairs { ["exp y = -1"] = function(y) return dm.exp(y) + 1 end, ["y^2 = -1"] = function(y) return y ^ 2 + 1 end,
+  ["atan y = 2"] = function(y) return dm.atan(y) - 2 end } do
+  local found, why = pcall(dm.root { start = 0.7, equations = equations })
+  ok(not found and why:find("no root from any start", 1, true), name .. " has none", why)
+end
+
 tap.done()

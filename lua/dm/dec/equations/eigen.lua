@@ -220,6 +220,8 @@ best first. Fewer where there are no more. residuals: |A a - lambda a|. note: du
 with which eigenvalues do not converge. Up to 300 unknowns (1200
 where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
 (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
-self-adjoint, and where negative stars leave the forms without a norm.]])
+self-adjoint, and where negative stars leave the forms without a norm. u' = -A u, with A =
+K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k] t)
+(forms[k] . u0) forms[k].]])
 
 return M

@@ -18,11 +18,11 @@ local function method(name, f, doc) core.method("dm.formula", name, blame.caller
 function M.is(x) return type(x) == "table" and getmetatable(x) == class end
 
 --- Formulas from a list of expressions of the calculus C. options: labels; value(f, at), what they
--- are at numbers where that is more than each by itself.
+-- are at numbers where that is more than each by itself; none, what to print where there are none.
 function M.new(C, expressions, options)
   options = options or {}
-  local self = setmetatable({ calculus = C, labels = options.labels, valued = options.value },
-    class)
+  local self = setmetatable({ calculus = C, labels = options.labels, valued = options.value,
+    none = options.none }, class)
   for i, e in ipairs(expressions) do
     e = F.reduced(e)
     local label = options.labels and options.labels[i]
@@ -35,6 +35,7 @@ end
 local function line(f, text) return f.label and f.label .. " = " .. text or text end
 
 function class.__tostring(f)
+  if #f == 0 then return f.none or "no formulas" end
   local out = {}
   for i, row in ipairs(f) do
     local text = tostring(row.expression)

@@ -266,7 +266,8 @@ method("syzygies", function(self)
       end
     end
   end
-  return formula.new(C, rows, { labels = labels })
+  return formula.new(C, rows, { labels = labels,
+    none = "no syzygies: the invariants are free, nothing relates them and their derivatives" })
 end, [[
 calculus:syzygies() -> dm.formula
 Expressions of the named invariants that vanish identically: where a derivative is reached in two

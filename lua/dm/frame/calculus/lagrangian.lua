@@ -9,6 +9,20 @@ local read = require "dm.frame.calculus.read"
 
 local M = {}
 
+-- what stands for an invariant and its derivatives, which is no number itself
+local function events_of(name, index)
+  local out = { __index = index }
+  local function refuse()
+    error(("I.%s is %s with its derivatives: the invariant itself is I.%s[1]"):format(name, name,
+      name), 0)
+  end
+  for _, event in ipairs { "add", "sub", "mul", "div", "pow", "unm", "mod", "idiv", "lt", "le",
+    "concat", "call" } do
+    out["__" .. event] = refuse
+  end
+  return out
+end
+
 --- The expression of L, a function or a formula.
 function M.of(C, L)
   if formula.is(L) then
@@ -29,13 +43,13 @@ function M.of(C, L)
     end
   end
   local function row(x, j)
-    return setmetatable({}, { __index = function(_, k)
+    return setmetatable({}, events_of(C.named[j].name, function(_, k)
       if math.type(k) ~= "integer" or k < 1 or k > most then
         error(("I.%s[k] is the invariant (k = 1) and its derivatives, k up to %d (got %s)"):format(
           C.named[j].name, most, option.got(k)), 0)
       end
       return x[places[j * 1000 + k]]
-    end })
+    end))
   end
   local function f(x)
     local I = setmetatable({}, { __index = function(_, name) return row(x, C.find(name,

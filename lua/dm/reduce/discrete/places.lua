@@ -36,14 +36,22 @@ end
 
 local ULPS = 2 ^ -50 -- what a coordinate of a point may be off by, relatively
 
---- How far the number f(q0, q1) goes when the coordinates of the points `at` change by round-off.
+-- |f - value| where coordinate i of one point is `part` longer
+local function change(at, f, value, key, i, part)
+  local moved = { q0 = at.q0:copy(), q1 = at.q1:copy() }
+  moved[key][i] = moved[key][i] * (1 + part)
+  return abs(f(moved.q0, moved.q1) - value)
+end
+
+--- How far the number f(q0, q1) goes when the coordinates of the points `at` change by round-off;
+-- at the border of its domain to the side where it has a value. What has none excuses nothing.
 function M.noise(at, f)
   local value, sum = f(at.q0, at.q1), 0
   for _, key in ipairs { "q0", "q1" } do
     for i = 1, #at.q0 do
-      local moved = { q0 = at.q0:copy(), q1 = at.q1:copy() }
-      moved[key][i] = moved[key][i] * (1 + ULPS)
-      sum = sum + abs(f(moved.q0, moved.q1) - value)
+      local some = change(at, f, value, key, i, ULPS)
+      if some ~= some then some = change(at, f, value, key, i, -ULPS) end
+      if some == some then sum = sum + some end
     end
   end
   return sum

@@ -348,7 +348,8 @@ orbit of `at`, of the start q or of a point that is found comes to such points, 
 there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); where an
 orbit meets a section several times, as at r and, half a turn on, at -r, a point has the shape of
 least norm, of equal norms the one whose first entry is positive, or the one of them where branch(x)
-> 0; names: of theta and x. On a group action(theta, g), of an abelian group, and section(x), which
+> 0; names: of theta and x (default theta, x1, x2, ..., but a coordinate that the group leaves alone
+keeps its name). On a group action(theta, g), of an abelian group, and section(x), which
 has to be given, make elements, for instance a top's turns about the vertical: x are coordinates
 near the section, states and reconstructed paths have elements. connection(x): m rows of dim Q - m
 numbers, in place of the mechanical connection. Invariance of L under cyclic coordinates is proved,

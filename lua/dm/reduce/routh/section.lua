@@ -197,12 +197,37 @@ local function check_section(Phi, n)
   end
 end
 
-local function names_of(options, m, n)
-  local names = options.names
-  if names == nil then
-    names = {}
-    for i = 1, n do names[i] = i <= m and (m == 1 and "theta" or "theta" .. i) or "x" .. i - m end
+-- the coordinate of the system that is y[k] wherever Phi(y) is, one that the group leaves alone, by
+-- name; nil where there is none
+local function kept(system, Phi, k, n)
+  local found = system.coordinates and lists.plain(system.coordinates) or {}
+  for j = 1, 3 do
+    local y = core.zeros(n)
+    for i = 1, n do y[i] = 0.2 + 0.7548776662466927 * i * j % 1 end
+    local q = Phi(y)
+    for i = 1, n do found[i] = q[i] == y[k] and found[i] end
   end
+  for i = 1, n do
+    if found[i] then return found[i] end
+  end
+end
+
+-- theta and x1, x2, ..., or the system's own names of what is kept
+local function default_names(system, Phi, m, n)
+  local names, taken = {}, {}
+  for i = 1, n do
+    local own = i > m and kept(system, Phi, i, n) or nil
+    local is_free = own and not taken[own] and not own:find "^x%d+$"
+    local usual = i > m and "x" .. i - m or m == 1 and "theta" or "theta" .. i
+    names[i] = is_free and own or usual
+    taken[names[i]] = true
+  end
+  return names
+end
+
+local function names_of(system, options, Phi, m, n)
+  local names = options.names
+  if names == nil then names = default_names(system, Phi, m, n) end
   if type(names) ~= "table" or #names ~= n then
     error(("option 'names' must be %d names, of theta (%d) and of the shape (%d)")
       :format(n, m, n - m), 0)
@@ -262,7 +287,7 @@ function M.split(system, options)
   local Phi = core.trace(chart, n)
   local slope = core.derivative(chart, n)
   if options.section then check_section(Phi, n) end
-  local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
+  local split = pulled_back(system, Phi, slope, n, names_of(system, options, Phi, m, n))
   local T = transfer(system,
     { Phi = Phi, m = m, n = n, home = home, branch = options.branch })
   local other = { mu = options.mu, connection = options.connection, cyclic = {} }

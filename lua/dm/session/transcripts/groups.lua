@@ -331,8 +331,8 @@ M["calculus.syzygies"] = [=[
 > moves = dm.action { group = dm.SE(2), on = dm.R(2) }
 > d = dm.differential_invariants { action = moves, independent = 1,
 >>   cross_section = function(z) return { z[1], z[2], z[3] } end, invariants = { kappa = 4 } }
-> #d:syzygies()
-0]=]
+> d:syzygies()
+no syzygies: the invariants are free, nothing relates them and their derivatives]=]
 
 M["dm.formula"] = [=[
 > moves = dm.action { group = dm.SE(2), on = dm.R(2) }

@@ -294,7 +294,11 @@ M["operator.eigen"] = [=[
 > modes.values
 [1, 3]
 > modes.forms[1].values
-[0, 0.70710678118655, 0.70710678118655, 0]]=]
+[0, 0.70710678118655, 0.70710678118655, 0]
+> u = modes.forms[1] + modes.forms[2]   -- heat: u' = -laplacian u, mode by mode
+> part = math.exp(-modes.values[1])*modes.forms[1]:dot(u)   -- of the first mode at t = 1
+> ("%.4f"):format(part)
+0.3679]=]
 
 M["remesh.matrix"] = [=[
 > K, M = dm.mesh { grid = 1 }, dm.mesh { grid = 2 }

@@ -33,6 +33,14 @@ local function check_number(options, key, least, what)
   option.demand(x >= least, options, key, WHERE, what)
 end
 
+-- options that are lists, and what stands in them
+local LISTS = {
+  { "plots", 'a list of columns, such as { "q1", "energy" }' },
+  { "names", 'a list with a name for every path, such as { "verlet", "gauss(2)" }' },
+  { "bodies", "a list with a table for every body: { { factor = 1 } } of a system on a group, else "
+    .. "{ { pose = function(q, t) return R, x end } }, a rotation matrix and a place" },
+}
+
 local function check_options(options)
   option.check(options, KNOWN, WHERE)
   option.callable(options, "draw", WHERE, DRAW)
@@ -43,9 +51,7 @@ local function check_options(options)
   check_number(options, "frames", 2, "a number of frames from 2")
   option.passing(options, "t", WHERE, is_span, "{from, to}, two times")
   local function is_table(x) return type(x) == "table" end
-  for _, key in ipairs { "plots", "names", "bodies" } do
-    option.passing(options, key, WHERE, is_table, "a list")
-  end
+  for _, row in ipairs(LISTS) do option.passing(options, row[1], WHERE, is_table, row[2]) end
 end
 
 local function check_file(file)
