@@ -2,6 +2,7 @@
 -- coordinates, which are as many entries of a matrix as tell all of it.
 local blame = require "dm.base.blame"
 local acts = require "dm.group.acts"
+local branches = require "dm.group.own.branches"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
@@ -260,14 +261,7 @@ local function is_traceless(kit)
   return true
 end
 
--- how far g is from exp of what log g has in the algebra; nothing: it has no logarithm
-local function off_algebra(kit, g)
-  local fine, x = blame.try(kit.log, g)
-  return fine and linear.largest(g - kit.exp(x)) / max(1, linear.largest(g)) or nil
-end
-
--- that of its logarithm from the algebra, or of its square's, where it has one; from the form, from
--- the hull
+-- that of its logarithm from the algebra; from the form, from the hull
 local function defects(kit, J)
   local traceless = is_traceless(kit)
   function kit.defect(g)
@@ -284,9 +278,9 @@ local function defects(kit, J)
     if traceless and abs(det - 1) > 1e-9 * size ^ g.rows then
       return abs(det - 1) / size ^ g.rows, ("its determinant is %.9g, not 1"):format(det)
     end
-    return max(off, off_algebra(kit, g) or off_algebra(kit, g * g) or 0)
+    return max(off, branches.defect(kit, g))
   end
-  function kit.project(g) return kit.exp(kit.log(g)) end
+  function kit.project(g) return branches.project(kit, g) end
 end
 
 -- groups of other than quadratic relations may lose them by the Cayley map
@@ -332,6 +326,8 @@ function M.kit(options)
   defects(kit, J)
   function kit.finish()
     matrices.complete(kit, n)
+    kit.principal = kit.log
+    function kit.log(g) return branches.log(kit, g) end
     try_cayley(kit)
     return kit
   end
