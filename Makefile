@@ -53,10 +53,13 @@ COMPILE = $(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -MP -Isrc -D_POSIX_C_SOURC
 READLINE_FLAGS = $(if $(filter yes,$(READLINE)),-DDM_READLINE,-UDM_READLINE)
 # what asks Lua calls it through its address: math.sqrt takes 1.16 of lua5.4's time, not 1.21
 CALLS_LUA = -fno-plt $(LUA_CFLAGS)
-SAME = $(COMPILE) $(READLINE_FLAGS) $(CALLS_LUA) $(LUA_LIBS) $(SPARSE_LIBS) $(QHULL_LIBS) $(FFTW_LIBS)
-$(B)/flags: always
+SAME = $(COMPILE) $(CALLS_LUA) $(LUA_LIBS) $(SPARSE_LIBS) $(QHULL_LIBS) $(FFTW_LIBS)
+$(B)/flags: now = $(SAME)
+$(B)/readline: now = $(READLINE_FLAGS) $(VERSION)
+$(B)/flags $(B)/readline: always
 	@mkdir -p $(B)
-	@echo '$(SAME)' | cmp -s - $@ || echo '$(SAME)' >$@
+	@echo '$(now)' | cmp -s - $@ || echo '$(now)' >$@
+$(call objects,$(CLI)): $(B)/readline
 $(B)/%.o: src/%.c $(B)/flags
 	@mkdir -p $(@D)
 	$(call say,cc,$<)$(COMPILE) $(if $(filter bind/% cli/%,$*),$(CALLS_LUA)) \
