@@ -125,6 +125,9 @@ test: programs
 	@tests/run $(TEST_FILES) $(HOUSE_TESTS)
 house: all
 	@tests/run $(HOUSE_TESTS)
+# what another compiler may change: the kernels, and the steps that scripts make with them
+steps: programs
+	@tests/run $(C_TESTS) $(foreach room,rule run ensemble,$(call below,tests/lua/$(room),test_*.lua))
 
 demo: all
 	@.ci/setup --install pictures
@@ -243,6 +246,6 @@ help:
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
-.PHONY: all modules setup programs test house demo san sanitized tsan threaded valgrind bench drifts charts format lint docs \
+.PHONY: all modules setup programs test house steps demo san sanitized tsan threaded valgrind bench drifts charts format lint docs \
   install uninstall rock deb site clean help always
 -include $(shell find $(B) -name '*.d' -type f -not -path '$(B)/san/*' -not -path '$(B)/tsan/*' -not -path '$(B)/deb/*' 2>/dev/null)
