@@ -11,6 +11,7 @@ local fail = option.failing(WHERE)
 
 local LEAST, MOST = 4, 2 ^ 24  -- points
 local MOST_DENSE = 1200        -- unknowns of matrices
+local SMALL = 1e-140           -- sizes of psi whose squares are numbers
 
 ---- points ----
 
@@ -170,7 +171,11 @@ function M.values(wave, psi)
     re, im = from_values(psi, wave.N)
   end
   if wave.kind == "walls" then re, im = inner(re, im) end
-  if re:norm() == 0 and im:norm() == 0 then fail "psi is 0 at all points: there is no wave" end
+  local size = math.max(re:norm(), im:norm())
+  if size == 0 then fail "psi is 0 at all points: there is no wave" end
+  if size < SMALL or size > 1 / SMALL then
+    fail("psi of the size %.3g has no |psi|^2 among floating-point numbers: scale it", size)
+  end
   return re, im
 end
 

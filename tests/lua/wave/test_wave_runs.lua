@@ -69,6 +69,10 @@ local solver = wave:solver { rule = "strang", h = 0.1 }
 local path = solver:run { psi = packet, steps = 25, every = 10, t0 = 3 }
 ok(#path == 4 and path.t[2] == 4 and path.t[4] == 5.5 and path.steps == 25, "rows of every 10 and the last", path.t[4])
 ok(#path.psi == 4 and path.psi[5] == nil and #path.psi[1] == 64 and path:column("norm")[1] > 0, "rows are counted")
+-- sizes whose squares overflow or vanish are told
+for _, size in ipairs { 1e-200, 1e200 } do
+  raises("scale it", function() return wave:solver({ rule = "strang", h = 0.1 }):run { psi = function(x) return size * cos(x) end, steps = 1 } end)
+end
 raises("1 to 4", function() return path.psi[7] end)
 raises("no column", function() return path:column "q1" end)
 local again = solver:run { psi = path.psi[4], steps = 0 }
