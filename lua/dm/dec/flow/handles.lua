@@ -5,6 +5,7 @@
 -- other edges, and every edge that is left is 1 in a cocycle that is 0 on the first tree; then from
 -- each the nearest d phi is taken away (Hodge), and what is left is made orthonormal.
 local core = require "dm.core"
+local form = require "dm.dec.form"
 local operator = require "dm.dec.equations.operator"
 local option = require "dm.base.options"
 local sample = require "dm.dec.equations.sample"
@@ -164,11 +165,12 @@ function M.around(options, K, system, where)
   if u ~= nil and handles.count == 0 then
     option.fail(where, "option 'harmonic': the surface has no handles")
   end
-  if type(u) == "number" then
+  if form.is_form(u) then
+    u = sample.values(u, K, operator.primal(1), K:count(1), nil, where, "option 'harmonic'")
+  elseif type(u) == "number" or type(u) == "boolean" then
     option.fail(where, "option 'harmonic' must be a 1-form, a list of its values or a function")
   end
-  if type(u) == "function" then u = K:form(1, u) end
-  u = u and K:form(1, sample.values(u, K, operator.primal(1), K:count(1), nil, where, "harmonic"))
+  u = u and K:form(1, u)
   for k, eta in ipairs(handles.list) do
     out[k] = u and K:form(1, eta):wedge(u).values:dot(system.sign) or 0
   end
