@@ -187,29 +187,31 @@ int dml_curve_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] =
-    {{"curve", dml_curve_new,
-      "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
-      "Curve segments for rule =: an explicit one-step method made variational, symplectic and of "
-      "the order of the method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, "
-      "butcher6, fehlberg7, dop853, and GSL's gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. "
-      "method may be a function(x, f, h) or function(x, f, h, t) that gives the state x = (q, v), "
-      "a vector of 2 n entries, after a step h of x' = f(x) (f(x, t) takes the time too). "
-      "f:along(x, u, ...) is the derivative of f at x along u, the second one along two "
-      "directions, ..., at most four, for Taylor methods: x + h*k + h^2/2*f:along(x, k), k = f(x). "
-      "substeps = function(x, h, t): how many equal substeps of the method a step has (rounded, 1 "
-      "to `most`, 4 unless given), or a list of weights of substeps (rounded to whole numbers, 0: "
-      "left out), from the state at its start; held for the step, derivatives too, so that a step "
-      "is symplectic wherever the choice does not change; solver:report().substeps_per_step. "
-      "The order is found, and `order` (optional) checked against it. Methods that are linear in "
-      "the values of f, as Runge-Kutta, leapfrog and Nystroem methods are, become tables of "
-      "numbers; any other is written out as one expression. bias in [0, 1]: the part of a step "
-      "behind (q, v), 1 unless given, 1/2 for "
-      "\"straight\" and for symmetric rules; straight segments with bias 1/2 are the midpoint "
-      "rule, with 0 and 1 the two symplectic Euler methods. Systems may have force, control, "
-      "constraint and rolling. The rule as text: rule = "
-      "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"curve", dml_curve_new,
+     "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
+     "Curve segments for rule =: an explicit one-step method made variational, symplectic and of "
+     "the order of the method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, "
+     "butcher6, fehlberg7, dop853, and GSL's gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. "
+     "method may be a function(x, f, h) or function(x, f, h, t) that gives the state x = (q, v), "
+     "a vector of 2 n entries, after a step h of x' = f(x) (f(x, t) takes the time too). "
+     "f:along(x, u, ...) is the derivative of f at x along u, the second one along two "
+     "directions, ..., at most four, for Taylor methods: x + h*k + h^2/2*f:along(x, k), k = f(x). "
+     "f:along(x, t, u, ...) takes the time too, which goes on at the rate 1 along u and at another "
+     "one along { u, rate }: x + h*k + h^2/2*f:along(x, t, k), k = f(x, t). "
+     "substeps = function(x, h, t): how many equal substeps of the method a step has (rounded, 1 "
+     "to `most`, 4 unless given), or a list of weights of substeps (rounded to whole numbers, 0: "
+     "left out), from the state at its start; held for the step, derivatives too, so that a step "
+     "is symplectic wherever the choice does not change; solver:report().substeps_per_step. "
+     "The order is found, and `order` (optional) checked against it. Methods that are linear in "
+     "the values of f, as Runge-Kutta, leapfrog and Nystroem methods are, become tables of "
+     "numbers; any other is written out as one expression. bias in [0, 1]: the part of a step "
+     "behind (q, v), 1 unless given, 1/2 for "
+     "\"straight\" and for symmetric rules; straight segments with bias 1/2 are the midpoint "
+     "rule, with 0 and 1 the two symplectic Euler methods. Systems may have force, control, "
+     "constraint and rolling. The rule as text: rule = "
+     "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
+    {NULL, NULL, NULL}};
 
 const dml_class dml_class_curve = {
     .functions = functions,

@@ -15,7 +15,7 @@ static void read_kinds(lua_State *L, const dml_curve_asked *asked, dm_curve_reci
         const int kind = (int)lua_tointeger(L, -1);
         lua_pop(L, 1);
         directions[i] = kind / 2;
-        out->timed = out->timed && kind == 1;
+        out->timed = out->timed && kind % 2;
     }
     out->directions = directions;
 }

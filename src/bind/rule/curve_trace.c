@@ -39,6 +39,28 @@ static void append(lua_State *L, int list, int arg, long size, const char *what)
     }
 }
 
+/* the vector of a direction { u, rate } at `arg` and its rate are pushed; 0: it is a plain u */
+static int push_parts(lua_State *L, int arg) {
+    if (!lua_istable(L, arg) || lua_rawlen(L, arg) != 2) return 0;
+    lua_geti(L, arg, 2);
+    lua_geti(L, arg, 1);
+    if (lua_istable(L, -1) || dml_toarray(L, lua_gettop(L), 1)) return 1;
+    lua_pop(L, 2);
+    return 0;
+}
+
+/* append a direction: u, along which the time goes on at this rate, or { u, rate } */
+static void append_direction(lua_State *L, int list, int arg, long size, int rate) {
+    const int top = lua_gettop(L), parts = push_parts(L, arg);
+    if (parts && !rate)
+        luaL_error(L, "a direction { u, rate } needs a time: f:along(x, t, { u, rate })");
+    if (!parts) lua_pushinteger(L, rate);
+    append(L, list, parts ? top + 2 : arg, size, "a direction of f:along");
+    lua_pushvalue(L, top + 1);
+    lua_rawseti(L, list, (lua_Integer)lua_rawlen(L, list) + 1);
+    lua_settop(L, top);
+}
+
 /* A call at the point at `point`, at the time at `time` (nil: that of the step), along `count`
  * directions from `first` on; pushes its answer. */
 static int note_call(lua_State *L, int point, int time, int first, int count) {
@@ -52,7 +74,7 @@ static int note_call(lua_State *L, int point, int time, int first, int count) {
     append(L, list, point, size, "the argument of f");
     lua_pushvalue(L, timed ? time : lua_upvalueindex(TIME));
     lua_rawseti(L, list, (lua_Integer)lua_rawlen(L, list) + 1);
-    for (int i = 0; i < count; i++) append(L, list, first + i, size, "a direction of f:along");
+    for (int i = 0; i < count; i++) append_direction(L, list, first + i, size, timed);
     lua_pushinteger(L, 2 * count + timed);
     lua_rawseti(L, kinds, (lua_Integer)call + 1);
     dml_scalar *k = lua_newuserdatauv(L, (size_t)size * sizeof *k, 0);
@@ -68,14 +90,19 @@ static int field(lua_State *L) {
     return note_call(L, 2, 3, 0, 0);
 }
 
-/* f:along(x, u, ...): the derivative of f at x along u, the second one along two directions, ... */
+/* f:along(x, u, ...): the derivative of f at x along u, the second one along two directions, ...;
+ * f:along(x, t, u, ...) at that time */
 static int field_along(lua_State *L) {
-    const int count = lua_gettop(L) - 2;
+    const int timed = lua_gettop(L) > 2 && !lua_istable(L, 3) && !dml_toarray(L, 3, 1);
+    const int first = 3 + timed, count = lua_gettop(L) - first + 1;
+    if (timed && count < 1)
+        luaL_error(L, "a direction of f:along must be a vector: f:along(x, u) or, with the time, "
+                      "f:along(x, t, u)");
     if (count < 1) luaL_error(L, "f:along takes a point and a direction, f:along(x, u)");
     if (count > DM_RECIPE_DIRECTIONS)
         luaL_error(L, "f:along takes at most %d directions", DM_RECIPE_DIRECTIONS);
     lua_pushnil(L);
-    return note_call(L, 2, 3 + count, 3, count);
+    return note_call(L, 2, timed ? 3 : first + count, first, count);
 }
 
 /* push f for (asked, k, t, kinds, size) at 5, 3, 4, 6, 7 */

@@ -83,8 +83,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
         return "its method was traced for another number of coordinates";
     if (own && own->recipe && !own->recipe->timed && is_timed(m))
         return "the system depends on t, and its method, which is not linear in the values of f, "
-               "asks for f without the time: write f(x, t); f:along knows no time, make t a "
-               "coordinate";
+               "asks for f without the time: write f(x, t) and f:along(x, t, u)";
     return NULL;
 }
 

@@ -13,10 +13,10 @@ typedef struct dm_curve_recipe {
     uint32_t n;
     uint32_t serial; /* no two have the same */
     int calls;
-    int timed;             /* every call says its time, and none asks for a derivative */
+    int timed;             /* every call says its time */
     const int *directions; /* [calls]; 0: f itself */
     dm_graph *graph;
-    const dm_node *out; /* of every call x[2n], t, directions [2n] each; then the end [2n] */
+    const dm_node *out; /* of every call x[2n], t, directions (u[2n], dt) each; the end [2n] */
 } dm_curve_recipe;
 
 #endif

@@ -44,7 +44,8 @@ static size_t most_directions(const dm_curve_recipe *r) {
 /* Those of the field, h, both momenta, shares; formal directions, formal work and a way along a
  * direction, which no caller sets. */
 size_t dm_written_inputs(const dm_curve *c, const dm_model *m) {
-    const size_t n = m->n, formal = 2 * n * most_directions(c->recipe) + n * gauss_nodes(c) + 1;
+    const size_t n = m->n,
+                 formal = (2 * n + 1) * most_directions(c->recipe) + n * gauss_nodes(c) + 1;
     return dm_field_inputs(m) + 1 + 2 * n + (size_t)c->substeps + formal;
 }
 
@@ -66,26 +67,27 @@ static void stand(const writer *b) {
     for (uint32_t i = 0; i < b->inputs; i++) b->with[i] = dm_input(b->d.g, i);
 }
 
-/* roots[count] at y[2n] and the time t, with directions[2n] each */
+/* roots[count] at y[2n] and the time t, with directions[2n + 1] each */
 static void put(const writer *b, dm_node *out, const dm_node *roots, size_t count, const dm_node *y,
                 dm_node t, const dm_node *directions, int asked) {
     const size_t N = 2 * b->n;
     stand(b);
     memcpy(b->with, y, N * sizeof *y);
     b->with[N] = t;
-    for (size_t i = 0; directions && i < N * (size_t)asked; i++)
+    for (size_t i = 0; directions && i < (N + 1) * (size_t)asked; i++)
         b->with[b->direction + i] = directions[i];
     dm_substitute(b->d.g, roots, (uint32_t)count, b->with, out);
 }
 
-/* out[n] = d/ds f[n](y + s u) at s = 0, u the formal direction of that number: one sweep, where
- * the Jacobian would need one for each entry of y and its derivatives N times as many nodes */
+/* out[n] = d/ds f[n](y + s u, t + s dt) at s = 0, (u, dt) the formal direction of that number: one
+ * sweep, where the Jacobian would need one for each entry of y and its derivatives N times as many
+ * nodes */
 static void differentiate(const writer *b, dm_node *out, const dm_node *f, size_t which) {
     const uint32_t n = (uint32_t)b->n, N = 2 * n, s = b->along_by;
     dm_graph *g = b->d.g;
     stand(b);
-    for (uint32_t j = 0; j < N; j++) {
-        const dm_node u = dm_input(g, b->direction + (uint32_t)which * N + j);
+    for (uint32_t j = 0; j <= N; j++) {
+        const dm_node u = dm_input(g, b->direction + (uint32_t)which * (N + 1) + j);
         b->with[j] = dm_add(g, dm_input(g, j), dm_mul(g, dm_input(g, s), u));
     }
     dm_substitute(g, f, n, b->with, b->asked);
@@ -143,7 +145,7 @@ static void step_method(const writer *b, dm_node *x, dm_node length, dm_node t) 
     const dm_node *out = b->r->out;
     memset(b->answer, 0, DM_CURVE_STAGES * N * sizeof *b->answer);
     for (int i = 0; i < b->r->calls; i++) {
-        const size_t count = N + 1 + N * (size_t)b->r->directions[i];
+        const size_t count = (N + 1) * (1 + (size_t)b->r->directions[i]);
         offer(b, x, length, t);
         dm_transplant(b->d.g, b->r->graph, out, (uint32_t)count, b->with, b->asked);
         answer_call(b, b->answer + (size_t)i * N, b->asked, b->r->directions[i]);
@@ -321,7 +323,7 @@ static void place_inputs(writer *b, dm_written *out) {
     b->p0 = (uint32_t)out->p0;
     b->share = (uint32_t)out->share;
     b->direction = b->share + (uint32_t)b->c->substeps;
-    b->held = b->direction + (uint32_t)(2 * b->n * most_directions(b->r));
+    b->held = b->direction + (uint32_t)((2 * b->n + 1) * most_directions(b->r));
     b->along_by = b->held + (uint32_t)(b->n * gauss_nodes(b->c));
 }
 
@@ -337,7 +339,7 @@ static dm_status write_out(dm_written *out, writer *b) {
     const size_t N = 2 * b->n;
     segment s = {0};
     b->answer = take(b, DM_CURVE_STAGES * N);
-    b->asked = take(b, N + 1 + DM_RECIPE_DIRECTIONS * N);
+    b->asked = take(b, (N + 1) * (1 + DM_RECIPE_DIRECTIONS));
     const size_t recipe = dm_graph_inputs(b->r->graph);
     b->with = take(b, b->inputs > recipe ? b->inputs : recipe);
     if (!b->answer || !b->asked || !b->with) return DM_NO_MEMORY;

@@ -143,6 +143,28 @@ end }
 local swing = { q = { 1.2 }, v = { 0.5 } }
 local goal = final(driven, "gauss(4)", swing, 200)
 near(log((final(driven, timed, swing, 60) - goal):norm() / (final(driven, timed, swing, 120) - goal):norm(), 2), 2, 0.1, "with the time of its points: order 2")
+-- Taylor methods along (f, 1): x'' = f_x f + f_t, and so on
+local function timed_taylor(order)
+  return dm.curve { order = order, method = function(x, f, h, t)
+    local x1 = f(x, t)
+    local x2 = f:along(x, t, x1)
+    local y = x + h * x1 + h ^ 2 / 2 * x2
+    if order == 2 then return y end
+    local x3 = f:along(x, t, x1, x1) + f:along(x, t, { x2, 0 })
+    y = y + h ^ 3 / 6 * x3
+    if order == 3 then return y end
+    return y + h ^ 4 / 24 * (f:along(x, t, x1, x1, x1) + 3 * f:along(x, t, x1, { x2, 0 }) + f:along(x, t, { x3, 0 }))
+  end }
+end
+for order = 2, 4 do
+  local rule = timed_taylor(order)
+  local coarse, fine = (final(driven, rule, swing, 30) - goal):norm(), (final(driven, rule, swing, 60) - goal):norm()
+  near(log(coarse / fine, 2), order, 0.25, ("Taylor's method with the time, order %d"):format(order))
+end
+-- where nothing depends on t it is the one that does not ask
+local still, told = final(kepler, dm.curve { method = taylor(3) }, round, 20), final(kepler, timed_taylor(3), round, 20)
+near((still - told):norm(), 0, 1e-14, "and without a time in L that of f:along(x, u)")
+raises("write f(x, t) and f:along(x, t, u)", function() final(driven, dm.curve { method = taylor(2) }, swing, 10) end)
 raises("write f(x, t)", function() final(driven, dm.curve { method = bent }, swing, 10) end)
 
 -- misuse
@@ -156,6 +178,8 @@ end
 bad("order 2 only", taylor(2), { order = 3 })
 bad("a direction", function(x, f, h) return x + h * f:along(x) end)
 bad("direction of f:along must be a vector", function(x, f, h) return x + h * f(x) + h * h * f:along(x, 3) end)
+bad("{ u, rate } needs a time", function(x, f, h) local k = f(x) return x + h * k + h * h * f:along(x, { k, 1 }) end)
+bad("direction of f:along must be a vector", function(x, f, h, t) return x + h * f(x, t) + h * h * f:along(x, t, { 1 }) end)
 bad("at most 4 directions", function(x, f, h) local k = f(x) return x + h * k + h ^ 6 * f:along(x, k, k, k, k, k) end)
 bad("not consistent", function(x, f, h) local k = f(x) return x + h * f:along(x, k) end)
 bad("not consistent", function(x, f, h) return x / 0 + h * f(x) * f(x):norm() end)
