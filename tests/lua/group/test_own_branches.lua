@@ -33,6 +33,13 @@ local angle = dm.system { Q = dm.R(1), L = function(x, v) return v[1] ^ 2 / 2 + 
 local same = angle:solver { rule = "gauss(4)", h = 0.05 }:run { q = { 2 }, v = { 1.5 }, t = 6 }
 near(run.p[#run][1], same.p[#same][1], 1e-8, "a run that begins at such an element")
 
+---- a screw: it turns and goes along its axis; its group is a line ----
+local screw = dm.group { name = "screw", basis = { { { 0, -1, 0, 0 }, { 1, 0, 0, 0 }, { 0, 0, 0, 0.3 }, { 0, 0, 0, 0 } } } }
+for _, angle in ipairs { 1, 5, -7, 11, 300 } do
+  ok(screw:valid(screw:exp { angle }), "an element of the screw " .. angle)
+  near(screw:log(screw:exp { angle })[1], angle, 1e-11, "its one logarithm " .. angle)
+end
+
 ---- SU(3), as real matrices: eigenvalues 2.5, 2.5 and -5 rad away ----
 local function entry(M, i, j, re, im)
   M[i][j], M[i][j + 3], M[i + 3][j], M[i + 3][j + 3] = re, -im, im, re

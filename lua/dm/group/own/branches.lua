@@ -15,6 +15,7 @@ local LOOSE = 1e-6 -- how far g may be from exp of its logarithm
 local STARTS = 64  -- elements that g is seen from
 local REACH = 16   -- rad, of the farthest of them
 local NEAR = 0.01  -- how far g may be from an element of another branch that it is taken for
+local MOST = { 8, 8, 3, 2, 2, 1, 1, 1 } -- whole turns of a plane, of so many
 local SAME = 1e-7  -- how far apart equal eigenvalues may be, beside them
 
 --- |g - h| beside g.
@@ -41,18 +42,6 @@ local function views(kit, g)
   end
 end
 
---- How far g is from the group, by its principal logarithm, or its square's, where it has one.
-function M.defect(kit, g)
-  local _, off = principal(kit, g)
-  if not off then _, off = principal(kit, g * g) end
-  if not off or off <= LOOSE then return off or 0 end
-  for _, seen in views(kit, g) do
-    if seen < off then off = seen end
-    if off <= LOOSE then break end
-  end
-  return off
-end
-
 --- The element near g: that of the principal logarithm, but where g is very near another one.
 function M.project(kit, g)
   local _, off
@@ -67,17 +56,20 @@ end
 
 ---- other logarithms ----
 
--- eigenvalues a + i b with b >= 0, each once
+local function is_same(e, f)
+  return math.abs(e.a - f.a) + math.abs(e.b - f.b) <= SAME * (math.abs(e.a) + math.abs(e.b))
+end
+
+-- eigenvalues a + i b with b >= 0, each once, with how often it occurs
 local function eigenvalues(g)
   local re, im = g:eigenvalues()
   local out = {}
   for i = 1, #re do
-    local fresh = im[i] >= 0
-    for _, known in ipairs(out) do
-      local apart = math.abs(known.a - re[i]) + math.abs(known.b - im[i])
-      fresh = fresh and apart > SAME * (math.abs(re[i]) + math.abs(im[i]))
+    local e, known = { a = re[i], b = im[i], count = 1 }, nil
+    for _, other in ipairs(out) do
+      if is_same(other, e) then known = other end
     end
-    if fresh then out[#out + 1] = { a = re[i], b = im[i] } end
+    if known then known.count = known.count + 1 elseif e.b >= 0 then out[#out + 1] = e end
   end
   return out
 end
@@ -93,10 +85,12 @@ local function turns(g)
       local function times(factor, x, y) R, u, v = R * factor, u * x - v * y, u * y + v * x end
       for _, other in ipairs(list) do
         local shifted, x = g - other.a * one, e.a - other.a
-        if other ~= e and other.b == 0 then
-          times(shifted, x, e.b)
-        elseif other ~= e then
-          times(shifted * shifted + other.b ^ 2 * one, x ^ 2 - e.b ^ 2 + other.b ^ 2, 2 * x * e.b)
+        for _ = 1, other ~= e and other.count or 0 do
+          if other.b == 0 then
+            times(shifted, x, e.b)
+          else
+            times(shifted * shifted + other.b ^ 2 * one, x ^ 2 - e.b ^ 2 + other.b ^ 2, 2 * x * e.b)
+          end
         end
       end
       local size = u * u + v * v
@@ -106,42 +100,35 @@ local function turns(g)
   return out
 end
 
--- calls f with all lists of so many whole numbers from -most to most
-local function each_list(count, most, f)
-  local n = {}
-  local function go(k)
-    if k > count then return f(n) end
-    for i = -most, most do
-      n[k] = i
-      go(k + 1)
-    end
-  end
-  go(1)
-end
-
 -- the part of a matrix across the algebra
 local function across(kit, m) return m - kit.hat(kit.vee(m)) end
 
+-- sum a_ij b_ij
+local function inner(a, b) return (a:transpose() * b):trace() end
+
 -- The shortest of L + 2 pi sum n_j J_j that lies in the algebra, L the principal logarithm; nil.
+-- The last n_j is what the others ask for, unless its plane turns within the algebra.
 local function other_branch(kit, g)
   local L, J = matrix_functions.log(g), turns(g)
-  local rest, sides, best, least = across(kit, L), {}, nil, math.huge
+  local most, sides, best, least = MOST[#J] or 0, {}, nil, math.huge
   for j, turn in ipairs(J) do
     J[j] = 2 * math.pi * turn
     sides[j] = across(kit, J[j])
   end
-  local most = #J <= 2 and 8 or #J <= 4 and 2 or #J <= 8 and 1 or 0
-  each_list(#J, most, function(n)
-    local off = rest
-    for j, k in ipairs(n) do
-      if k ~= 0 then off = off + k * sides[j] end
+  local function go(k, off, X)
+    if k > #J then
+      local x = kit.vee(X)
+      if linear.largest(off) <= LOOSE and x:norm() < least then best, least = x, x:norm() end
+      return
     end
-    if linear.largest(off) > LOOSE then return end
-    local X = L
-    for j, k in ipairs(n) do X = X + k * J[j] end
-    local x = kit.vee(X)
-    if x:norm() < least then best, least = x, x:norm() end
-  end)
+    local from, to, size = -most, most, inner(sides[k], sides[k])
+    if k == #J and size > LOOSE then
+      from = math.floor(0.5 - inner(sides[k], off) / size)
+      to = from
+    end
+    for n = from, to do go(k + 1, off + n * sides[k], X + n * J[k]) end
+  end
+  go(1, across(kit, L), L)
   return best and distance(g, kit.exp(best)) <= LOOSE and best or nil
 end
 
@@ -152,6 +139,20 @@ function M.log(kit, g)
   if d and off <= LOOSE then return d end
   if not d then return kit.principal(g) end -- says why there is none
   return other_branch(kit, g) or error("no logarithm of the matrix lies in the algebra", 0)
+end
+
+--- How far g is from the group, by its principal logarithm, or its square's, where it has one.
+function M.defect(kit, g)
+  local d, off = principal(kit, g)
+  if not d then off = select(2, principal(kit, g * g)) end
+  if not off or off <= LOOSE then return off or 0 end
+  local x = d and other_branch(kit, g)
+  if x then return distance(g, kit.exp(x)) end
+  for _, seen in views(kit, g) do
+    if seen < off then off = seen end
+    if off <= LOOSE then break end
+  end
+  return off
 end
 
 return M
