@@ -204,7 +204,8 @@ method("solver", function(Ld, given)
     out.rule = Ld.rule
     return Ld.system:solver(out)
   end
-  out.rule = rule_of(Ld)
+  Ld.own_rule = Ld.own_rule or rule_of(Ld) -- one for all solvers: its order is measured once
+  out.rule = Ld.own_rule
   return Ld.frame:solver(out)
 end, [[
 Ld:solver{newton=, backend=} -> dm.solver
