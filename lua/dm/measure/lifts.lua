@@ -166,11 +166,9 @@ local LIFTS = { collective = collective, homogeneous = homogeneous }
 -- flat coordinates on the group, and down(q, p) -> these and mu, one after the other.
 function M.lifted(solver) return LIFTS[solver.lift](solver.system) end
 
--- where vectors (u, dp) at (q, p) lead, those of the prolonged system, and the end
-local function run_vectors(solver, lifted, newton, q, p, t0, steps, vectors)
-  local runs, N = prolong.system(lifted):solver { rule = prolong.rule(lifted, solver.rule),
-    h = solver.h, newton = newton }, #q
-  local out, last = {}, nil
+-- where vectors (u, dp) at (q, p) lead by a solver of the prolonged system, and the end
+local function run_vectors(runs, q, p, t0, steps, vectors)
+  local N, out, last = #q, {}, nil
   for k, w in ipairs(vectors) do
     last = runs:run { q = lists.joined(q, lists.part(w, 0, N)),
       p = lists.joined(lists.part(w, N, N), p), t0 = t0, steps = steps, every = math.max(steps, 1) }
@@ -207,11 +205,13 @@ function M.map(solver, newton)
   local N, d = own.size, own.dimension
   local lifted, to, J = M.lifted(solver)
   local up, down = between(own, to, J)
+  local runs = prolong.system(lifted):solver { rule = prolong.rule(lifted, solver.rule),
+    h = solver.h, newton = newton }
   return function(s, count, vectors)
     local q = core.vector(own.flat(s.q))
     local p, raised, out = core.vector(to(q, s.p)), {}, {}
     for k, w in ipairs(vectors) do raised[k] = up(q, s.p, w) end
-    local led, q1, p1 = run_vectors(solver, lifted, newton, q, p, s.t, count, raised)
+    local led, q1, p1 = run_vectors(runs, q, p, s.t, count, raised)
     for k, w in ipairs(led) do out[k] = down(q1, p1, w) end
     local z = J(q1, p1)
     s.q, s.p = own.element(lists.part(z, 0, N)), lists.part(z, N, d)
