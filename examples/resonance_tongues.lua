@@ -7,7 +7,7 @@ local picture = (arg and arg[1] or ".") .. "/resonance_tongues.png"
 
 local well = dm.system { name = "oscillator with a rim", Q = dm.R(1),
   L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 - q[1] ^ 3 / 3 end }
-local map = well:stability { rule = "verlet", h = { 1.2, 2, 161, "linear" }, amplitude = { 0.01, 0.6, 119, "linear" },
+local map = well:stability { rule = "verlet", h = { 1.2, 2, 161, "linear" }, amplitude = { 0.01, 0.6, 80, "linear" },
   q = function(amplitude) return { -amplitude } end, v = { 0 }, steps = 5000, refine = false }
 print(map)
 

@@ -281,8 +281,10 @@ local function check_generator(options, system, what)
 end
 
 -- the matrix at a state, whether it is that of the motion as a function, and the rate along a
--- generator; kept: what was traced, for the next state of the same system and parameters
+-- generator; kept: that the system can be linearised and what was traced, for the next state of the
+-- same system and parameters
 local function matrix_of(system, options, kept)
+  kept = kept or {}
   options, system = starts.lists(options, system)
   local what = "system:linearize"
   option.check(options, { "q", "v", "p", "t", "generator" }, what, "{ q =, v = }")
@@ -290,10 +292,11 @@ local function matrix_of(system, options, kept)
   local reduced = system.place and system.place.reduced
   if not reduced then option.need(options, "q", what, "the state is q and v (default: at rest)") end
   option.number(options, "t", what, nil, 0)
-  check_plain(system, what)
+  if not kept.plain then check_plain(system, what) end
+  kept.plain = true
   check_generator(options, system, what)
   local of = reduced and of_reduced or system.place and of_group or in_coordinates
-  local A, is_constant, w = of(system, options, what, kept or {})
+  local A, is_constant, w = of(system, options, what, kept)
   check_matrix(A, what)
   if options.generator then
     w, is_constant = w or is_constant, function() return true end

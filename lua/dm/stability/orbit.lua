@@ -1,6 +1,7 @@
 --- The orbit of a cell, whatever its rule does: states along it by steps as long as their error
 -- allows, and how often its coordinates turn.
 local blame = require "dm.base.blame"
+local lists = require "dm.base.lists"
 
 local M = {}
 
@@ -24,6 +25,14 @@ local function piece(system, state, T, largest, project)
   end
 end
 
+-- a state is a row of a path, whose q and p are read when they are asked for: most are not
+local State = {}
+function State.__index(state, key)
+  if key ~= "q" and key ~= "p" then return nil end
+  state[key] = state.path[key][state.row]
+  return state[key]
+end
+
 --- A list of { q, p, t } along the orbit of a start { q, v | p, t } over a time T, and the time
 -- that it goes to: T, or less where that takes too many steps. Pieces of it grow from that of the
 -- fastest oscillation on; none is longer than what is left of the steps, at the mean of the last
@@ -34,9 +43,10 @@ function M.states(system, start, T, fastest, project)
   while done < T and #out < ROWS do
     local path = piece(system, at, min(long, T - done), T / PIECES, project)
     if not path then break end
-    local mean = (path.t[#path] - path.t[1]) / (#path - 1)
+    local t = lists.plain(path.t)
+    local mean = (t[#path] - t[1]) / (#path - 1)
     for i = #out == 0 and 1 or 2, #path do
-      out[#out + 1] = { q = path.q[i], p = path.p[i], t = path.t[i] }
+      out[#out + 1] = setmetatable({ path = path, row = i, t = t[i] }, State)
     end
     at = out[#out]
     long = min(2 * long, max(1, ROWS - #out) * mean)
