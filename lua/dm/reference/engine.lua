@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local first_order = require "dm.reference.first_order"
 local forces = require "dm.reference.forces"
+local plain = require("dm.base.lists").plain
 
 local M = {}
 M.__index = M
@@ -140,7 +141,7 @@ local function pick(self, place, list)
       local path, used, words = (place == 1 and first_method or second_method)(self, rule)
       if path then
         self.unseen = self.unseen or solver_of(self, used):report().unseen
-        return used, path.t
+        return used, plain(path.t)
       end
       if not M.is_refusal(words) then
         -- what a longer try may do better is no refusal

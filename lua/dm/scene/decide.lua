@@ -52,12 +52,43 @@ local function named_rules(scene)
   return out
 end
 
--- what is watched along the reference, at these times
-local function known_at(scene, reference, times)
+-- the times of two lists, each once
+local function merged(a, b)
+  local out, i, k = {}, 1, 1
+  while a[i] or b[k] do
+    local t = min(a[i] or b[k], b[k] or a[i])
+    out[#out + 1] = t
+    if a[i] == t then i = i + 1 end
+    if b[k] == t then k = k + 1 end
+  end
+  return out
+end
+
+-- the rows of a record, which has those of all times, at some of them
+local function rows_at(record, all, times)
+  local where, out, k = {}, {}, 1
+  for i, t in ipairs(times) do
+    while all[k] ~= t do k = k + 1 end
+    where[i] = k
+  end
+  for name, values in pairs(record) do
+    local list = {}
+    for i, row in ipairs(where) do list[i] = values[row] end
+    out[name] = core.vector(list)
+  end
+  return out
+end
+
+-- what is watched along the reference, at the times of both lists, by one run
+local function known_at(scene, reference, a, b)
+  local times = merged(a, b)
   local fine, path = blame.try(reference.path, reference, times)
-  if fine then return pilot.record(scene.problem, path) end
-  fail("the tolerance cannot be promised: the reference was known at %d times, but not at %d more: "
-    .. "%s; give more seconds", #reference.at, #times, pilot.first_line(path))
+  if not fine then
+    fail("the tolerance cannot be promised: the reference was known at %d times, but not at %d "
+      .. "more: %s; give more seconds", #reference.at, #times, pilot.first_line(path))
+  end
+  local record = pilot.record(scene.problem, path)
+  return rows_at(record, times, a), rows_at(record, times, b)
 end
 
 local function start_search(scene, given)
@@ -65,12 +96,13 @@ local function start_search(scene, given)
     scene.options.frame and (scene.tolerant and "best" or "best, or any"))
   local times, problem = mesh(reference, PILOT_TIMES), scene.problem
   scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference
-  scene.checked = known_at(scene, reference, scene.check_times)
+  local known
+  scene.checked, known = known_at(scene, reference, scene.check_times, times)
   scene.uncertainty = 2 * (scene.options.frame and reference.noise or reference.distance)
     + pilot.round_off(problem, scene.checked)
   scene.reference_text = ("%s agree to %.1e of the tolerance"):format(reference.text,
     reference.distance)
-  return search.prepare({ times = times, reference = known_at(scene, reference, times),
+  return search.prepare({ times = times, reference = known,
     profile = scene.profile, bound = math.huge, pilots = 0, candidates = {}, models = {},
     resolved = #reference.times,
     fewest = narrow.present(given) and narrow.fewest(problem, reference.times, scene.check_times)

@@ -217,9 +217,8 @@ local UNIT = 2 ^ -52
 function M.round_off(problem, record)
   local worst = 0
   for _, name in ipairs(problem.columns) do
-    for _, x in ipairs(record[name]:totable()) do
-      worst = max(worst, UNIT * abs(x) / problem.tolerance[name])
-    end
+    local tolerance = problem.tolerance[name]
+    for _, x in ipairs(record[name]:totable()) do worst = max(worst, UNIT * abs(x) / tolerance) end
   end
   return worst
 end

@@ -3,33 +3,32 @@ local pilot = require "dm.scene.pilot"
 
 local M = {}
 
-local abs, max, min, huge = math.abs, math.max, math.min, math.huge
+local max, min, huge = math.max, math.min, math.huge
 
--- numbers of the times that are at least so much before and behind number k, else its neighbours
-local function around(t, k, far, further, before, behind)
-  while before + 1 < k and t[before + 1] <= t[k] - far do before = before + 1 end
-  while behind < #t and (behind <= k or t[behind] < t[k] + further) do behind = behind + 1 end
-  return before, behind
-end
-
--- Where in the line between two rows the motion is looked at. In the middle, where a parabola is
--- furthest off; elsewhere for what is shorter than the line, as the passage of a wall: behind
+-- Where in the line between two rows the motion is looked at: first in the middle, where a parabola
+-- is furthest off; elsewhere for what is shorter than the line, as the passage of a wall: behind
 -- a jump at a part f of the line it is 1 - f of the jump off.
-local MIDDLE, ELSEWHERE = 1 / 2, { 1 / 32, 1 / 8, 1 / 4, 3 / 8, 5 / 8, 3 / 4, 7 / 8, 31 / 32 }
+local MIDDLE = 1 / 2
+local PARTS = { MIDDLE, 1 / 32, 1 / 8, 1 / 4, 3 / 8, 5 / 8, 3 / 4, 7 / 8, 31 / 32 }
 local BETWEEN = 1.15  -- what is off between these places
 local DENSE = 4       -- times of the check in a line: it is no parabola then
 
--- the largest distance of x from straight lines of length H that have it at the part f of them; one
--- beyond `enough`, where there is such a one
+-- The largest distance of x from straight lines of length H that have it at the part f of them; one
+-- beyond `enough`, where there is such a one. Points before and behind number k: at least so far
+-- from it, else its neighbours.
 local function off_lines(t, x, H, f, enough)
-  local worst, before, behind = 0, 1, 3
-  for k = 2, #t - 1 do
-    if f == MIDDLE or DENSE * (t[k + 1] - t[k - 1]) < 2 * H then
-      before, behind = around(t, k, f * H, (1 - f) * H, before, behind)
+  local worst, before, behind, count, is_middle = 0, 1, 3, #t, f == MIDDLE
+  for k = 2, count - 1 do
+    if is_middle or DENSE * (t[k + 1] - t[k - 1]) < 2 * H then
+      local from, to = t[k] - f * H, t[k] + (1 - f) * H
+      while before + 1 < k and t[before + 1] <= from do before = before + 1 end
+      while behind < count and (behind <= k or t[behind] < to) do behind = behind + 1 end
       local a, b = t[k] - t[before], t[behind] - t[k]
-      local off = abs(x[k] - (b * x[before] + a * x[behind]) / (a + b))
-      worst = max(worst, off * (f == MIDDLE and H * H / (4 * a * b)
-        or min(1, H / (a + b)) * BETWEEN))
+      local off = x[k] - (b * x[before] + a * x[behind]) / (a + b)
+      if off < 0 then off = -off end
+      off = off * (is_middle and H * H / (4 * a * b)
+        or (H < a + b and H / (a + b) or 1) * BETWEEN)
+      if off > worst then worst = off end
       if worst > enough then return worst end
     end
   end
@@ -39,17 +38,19 @@ end
 -- Largest distance, in tolerances, of the motion from straight lines between rows that are H apart.
 -- The reference tells it, at the times of the check, which are dense where the motion is fast: a
 -- parabola that is y off the line through points a before, b behind is y H^2/(4 a b) off at most.
--- One that is more than `room` is enough, where room is given.
-local function bend(scene, H, room)
-  local problem, t, worst = scene.problem, scene.check_times, 0
-  for _, name in ipairs(problem.columns) do
-    local x, tolerance = scene.checked[name]:totable(), problem.tolerance[name]
-    local enough = room and room * tolerance or huge
-    worst = max(worst, off_lines(t, x, H, MIDDLE, enough) / tolerance)
-    for _, f in ipairs(ELSEWHERE) do
-      if room and worst > room then return worst end
-      worst = max(worst, off_lines(t, x, H, f, enough) / tolerance)
+-- Where a part of the line is more than `room` off, or a point more than `enough`, no other is
+-- looked at.
+local function bend(scene, H, room, enough)
+  local problem, worst, columns = scene.problem, 0, {}
+  for i, name in ipairs(problem.columns) do columns[i] = scene.checked[name]:totable() end
+  for _, f in ipairs(PARTS) do
+    for i, name in ipairs(problem.columns) do
+      local tolerance = problem.tolerance[name]
+      worst = max(worst, off_lines(scene.check_times, columns[i], H, f, enough * tolerance)
+        / tolerance)
+      if worst > enough then return worst end
     end
+    if worst > room then return worst end
   end
   return worst
 end
@@ -60,10 +61,11 @@ function M.every(scene, room, per_frame)
   local c, every = scene.best, per_frame or 1
   if not pilot.is_even(c.rule) then return nil, huge end
   local h = scene.problem.T / c.N
-  local err = bend(scene, every * h, not per_frame and room)
+  local most = per_frame and huge or room
+  local err = bend(scene, every * h, most, most)
   if err > room or per_frame then return every, err end
   while 8 * every < c.N do
-    local more = bend(scene, 2 * every * h, room)
+    local more = bend(scene, 2 * every * h, room, room)
     if more > room then break end
     every, err = 2 * every, more
   end
@@ -85,7 +87,7 @@ local FIRST, MOST = 256, 1e6
 function M.lines(scene, room, frames)
   local unit, count = frames or 1, frames or FIRST
   while count <= MOST do
-    local err = bend(scene, scene.problem.T / count)
+    local err = bend(scene, scene.problem.T / count, room, huge)
     if err <= room then return count, err end
     count = unit * math.ceil(count / unit * min(64, max(1.2, 1.1 * math.sqrt(err / room))))
   end
