@@ -6670,11 +6670,11 @@ function dm.sum_over(x, ...) end
 ---@return dm.sweep
 function dm.sweep(options) end
 
----dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, coordinates=, units=, params=, derivatives=} -> dm.system
+---dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, coordinates=, units=, params=, derivatives=, crossings=} -> dm.system
 ---
 ---A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, with params, L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at every run, so a changed upvalue is picked up. coordinates: dim Q names, used for columns; units: table name -> unit, used for labels; derivatives: "exact" (traced, the default) or "hyperdual" for functions that branch on the state. Raises when L cannot be traced, with what to use instead.
 ---H(q, p), H(q, p, t) or H(q, p, t, params) in place of L: a Hamiltonian. Quadratic in p with a regular mass it is taken as its Lagrangian, in the field L, and every rule steps it; functions of a state get v = dH/dp. Any other (point vortices, H = q p, a relativistic particle) is stepped as it stands, by rules of stages and explicit rules, and starts from q and p, or from v where dH/dp = v has a solution.
----constraint(q [, t]) returns what shall be zero along every path (holonomic: reactions along its gradient), rolling(q, v [, t]) what shall be zero of the velocities (reactions along its derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) returns), force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq (discrete Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is what control returned at the start of the step and is held over it; each a number, a vector or a table, traced like L. Rules without them refuse the system and name others.
+---constraint(q [, t]) returns what shall be zero along every path (holonomic: reactions along its gradient), rolling(q, v [, t]) what shall be zero of the velocities (reactions along its derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) returns), force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq (discrete Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is what control returned at the start of the step and is held over it; each a number, a vector or a table, traced like L. Rules without them refuse the system and name others. A step over a place where constraints cross, as the flat position of a parallelogram, ends the run; with crossings = true steps go over it, mostly straight on.
 ---@param options? table
 ---@return dm.system
 function dm.system(options) end

@@ -48,12 +48,18 @@ static int has_diagonal(dm_node *A, uint32_t m, int symmetric) {
     return !zeros;
 }
 
+static dm_node lesser(dm_graph *g, dm_node a, dm_node b) {
+    return a ? dm_apply(g, DM_OP_MIN, a, b, 0) : b;
+}
+
 /* eliminated in the order of the rows; the reciprocals of the pivots stay on the diagonal */
-static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
+static dm_node eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
     const dm_node one = dm_constant(g, 1.0);
+    dm_node least = 0;
     for (uint32_t k = 0; k < m; k++) {
         dm_node *pivot = A + k * (size_t)m;
         find_pivot(A, x, m, k);
+        least = lesser(g, least, pivot[k]);
         pivot[k] = dm_div(g, one, pivot[k]);
         for (uint32_t i = k + 1; i < m; i++) {
             dm_node *row = A + i * (size_t)m;
@@ -69,6 +75,7 @@ static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
         for (uint32_t j = k + 1; j < m; j++) x[k] = dm_subtract_product(g, x[k], row[j], x[j]);
         if (x[k]) x[k] = dm_mul(g, x[k], row[k]);
     }
+    return least;
 }
 
 /* ---- along the diagonal, in an order that fills in little ---- */
@@ -80,6 +87,7 @@ typedef struct {
     uint32_t m, *order; /* [m]: what is eliminated first, second ... */
     uint32_t *depth;    /* [m]: divisions in a row before the pivot of a row is known */
     int symmetric;
+    dm_node least; /* of the pivots so far */
 } system_of;
 
 /* entry of the unknowns i, j */
@@ -113,6 +121,7 @@ static void choose(system_of *s, uint32_t k) {
 static void eliminate_one(system_of *s, uint32_t k) {
     const uint32_t p = s->order[k];
     dm_node *pivot = entry(s, p, p);
+    s->least = lesser(s->g, s->least, *pivot);
     *pivot = dm_div(s->g, dm_constant(s->g, 1.0), *pivot);
     for (uint32_t r = k + 1; r < s->m; r++) {
         const uint32_t i = s->order[r];
@@ -145,22 +154,20 @@ static void eliminate_diagonal(system_of *s) {
 }
 
 /* three and more */
-static void solve_many(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
+static dm_node solve_many(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
     system_of s = {.g = g, .A = A, .x = x, .m = m, .symmetric = symmetric};
-    if (!has_diagonal(A, m, symmetric)) {
-        eliminate(g, A, x, m);
-        return;
-    }
+    if (!has_diagonal(A, m, symmetric)) return eliminate(g, A, x, m);
     s.order = dm_arena_take(dm_graph_arena(g), 2 * (size_t)m * sizeof *s.order);
     s.depth = s.order + m;
     if (s.order)
         eliminate_diagonal(&s);
     else
         dm_graph_fail(g, DM_NO_MEMORY);
+    return s.least;
 }
 
 /* two by two by Cramer's rule: one division */
-static void solve_two(dm_graph *g, const dm_node *A, dm_node *x, int symmetric) {
+static dm_node solve_two(dm_graph *g, const dm_node *A, dm_node *x, int symmetric) {
     const dm_node a10 = symmetric ? A[1] : A[2], one = dm_constant(g, 1.0);
     dm_node determinant = dm_add_product(g, 0, A[0], A[3]);
     determinant = dm_subtract_product(g, determinant, A[1], a10);
@@ -171,14 +178,12 @@ static void solve_two(dm_graph *g, const dm_node *A, dm_node *x, int symmetric) 
     second = dm_subtract_product(g, second, a10, x[0]);
     x[0] = dm_mul(g, first, inverse);
     x[1] = dm_mul(g, second, inverse);
+    return determinant;
 }
 
 /* one unknown by a division, two by Cramer's rule */
-void dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
-    if (m == 1)
-        x[0] = dm_div(g, x[0], A[0]);
-    else if (m == 2)
-        solve_two(g, A, x, symmetric);
-    else
-        solve_many(g, A, x, m, symmetric);
+dm_node dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
+    if (m > 1) return m == 2 ? solve_two(g, A, x, symmetric) : solve_many(g, A, x, m, symmetric);
+    if (m == 1) x[0] = dm_div(g, x[0], A[0]);
+    return m == 1 ? A[0] : 0;
 }

@@ -12,7 +12,8 @@ dm_node dm_subtract_product(dm_graph *g, dm_node sum, dm_node x, dm_node y);
 /* x[m] = A^-1 x, where A[m*m] can be eliminated along its diagonal (it is near to a positive
  * definite matrix), in an order that fills in little; where a diagonal entry is zero everywhere,
  * by rows. Operations grow with what fills in: like m for a band or a tree. A is used up;
- * symmetric: only entries i <= j are read. Two unknowns by Cramer's rule, with one division. */
-void dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric);
+ * symmetric: only entries i <= j are read. Two unknowns by Cramer's rule, with one division.
+ * Returns the least pivot, of two unknowns the determinant. */
+dm_node dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric);
 
 #endif

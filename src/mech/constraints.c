@@ -71,6 +71,7 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
                         .forced = x->f != NULL,
                         .forces = x->forces,
                         .controls = x->controls,
+                        .crossings = x->crossings,
                         .u = x->u,
                         .graph = x->graph,
                         .g = x->g,

@@ -27,6 +27,7 @@ typedef struct dm_constraints {
     int forced;         /* is there a force? */
     uint32_t forces;    /* entries of f: n, or 2 n of a discrete Lagrangian: F1 at q0, F2 at q1 */
     uint32_t controls;  /* entries of u, which is held over a step and is seen by the force alone */
+    int crossings;      /* steps may go over places where g = 0 crosses itself (crossing.h) */
     unsigned structure, has; /* DM_CONSTRAINTS_*; DM_WANT_* that are built */
     /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); with controls the
      * forces take (q, v, t, k + l entries that they do not see, u[controls]); matrices are
@@ -56,6 +57,7 @@ typedef struct dm_constraints {
 typedef struct {
     dm_graph *graph;
     uint32_t n, holonomic, rolling, controls, forces;
+    int crossings;
     const dm_node *u;       /* [controls] or NULL */
     const dm_node *g, *phi; /* [k], [l] */
     const dm_node *f;       /* [forces] or NULL */

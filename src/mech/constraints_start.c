@@ -21,6 +21,7 @@ typedef struct {
     const double *W;
     uint32_t n, m;        /* unknowns; rows of A in use */
     int velocity;         /* v is moved, not q */
+    int by_mass;          /* rows are compared in coordinates in which masses are 1 */
     double *A, *c;        /* [m*n], [m] */
     double *S, *y;        /* A W A^T [m*m], scratch [m] */
     double *basis, *part; /* [m*n] orthonormal rows, [m*m] parts of rows along them */
@@ -144,12 +145,18 @@ static void drop_lost_rows(frame *f, const double *x) {
     memcpy(f->c, f->y, f->m * sizeof *f->c);
 }
 
+/* of coordinate c, for rows */
+static double unit_of(const frame *f, uint32_t c) {
+    const double w = f->by_mass ? fabs(f->W[c * ((size_t)f->n + 1)]) : 1.0;
+    return w > 0.0 && w < INFINITY ? sqrt(w) : 1.0;
+}
+
 /* row i with a largest entry of 1; 0: it is zero */
 static int scale(frame *f, uint32_t i) {
     const double *from = f->A + i * (size_t)f->n;
     double *row = f->basis + i * (size_t)f->n, size = 0.0;
-    for (uint32_t c = 0; c < f->n; c++) size = fmax(size, fabs(from[c]));
-    for (uint32_t c = 0; c < f->n; c++) row[c] = size > 0.0 ? from[c] / size : 0.0;
+    for (uint32_t c = 0; c < f->n; c++) size = fmax(size, fabs(from[c] * unit_of(f, c)));
+    for (uint32_t c = 0; c < f->n; c++) row[c] = size > 0.0 ? from[c] * unit_of(f, c) / size : 0.0;
     return size > 0.0;
 }
 
@@ -185,7 +192,8 @@ static uint32_t largest_part(frame *f, uint32_t i) {
 
 /* rows are made orthogonal one after the other; the first of which nothing is left depends on
  * others */
-static void find_dependent(frame *f, dm_constraints_defect *out) {
+static void find_dependent_in(frame *f, dm_constraints_defect *out) {
+    out->depends = out->on = 0;
     for (uint32_t i = 0; i < f->m; i++) {
         const double *row = f->basis + i * (size_t)f->n;
         const int some = scale(f, i);
@@ -198,6 +206,17 @@ static void find_dependent(frame *f, dm_constraints_defect *out) {
         for (uint32_t c = 0; c < f->n; c++) f->basis[i * (size_t)f->n + c] /= sqrt(left);
         f->part[i * (size_t)f->m + i] = sqrt(left);
     }
+}
+
+/* Rows that are parallel in coordinates of very different units, as those of a wheel with a radius
+ * of 1e8, need not be so in its motion. */
+static void find_dependent(frame *f, dm_constraints_defect *out) {
+    find_dependent_in(f, out);
+    if (!out->depends || !f->W) return;
+    const dm_constraints_defect plain = *out;
+    f->by_mass = 1;
+    find_dependent_in(f, out);
+    if (out->depends) *out = plain;
 }
 
 /* ---- the nearest point ---- */

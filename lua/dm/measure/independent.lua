@@ -127,6 +127,7 @@ local function with_rows(system, kept)
   local options = lists.copy(system.given)
   local all = options.constraint
   options.constraint = function(...) return selected(entries(all(...)), kept) end
+  options.crossings = true -- runs are told where they take a way that those left out forbid
   return core.system(options)
 end
 

@@ -11,8 +11,27 @@ static int failure_tostring(lua_State *L) {
     return 1;
 }
 
+/* holonomic constraints that lose rank inside of a step; one alone by its own row */
+static void push_crossing(lua_State *L, const dml_failure *f) {
+    lua_pushfstring(L,
+                    f->constraint > 1 ? "constraint %d depends on those before it"
+                                      : "the derivative of constraint %d vanishes",
+                    f->constraint);
+    lua_pushfstring(L,
+                    " inside of this step, at t = %f: the constraints cross there, more than one "
+                    "way leads on, and a step may take any of them; start where it is not met, "
+                    "write the way that is meant as constraints of its own, or let steps go over "
+                    "such places by crossings = true of the system",
+                    f->at);
+    lua_concat(L, 2);
+}
+
 /* constraints that lost rank */
 static void push_constraint(lua_State *L, const dml_failure *f) {
+    if (f->crosses) {
+        push_crossing(L, f);
+        return;
+    }
     lua_pushfstring(L,
                     "%s %d depends on those before it there, or its reactions cannot hold it: a "
                     "singular configuration of the constraints; start where it is not met, or "

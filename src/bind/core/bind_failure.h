@@ -13,8 +13,10 @@ typedef struct {
     int iterations;
     int fading;              /* d2L/dv2 was about to lose a value */
     int constraint, rolling; /* from 1: the one that depends on the others there, 0: none */
-    int turned;              /* `root` says all */
-    int constrained;         /* are there constraints, holonomic or rolling? */
+    int crosses;             /* that one does inside of the step, at this time */
+    double at;
+    int turned;      /* `root` says all */
+    int constrained; /* are there constraints, holonomic or rolling? */
     const char *rule;
     const char
         *root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */

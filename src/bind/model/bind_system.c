@@ -312,7 +312,7 @@ static const dml_row functions[] =
       "begin, and paths have no energy and no velocity."},
      {"system", dml_system_new,
       "dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, "
-      "coordinates=, units=, params=, derivatives=} -> dm.system\n"
+      "coordinates=, units=, params=, derivatives=, crossings=} -> dm.system\n"
       "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, with params, "
       "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at every "
       "run, so a changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
@@ -330,7 +330,9 @@ static const dml_row functions[] =
       "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq (discrete "
       "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is what "
       "control returned at the start of the step and is held over it; each a number, a vector or a "
-      "table, traced like L. Rules without them refuse the system and name others."},
+      "table, traced like L. Rules without them refuse the system and name others. A step over a "
+      "place where constraints cross, as the flat position of a parallelogram, ends the run; with "
+      "crossings = true steps go over it, mostly straight on."},
      {NULL, NULL, NULL}};
 
 static const dml_extension more[] = {

@@ -20,6 +20,7 @@ typedef struct {
     int hamiltonian;  /* 1: H(q, p, t) is stepped, there is no L (mech/hamiltonian.c) */
     int stand_in;     /* 1: of a discrete Lagrangian on a group; its L is none of the motion's */
     int field;        /* 1: of cells of a mesh; L gets no symbols for q and v, its sums read them */
+    int crossings;    /* 1: steps may go over places where its constraints cross */
     double h;         /* step of a discrete Lagrangian, else 0 */
     int constrained;  /* 1: it has one of the functions below; known once `asked` */
     int asked;

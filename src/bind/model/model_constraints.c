@@ -95,6 +95,7 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
     if (!any) return;
     check_lengths(L, m, dml_checksystem(L, arg)->pair);
     join(L, m);
+    m->constrained.crossings = dml_checksystem(L, arg)->crossings;
 }
 
 /* *cached is not changed. */

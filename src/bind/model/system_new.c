@@ -99,6 +99,14 @@ static void check_numbers(lua_State *L) {
             luaL_error(L, "field 'params': params.%s is NaN", luaL_tolstring(L, -2, NULL));
 }
 
+/* pushes it */
+static int check_crossings(lua_State *L) {
+    const int type = lua_getfield(L, 1, "crossings");
+    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
+        luaL_error(L, "field 'crossings' must be true or false (got %s)", luaL_typename(L, -1));
+    return lua_toboolean(L, -1);
+}
+
 /* what L can index */
 static void check_params(lua_State *L) {
     const int type = lua_getfield(L, 1, "params");
@@ -218,7 +226,8 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     const int field = lua_getfield(L, 1, "field") != LUA_TNIL;
     const int stand_in = lua_getfield(L, 1, "stand_in") != LUA_TNIL;
-    lua_pop(L, 2);
+    const int crossings = check_crossings(L);
+    lua_pop(L, 3);
     lua_pushvalue(L, place);
     const uint32_t momenta = dml_place_dimension(L, n);
     lua_pop(L, 1);
@@ -230,6 +239,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                       .hamiltonian = hamiltonian,
                       .hyperdual = wants_hyperdual(L),
                       .stand_in = stand_in,
+                      .crossings = crossings,
                       .field = field,
                       .h = h};
     keep_fields(L, known);
@@ -243,12 +253,12 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
 }
 
 int dml_system_new(lua_State *L) {
-    static const char *const known[] = {"Q",        "L",           "H",
-                                        "name",     "coordinates", "units",
-                                        "params",   "derivatives", "constraint",
-                                        "rolling",  "control",     "force",
-                                        "reaction", "columns",     "trivialization",
-                                        NULL};
+    static const char *const known[] = {"Q",         "L",           "H",
+                                        "name",      "coordinates", "units",
+                                        "params",    "derivatives", "constraint",
+                                        "rolling",   "control",     "force",
+                                        "reaction",  "columns",     "trivialization",
+                                        "crossings", NULL};
     dml_newsystem(L, known, 0);
     return 1;
 }

@@ -90,6 +90,8 @@ static dml_failure failure_of(const dml_stepping *r, dm_status status) {
                      .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
                      .constrained =
                          constraints && constraints->holonomic + constraints->rolling > 0,
+                     .crosses = r->stepper.report.trouble.crosses,
+                     .at = r->stepper.report.trouble.at,
                      .status = status,
                      .fading = fades(r, status)};
     f.root = why_of(r, status, &f.turned);

@@ -47,7 +47,8 @@ static size_t scratch_size(const sizes *z, const dm_model *m) {
     const size_t newton =
         dm_larger(dm_newton_work((uint32_t)z->unknowns), dm_newton_work((uint32_t)(z->n + z->m)));
     const size_t hidden = z->m * (z->m + z->n + 3);
-    return dm_larger(dm_larger(newton, hidden), dm_legendre_work(m));
+    const size_t crossing = dm_constrained_crossing_work(m->constraints);
+    return dm_larger(dm_larger(dm_larger(newton, hidden), dm_legendre_work(m)), crossing);
 }
 
 /* outputs of kernels */
@@ -307,7 +308,8 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     g->evaluations = 0;
     g->iterations = g->matrices = 0;
     g->residual = 0.0;
-    g->lost = 0;
+    g->volume = 0.0;
+    g->lost = 0, g->crosses = 0;
     if (g->h != h) dm_constrained_weights_scale(g, h);
     const int loose = (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     dm_status status = dm_constrained_begin(g);
@@ -319,9 +321,11 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
                            dm_constrained_turns(g) ? dm_constrained_turning_end(g, stepper)
                                                    : dm_constrained_finish(g, stepper),
                            1);
+    if (status == DM_OK && dm_constrained_crosses(g)) status = DM_SINGULAR;
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.trouble.dependent = (int)g->lost;
+    stepper->report.trouble.crosses = g->crosses, stepper->report.trouble.at = g->at;
     stepper->report.solves++;
     stepper->report.newton += g->iterations;
     stepper->report.matrices += g->matrices;

@@ -147,10 +147,12 @@ static dm_status weigh(dm_constrained *g, double *S, double *push, uint32_t *piv
             S[b * m + c] = sum;
         }
     }
-    *sines = 1.0;
-    for (uint32_t c = 0; c < m; c++) *sines /= S[c * m + c];
+    double cosines = 1.0, inverse = 1.0;
+    for (uint32_t c = 0; c < m; c++) cosines *= S[c * m + c];
     const dm_status status = dm_lu_factor(S, pivot, m);
-    for (uint32_t c = 0; c < m; c++) *sines /= S[c * m + c]; /* these are 1/U */
+    for (uint32_t c = 0; c < m; c++) inverse *= S[c * m + c]; /* these are 1/U */
+    g->volume = fabs(1.0 / inverse);
+    *sines = g->volume / cosines;
     return status;
 }
 

@@ -76,6 +76,9 @@ typedef struct {
     double residual;
     /* the constraint that depends on those before it, from 1; 0: none was found */
     uint32_t lost;
+    int crosses;   /* others there, inside of the step (mech/crossing.h), at this time */
+    double at;     /* its time */
+    double volume; /* of the rows at the end; 0: the hidden constraint did not tell it */
 } dm_constrained;
 
 /* without the call that fmax is */
@@ -169,6 +172,7 @@ dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *steppe
 
 size_t dm_constrained_memory_size(uint32_t n, uint32_t unknowns, uint32_t m);
 void dm_constrained_memory_clear(dm_constrained *g, double h);
+enum { DM_CONSTRAINED_VOLUMES = 2 }; /* place of two volumes, which are there for any h */
 int dm_constrained_memory_fits(const dm_constrained *g);
 const double *dm_constrained_memory_velocity(const dm_constrained *g); /* v1 */
 void dm_constrained_memory_keep(dm_constrained *g);
@@ -187,5 +191,9 @@ uint32_t dm_constrained_dependent(dm_constrained *g, int ended);
 /* Do rows depend on each other there to rounding, so that they leave a velocity open? A step that
  * ends so, exactly where they cross, may have any. */
 int dm_constrained_is_lost(dm_constrained *g, uint32_t k);
+
+/* Does the step that was made go over a place where holonomic constraints cross? g->lost says. */
+size_t dm_constrained_crossing_work(const dm_constraints *c);
+int dm_constrained_crosses(dm_constrained *g);
 
 #endif

@@ -1,5 +1,6 @@
 /* constrained_rank.c - which constraint cannot be held at a point of a step. */
 #include "integ/constrained/constrained_inside.h"
+#include "mech/crossing.h"
 
 #include <math.h>
 
@@ -45,4 +46,46 @@ int dm_constrained_is_lost(dm_constrained *g, uint32_t k) {
     double *work =
         rolling ? place_rows(g, rolling, dm_constrained_rolling(g, k), roll, 2 * roll) : NULL;
     return work && dm_constraints_dependent(g->constraints, rows, rolling, NONE, work) != 0;
+}
+
+/* ---- places between the ends ---- */
+
+size_t dm_constrained_crossing_work(const dm_constraints *c) {
+    return c->holonomic ? c->n + dm_crossing_work(c) : 0;
+}
+
+/* Rows of so many constraints are orthogonalized after a step, where it does not know their volume
+ * already. */
+enum { MANY = 16 };
+
+/* In which masses are 1; 0: there are none, as in tangent maps (place_rows). */
+static int find_units(const dm_constrained *g, double *unit) {
+    for (size_t i = 0; i < g->n; i++) {
+        const double own = fabs(g->mass[g->n + i * g->n + i]);
+        if (!(own > 0.0)) return 0;
+        unit[i] = 1.0 / sqrt(own);
+    }
+    return 1;
+}
+
+/* The volume at the end; g->scratch is room. 0: it is not known. */
+static int find_volume(dm_constrained *g) {
+    double *unit = g->scratch;
+    if (g->volume > 0.0) return 1;
+    if (g->k > MANY || !find_units(g, unit)) return 0;
+    g->volume =
+        dm_crossing_volume(g->constraints, dm_constrained_holonomic(g, g->K), unit, unit + g->n);
+    return 1;
+}
+
+int dm_constrained_crosses(dm_constrained *g) {
+    double *unit = g->scratch;
+    const dm_crossing_way way = {g->state, g->next, unit, g->t, g->t + g->h};
+    dm_crossing_place place;
+    if (!g->k || !find_volume(g) || !find_units(g, unit)) return 0;
+    if (!dm_crossing_in_step(g->constraints, g->memory + DM_CONSTRAINED_VOLUMES, g->volume, &way,
+                             &place, unit + g->n))
+        return 0;
+    g->lost = place.row, g->crosses = 1, g->at = place.t;
+    return 1;
 }

@@ -6,7 +6,7 @@
 #include "integ/constrained/constrained.h"
 #include "linalg/solve/newton.h"
 #include "linalg/solve/newton_limits.h"
-#include "mech/constraints.h"
+#include "mech/crossing.h"
 
 #include <math.h>
 #include <string.h>
@@ -20,10 +20,14 @@ typedef struct {
     dm_rattle_layout at;
     dm_rattle_kernels kernel;
     double *memory, *now, *next, *iterate, *change;
+    double *unit, *crossing; /* [n] in which masses are 1; what mech/crossing.h works on */
+    dm_crossing_watch watch;
 } layout;
 
-/* memory: h of the last step (0: there is none), which may be a part of a composition, its mu */
-enum { LAST, MU };
+/* memory: h of the last step (0: there is none), which may be a part of a composition, the volume
+ * of its rows and one to compare with (mech/crossing.h), its mu; and behind the norms of a step */
+enum { LAST, VOLUME, WATCHED, MU };
+enum { VOLUME_OF_NORMS = 3 };
 
 /* In doubles, so that what follows is aligned. */
 static size_t layout_size(void) {
@@ -52,18 +56,27 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
-/* Its kernels are its own. */
+/* Its kernels are its own but for what steps that may cross a singular place are looked into by. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    (void)m;
-    return 0;
+    return m->constraints && m->constraints->holonomic ? DM_WANT_HOLONOMIC : 0;
 }
 
 /* The kernels read and write whole buffers, three of them. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_rattle_layout at = dm_rattle_lay_out(m);
+    const size_t crossing = at.m ? at.n + dm_crossing_work(m->constraints) : 0;
     (void)rule;
-    return layout_size() + MU + at.m + 3 * (size_t)at.size + at.n;
+    return layout_size() + MU + at.m + 3 * (size_t)at.size + at.n + crossing;
+}
+
+/* M is constant. */
+static void find_units(layout *l, const dm_model *m) {
+    const size_t apart = m->structure & DM_DIAGONAL_MASS ? 1 : m->n + (size_t)1;
+    for (uint32_t i = 0; l->at.m && i < m->n; i++) {
+        const double own = fabs(m->mass_matrix[i * apart]);
+        l->unit[i] = own > 0.0 ? 1.0 / sqrt(own) : 1.0;
+    }
 }
 
 /* what never varies stays in the buffers */
@@ -85,6 +98,9 @@ static dm_status open(dm_stepper *s) {
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
     l->change = l->iterate + l->at.size;
+    l->unit = l->change + l->at.n;
+    l->crossing = l->unit + l->at.n;
+    find_units(l, s->model);
     memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
     const int shake = (s->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
@@ -134,7 +150,7 @@ static int is_known(const dm_stepper *s, const double *norms, double size) {
 
 /* one iteration more; what it changes y by */
 static void iterate_once(dm_stepper *s, layout *l) {
-    const size_t n = l->at.n, count = n + l->at.m + 3;
+    const size_t n = l->at.n, count = n + l->at.m + 4;
     double *y = l->now + l->at.y;
     dm_kernel_eval(&l->kernel.newton, l->now, l->iterate);
     for (size_t c = 0; c < n; c++) l->change[c] = l->iterate[c] - y[c];
@@ -189,6 +205,23 @@ static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) 
         if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
 }
 
+/* h^2 times a volume, in a buffer. */
+static double volume_of(const layout *l, const double *buffer) {
+    return buffer[l->at.norms + VOLUME_OF_NORMS];
+}
+
+/* Does the step that was made go over a place where constraints cross? `last`: of the step before.
+ */
+static dm_status look_for_crossing(dm_stepper *s, layout *l, double last) {
+    const double *x = l->now;
+    const dm_crossing_way way = {x, l->next, l->unit, x[l->at.t0], x[l->at.t]};
+    dm_crossing_place place;
+    if (!l->at.m || !dm_crossing_suspects(&l->watch, last, volume_of(l, x))) return DM_OK;
+    if (!dm_crossing_between(s->model->constraints, &way, &place, l->crossing)) return DM_OK;
+    s->report.trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
+    return DM_SINGULAR;
+}
+
 /* from l->now, which is left as it was where this fails, to l->next; then they change places */
 static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
     double *x = l->now, *norms = x + l->at.norms;
@@ -204,6 +237,10 @@ static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
     }
     if (solves && has_small_ones(s, l)) iterate_small_ones(s, l, h);
     dm_kernel_eval(&l->kernel.end, x, l->next);
+    if (!dm_crossing_is_far(&l->watch, norms[VOLUME_OF_NORMS])) {
+        const dm_status status = look_for_crossing(s, l, volume_of(l, l->next));
+        if (status != DM_OK) return status;
+    }
     look_at_constraint(s, l, l->next + l->at.g);
     s->report.newton += s->report.iterations;
     s->report.evaluations++;
@@ -222,12 +259,16 @@ static void load(layout *l, const double *state, double t, double h) {
     dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
     const double last = l->memory[LAST];
     const double part = last == h ? 1.0 : last == 0.0 ? 0.0 : h / last;
+    l->next[at->norms + VOLUME_OF_NORMS] = part * part * l->memory[VOLUME];
+    dm_crossing_expect(&l->watch, part * part * l->memory[WATCHED]);
     for (uint32_t i = 0; i < at->m; i++) l->now[at->guess + i] = part * l->memory[MU + i];
 }
 
 /* For the next step, of whatever length: mu is an impulse. */
 static void remember(layout *l, double h) {
     l->memory[LAST] = h;
+    l->memory[VOLUME] = volume_of(l, l->next);
+    l->memory[WATCHED] = l->watch.volume;
     memcpy(l->memory + MU, l->now + l->at.guess, l->at.m * sizeof *l->memory);
 }
 

@@ -21,7 +21,9 @@ typedef struct {
     uint32_t h, half, t0, t;            /* t at the end of the step */
     /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
     uint32_t y, lambda;
-    uint32_t norms; /* squares: of the last two changes of y, of y */
+    /* squares: of the last two changes of y, of y; h^2 times the least pivot of G W G0^T, of two
+     * constraints their determinant */
+    uint32_t norms;
     uint32_t size;
 } dm_rattle_layout;
 

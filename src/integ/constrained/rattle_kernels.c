@@ -29,7 +29,7 @@ dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
     at.y = at.h + 4;
     at.lambda = at.y + n;
     at.norms = at.lambda + k;
-    at.size = at.norms + 3;
+    at.size = at.norms + 4;
     return at;
 }
 

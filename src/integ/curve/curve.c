@@ -101,17 +101,18 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 }
 
 /* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the
- * last matrix */
+ * last matrix; volumes of rows (mech/crossing.h) */
 static size_t memory_size(const dm_curve *c, const dm_model *model) {
     const size_t n = model->n, m = dm_curve_unknowns(c, model);
-    return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2;
+    return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2 + DM_CROSSING_WATCHED;
 }
 
 /* Newton's method or the Legendre transform, never both. */
 static size_t scratch_size(const dm_curve *c, const dm_model *m) {
     const size_t newton = dm_newton_work((uint32_t)dm_curve_unknowns(c, m));
-    const size_t legendre = dm_legendre_work(m);
-    return newton > legendre ? newton : legendre;
+    const size_t legendre = dm_legendre_work(m), crossing = dm_curve_tie_crossing_work(m);
+    const size_t most = newton > legendre ? newton : legendre;
+    return crossing > most ? crossing : most;
 }
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
@@ -245,6 +246,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     dm_status status = dm_curve_solve(s, state, t, h);
     if (status == DM_OK) status = finish(e, s);
+    double *watched = e->memory + memory_size(&e->curve, s->model) - DM_CROSSING_WATCHED;
+    if (status == DM_OK) status = dm_curve_tie_look(e, watched, t, &s->report.trouble);
     s->report.evaluations += e->evaluations;
     if (status == DM_OK) report_constraints(e, &s->report);
     if (status == DM_OK) memcpy(state, e->next, 4 * e->n * sizeof *state);

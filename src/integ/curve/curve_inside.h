@@ -4,6 +4,7 @@
 
 #include "integ/curve/curve_choice.h"
 #include "integ/curve/curve_segment.h"
+#include "mech/crossing.h"
 
 /* What constraints bring into a step, all zero without any. The reaction of the start is R0 =
  * rows(q0)^T (pull kappa), the last unknowns kappa[m] in units of velocity. */
@@ -90,6 +91,11 @@ void dm_curve_tie_matrix(const dm_curve_step *e, double *J);
  * constraints: L_v = p + rows^T kappa, G v + g_t = 0, phi = 0 at (q, v, t). */
 dm_status dm_curve_tie_hide(dm_curve_step *e, const dm_stepper *s, double *v, const double *p,
                             const double *q, double t);
+
+/* After `hide`: DM_SINGULAR where the step, which began at t, goes over a place where holonomic
+ * constraints cross. watched: of mech/crossing.h. */
+size_t dm_curve_tie_crossing_work(const dm_model *m);
+dm_status dm_curve_tie_look(dm_curve_step *e, double *watched, double t, dm_trouble *trouble);
 
 /* Impulses of the step whose root is z; those of its end join them after `hide`. */
 void dm_curve_tie_keep(dm_curve_step *e, const double *z);

@@ -334,6 +334,37 @@ dm_status dm_curve_tie_hide(dm_curve_step *e, const dm_stepper *s, double *v, co
     return DM_OK;
 }
 
+/* ---- places where they cross ---- */
+
+size_t dm_curve_tie_crossing_work(const dm_model *m) {
+    const dm_constraints *c = m->constraints;
+    return c && c->holonomic ? m->n + dm_crossing_work(c) : 0;
+}
+
+/* units[n] in which masses are 1; 0: there are none */
+static int find_mass_units(const dm_curve_tie *c, double *unit) {
+    const size_t n = c->c->n;
+    for (size_t i = 0; i < n; i++) {
+        const double own = fabs(c->mass[n + i * n + i]);
+        if (!(own > 0.0)) return 0;
+        unit[i] = 1.0 / sqrt(own);
+    }
+    return 1;
+}
+
+dm_status dm_curve_tie_look(dm_curve_step *e, double *watched, double t, dm_trouble *trouble) {
+    const dm_curve_tie *c = &e->tie;
+    double *unit = e->scratch, *room = unit + e->n;
+    const dm_crossing_way way = {e->state, e->next, unit, t, t + e->h};
+    dm_crossing_place place;
+    *trouble = (dm_trouble){0};
+    if (!c->k || !find_mass_units(c, unit)) return DM_OK;
+    const double volume = dm_crossing_volume(c->c, c->start, unit, room);
+    if (!dm_crossing_in_step(c->c, watched, volume, &way, &place, room)) return DM_OK;
+    *trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
+    return DM_SINGULAR;
+}
+
 /* ---- impulses ---- */
 
 /* Of the start: R0; rolling constraints act along the segment too. */

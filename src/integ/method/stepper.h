@@ -21,6 +21,8 @@ typedef struct {
     double turn;   /* rad: it left its chart, which is all there is to say; 0: it did not */
     int dependent; /* constraints lose rank: one that depends on those before it, from 1 */
     int outside;   /* Newton's method met the edge of the domain of L */
+    int crosses;   /* that one crosses others inside of the step (mech/crossing.h) */
+    double at;     /* then the time of that place */
 } dm_trouble;
 
 /* What is known of the steps made so far. */

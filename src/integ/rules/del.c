@@ -58,17 +58,43 @@ static size_t memory(dm_stepper *s, double **place) {
     return dm_del_memory(s->model);
 }
 
+/* In units of momentum: D1D2 is nearly the mass over h. */
+static int find_units(const dm_del *e, double *unit) {
+    const size_t n = e->n;
+    for (size_t i = 0; i < n; i++) {
+        const double own = fabs(e->out[2 * n + i * n + i]);
+        if (!(own > 0.0)) return 0;
+        unit[i] = 1.0 / sqrt(own);
+    }
+    return 1;
+}
+
+/* Does the step go over a place where holonomic constraints cross? */
+static dm_status look_for_crossing(dm_stepper *s, const dm_del *e, double t, double h) {
+    const dm_constraints *c = s->model->constraints;
+    double *unit = e->scratch, *room = unit + e->n;
+    const dm_crossing_way way = {e->state, e->next, unit, t, t + h};
+    dm_crossing_place place;
+    s->report.trouble = (dm_trouble){0};
+    if (!e->k || !find_units(e, unit)) return DM_OK;
+    const double volume = dm_crossing_volume(c, e->there, unit, room);
+    if (!dm_crossing_in_step(c, e->memory + DM_DEL_WATCHED, volume, &way, &place, room))
+        return DM_OK;
+    s->report.trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
+    return DM_SINGULAR;
+}
+
 /* h is in Ld; it only helps where Ld(q, q) is not defined. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_del e = dm_del_lay_out(s);
     dm_newton_report report = {0};
-    (void)t;
     e.state = state;
     dm_del_take_roots(&e);
     dm_del_constrain_at(&e, e.here, state);
     int follows;
     dm_status status = dm_del_solve(&e, s, h, &report, &follows);
     if (status == DM_OK) status = dm_del_finish(&e);
+    if (status == DM_OK) status = look_for_crossing(s, &e, t, h);
     s->report.iterations = report.iterations;
     s->report.residual = report.residual;
     s->report.solves++;

@@ -6,7 +6,7 @@
 #include "base/largest.h"
 #include "integ/method/method.h"
 #include "linalg/solve/newton.h"
-#include "mech/constraints.h"
+#include "mech/crossing.h"
 
 #include <math.h>
 
@@ -37,8 +37,14 @@ typedef struct {
     long evaluations;
 } dm_del;
 
-/* places of the memory: how many steps there are, the state at the end, the last KEPT z */
-enum { DM_DEL_COUNT, DM_DEL_END, DM_DEL_KEPT = 4 };
+/* places of the memory: how many steps there are, volumes of rows of constraints (mech/crossing.h),
+ * the state at the end, the last KEPT z */
+enum {
+    DM_DEL_COUNT,
+    DM_DEL_WATCHED,
+    DM_DEL_END = DM_DEL_WATCHED + DM_CROSSING_WATCHED,
+    DM_DEL_KEPT = 4
+};
 
 /* Holonomic ones alone are known. */
 static inline uint32_t dm_del_constraints(const dm_model *m) {

@@ -28,11 +28,18 @@ size_t dm_del_memory(const dm_model *m) {
     return DM_DEL_END + 4 * (size_t)m->n + DM_DEL_KEPT * N + m->pair.memory_size;
 }
 
+/* of Newton's method, and of places where constraints cross */
+static size_t scratch_size(const dm_model *m) {
+    const size_t newton = dm_newton_work(m->n + dm_del_rows(m));
+    const size_t crossing = dm_del_constraints(m) ? m->n + dm_crossing_work(m->constraints) : 0;
+    return newton > crossing ? newton : crossing;
+}
+
 size_t dm_del_work(const dm_model *m) {
     const size_t n = m->n, r = dm_del_rows(m);
     return 2 * n + (2 * n + n * n) + n + (n + r) + 4 * n + dm_del_memory(m) + 2 * n + 1 + r +
            2 * constraint_outputs(m) + 2 * r + roll_outputs(m) + turn_outputs(m) + push_outputs(m) +
-           dm_newton_work((uint32_t)(n + r));
+           scratch_size(m);
 }
 
 /* No struct in the workspace: its places follow from the sizes. */

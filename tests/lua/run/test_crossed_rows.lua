@@ -22,18 +22,20 @@ for _, case in ipairs(systems) do
     end)
     ok(not fine and failure[key] == 3 and #failure.path < 23, ("%s: %s names the row at the place"):format(name, rule), failure)
   end
-  -- steps that pass by it at a distance have nothing open
-  for _, rule in ipairs { "gauss(2)", "lobatto(3)", "trapezoidal" } do
+  -- steps that pass by it at a distance have nothing open, where the rows say no more than velocities
+  for _, rule in ipairs(key == "rolling" and { "gauss(2)", "lobatto(3)", "trapezoidal" } or {}) do
     local path = system:solver { rule = rule, h = 0.05 }:run { q = { 0, 0, -1.02, 0 }, v = { 0, 0, 1, 0 }, steps = 100 }
     ok(path:drift "energy".largest < 1e-12, ("%s: %s passes beside it"):format(name, rule), path)
   end
 end
 
--- units: a wheel of radius 1e7 has rows that are nearly parallel in coordinates, and not in its motion
-local R = 1e7
-local wheel = dm.system { Q = dm.R(4), L = function(_, v) return (v[1] ^ 2 + v[2] ^ 2) / 2 + R ^ 2 * (v[3] ^ 2 / 4 + v[4] ^ 2 / 8) end,
-  rolling = function(q, v) return { v[1] - R * dm.cos(q[4]) * v[3], v[2] - R * dm.sin(q[4]) * v[3] } end }
-local path = wheel:solver { rule = "gauss(2)", h = 0.05 }:run { q = { 0, 0, 0, 0.3 }, v = { R * math.cos(0.3), R * math.sin(0.3), 1, 0.5 },
-  steps = 200 }
-ok(#path == 201, "a wheel of another size rolls")
+-- units: a wheel of radius 1e7 and more has rows that are nearly parallel in coordinates, and not in its motion, which is
+-- a circle of twice that radius
+for _, R in ipairs { 1e-8, 1e7, 1e8, 1e12 } do
+  local wheel = dm.system { Q = dm.R(4), L = function(_, v) return (v[1] ^ 2 + v[2] ^ 2) / 2 + R ^ 2 * (v[3] ^ 2 / 4 + v[4] ^ 2 / 8) end,
+    rolling = function(q, v) return { v[1] - R * dm.cos(q[4]) * v[3], v[2] - R * dm.sin(q[4]) * v[3] } end }
+  local path = wheel:solver { rule = "gauss(2)", h = 0.05 }:run { q = { 0, 0, 0, 0.3 }, v = { R * math.cos(0.3), R * math.sin(0.3), 1, 0.5 },
+    steps = 200 }
+  tap.near(path.q[#path][1] / R, 2 * (math.sin(5.3) - math.sin(0.3)), 1e-8, ("a wheel of radius %g rolls"):format(R))
+end
 tap.done()

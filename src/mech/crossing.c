@@ -1,0 +1,251 @@
+/* crossing.c - does a step go over a place where holonomic constraints cross? The level set is
+ * walked from its start toward its end, in parts in which the rows turn and shrink by little. Where
+ * rows depend on each other parts become ever shorter, and the volume that the rows span vanishes;
+ * on any other way the walk arrives. It needs no more than g and G, whatever rule made the step. */
+#include "mech/crossing.h"
+
+#include "linalg/lu.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- steps that are looked into ---- */
+
+/* Speed: steps, rattle, double spherical pendulum: 1.01x, against the ratio to the step before. */
+void dm_crossing_expect(dm_crossing_watch *w, double volume) {
+    static const double LESS = 0.64,
+                        MORE = 1.56; /* MORE times what FALL leaves is less than LESS */
+    *w = (dm_crossing_watch){volume, LESS * volume, MORE * volume};
+}
+
+int dm_crossing_suspects(dm_crossing_watch *w, double before, double now) {
+    static const double FALL = 0.6; /* by less: steps on a line to a node are three away, or more */
+    const int after = !(w->volume > 0.0), calm = fabs(now - before) < FALL * before;
+    dm_crossing_expect(w, calm ? fabs(now) : -fabs(now));
+    return after || !calm;
+}
+
+/* ---- one step ---- */
+
+/* Parts that are tried first, and the shortest ones; of the volume, as logarithms: what a part may
+ * change, less is none, less is nearly none where no part is short enough; the least cosine between
+ * both ends of a part. */
+static const double FIRST = 0.25, SHORTEST = 0x1p-40;
+static const double CHANGE = 0.3, NONE = -11.5, FEW = -2.3, TURN = 0.95;
+/* Of q: nearer to a node g is zero to round-off on all sides, since it is quadratic there. */
+static const double BLURRED = 1e-7;
+enum { PROJECTIONS = 12 };
+static const double SETTLED = 1e-6; /* a projection, of the length of its part */
+
+/* Rows at a point, each of them a sum of those of an orthonormal frame. */
+typedef struct {
+    double *Q, *L; /* [k*n], [k*k], the lower half */
+    double size;   /* logarithm of the volume */
+} frame;
+
+typedef struct {
+    const dm_constraints *c;
+    const dm_crossing_way *way;
+    uint32_t n, k;
+    double reach; /* from end to end, in the units of the way */
+    double whole; /* the larger size of both ends */
+    double none;  /* less than that by so much is none */
+    frame here, there;
+    double *x, *out; /* arguments and outputs of the kernel */
+    double *q, *next, *move, *S, *first;
+    uint32_t *pivot;
+} walk;
+
+/* In the order of begin. */
+size_t dm_crossing_work(const dm_constraints *c) {
+    const size_t n = c->n, k = c->holonomic;
+    return 2 * n + 1 + k * (n + 2) + 2 * (k * n + k * k) + 3 * n + k * k + 2 * k;
+}
+
+static double *take(double **work, size_t count) {
+    double *out = *work;
+    *work += count;
+    return out;
+}
+
+static void begin(walk *w, double *work) {
+    const size_t n = w->n, k = w->k;
+    w->x = take(&work, 2 * n + 1), w->out = take(&work, k * (n + 2));
+    w->here.Q = take(&work, k * n), w->here.L = take(&work, k * k);
+    w->there.Q = take(&work, k * n), w->there.L = take(&work, k * k);
+    w->q = take(&work, n), w->next = take(&work, n), w->move = take(&work, n);
+    w->S = take(&work, k * k), w->first = take(&work, k);
+    w->pivot = (uint32_t *)(void *)take(&work, k);
+    memset(w->x, 0, (2 * n + 1) * sizeof *w->x);
+    dm_kernel_prepare(&w->c->holonomic_kernel, w->out);
+}
+
+static double dot(const double *a, const double *b, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+/* Row c of Q less its parts along those before it, twice, since the first time leaves round-off;
+ * these parts and what is left of it into L. */
+static double orthogonalize(const frame *f, uint32_t c, size_t n, size_t k) {
+    double *row = f->Q + c * n, *L = f->L + c * k;
+    memset(L, 0, k * sizeof *L);
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t b = 0; b < c; b++) {
+            const double part = dot(row, f->Q + b * n, n);
+            for (size_t i = 0; i < n; i++) row[i] -= part * f->Q[b * n + i];
+            L[b] += part;
+        }
+    L[c] = sqrt(dot(row, row, n));
+    for (size_t i = 0; i < n; i++) row[i] /= L[c];
+    return L[c];
+}
+
+/* G[k*n] in units; 0: rows depend on each other to the last bit */
+static int find_frame(frame *f, const double *G, const double *unit, uint32_t n, uint32_t k) {
+    f->size = 0.0;
+    for (uint32_t c = 0; c < k; c++) {
+        for (uint32_t i = 0; i < n; i++) f->Q[c * n + i] = G[c * n + i] * unit[i];
+        f->size += log(orthogonalize(f, c, n, k));
+    }
+    return isfinite(f->size);
+}
+
+double dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
+                          double *work) {
+    const size_t n = c->n, k = c->holonomic;
+    frame f = {.Q = work, .L = work + k * n};
+    return find_frame(&f, holonomic + k, unit, (uint32_t)n, (uint32_t)k) ? exp(2.0 * f.size) : 0.0;
+}
+
+static int look(walk *w, frame *f, const double *q, double t) {
+    memcpy(w->x, q, w->n * sizeof *q);
+    w->x[2 * w->n] = t;
+    dm_kernel_eval(&w->c->holonomic_kernel, w->x, w->out);
+    return find_frame(f, w->out + w->k, w->way->unit, w->n, w->k);
+}
+
+/* The shortest move onto g = 0, to first order, by the rows there; its length. */
+static double correct(walk *w, const frame *f, double *q) {
+    const uint32_t n = w->n, k = w->k;
+    double squares = 0.0, *g = w->out;
+    memset(w->move, 0, n * sizeof *w->move);
+    for (uint32_t c = 0; c < k; c++) {
+        g[c] = -(g[c] + dot(f->L + c * (size_t)k, g, c)) / f->L[c * (size_t)k + c];
+        for (uint32_t i = 0; i < n; i++) w->move[i] += g[c] * f->Q[c * (size_t)n + i];
+        squares += g[c] * g[c];
+    }
+    for (uint32_t i = 0; i < n; i++) q[i] += w->way->unit[i] * w->move[i];
+    return sqrt(squares);
+}
+
+/* w->next onto g = 0, with the frame there; 0: it is not near. */
+static int project(walk *w, double t, double length) {
+    for (int i = 0; i < PROJECTIONS; i++) {
+        if (!look(w, &w->there, w->next, t)) return 0;
+        const double by = correct(w, &w->there, w->next);
+        if (!(by <= 2.0 * length)) return 0;
+        if (by <= SETTLED * length) return 1;
+    }
+    return 0;
+}
+
+/* Cosine of the angle between both tangent spaces; less than 0: rows have turned over. */
+static double cosine(walk *w) {
+    const uint32_t n = w->n, k = w->k;
+    double out = 1.0;
+    int odd = 0;
+    for (uint32_t b = 0; b < k; b++)
+        for (uint32_t c = 0; c < k; c++)
+            w->S[b * k + c] = dot(w->here.Q + b * (size_t)n, w->there.Q + c * (size_t)n, n);
+    if (dm_lu_factor(w->S, w->pivot, k) != DM_OK) return 0.0;
+    for (uint32_t c = 0; c < k; c++) out /= w->S[c * k + c], odd ^= w->pivot[c] != c;
+    return odd ? -out : out;
+}
+
+/* A part of the way that is left, along the level set; 0: it is too long. */
+static int make_part(walk *w, double part, double t, double length) {
+    const uint32_t n = w->n;
+    const double *unit = w->way->unit;
+    for (uint32_t i = 0; i < n; i++) w->move[i] = part * (w->way->q1[i] - w->q[i]) / unit[i];
+    for (uint32_t c = 0; c < w->k; c++) {
+        const double *row = w->here.Q + c * (size_t)n, across = dot(w->move, row, n);
+        for (uint32_t i = 0; i < n; i++) w->move[i] -= across * row[i];
+    }
+    for (uint32_t i = 0; i < n; i++) w->next[i] = w->q[i] + unit[i] * w->move[i];
+    return project(w, t, length) && fabs(w->there.size - w->here.size) <= CHANGE &&
+           cosine(w) >= TURN;
+}
+
+static void go_on(walk *w) {
+    const frame kept = w->here;
+    w->here = w->there, w->there = kept;
+    memcpy(w->q, w->next, w->n * sizeof *w->q);
+}
+
+/* Of the volume at the start: a row whose own part fell most. */
+static uint32_t lost_row(const walk *w) {
+    const size_t k = w->k;
+    uint32_t row = 0;
+    double least = INFINITY;
+    for (uint32_t c = 0; c < k; c++) {
+        const double left = w->here.L[c * k + c] / w->first[c];
+        if (left < least) least = left, row = c;
+    }
+    return row + 1;
+}
+
+/* From 0 to 1; where it ends, less than 1 where the volume vanishes. */
+static double walk_on(walk *w) {
+    const dm_crossing_way *way = w->way;
+    double a = 0.0, width = FIRST;
+    while (a < 1.0) {
+        if (width > 1.0 - a) width = 1.0 - a;
+        const double end = a + width, t = way->t0 + end * (way->t1 - way->t0);
+        if (make_part(w, width / (1.0 - a), t, width * w->reach)) {
+            go_on(w);
+            a = end, width *= 2.0;
+            if (w->here.size - w->whole < w->none) return a < 1.0 ? a : 1.0 - SHORTEST;
+        } else {
+            width *= 0.5;
+            if (width < SHORTEST) return w->here.size - w->whole < FEW ? a : 1.0;
+        }
+    }
+    return a;
+}
+
+int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_crossing_place *out,
+                        double *work) {
+    walk w = {.c = c, .way = way, .n = c->n, .k = c->holonomic};
+    double squares = 0.0, largest = 0.0;
+    if (c->crossings) return 0;
+    begin(&w, work);
+    for (uint32_t i = 0; i < w.n; i++) {
+        const double d = (way->q1[i] - way->q0[i]) / way->unit[i];
+        squares += d * d;
+        largest = fmax(largest, fabs(way->q0[i] / way->unit[i]));
+    }
+    w.reach = sqrt(squares);
+    w.none = fmin(fmax(NONE, log(BLURRED * largest / w.reach)), FEW);
+    memcpy(w.q, way->q0, w.n * sizeof *w.q);
+    if (!(w.reach > 0.0) || !look(&w, &w.here, w.q, way->t0)) return 0;
+    w.whole = w.here.size;
+    if (look(&w, &w.there, way->q1, way->t1)) w.whole = fmax(w.whole, w.there.size);
+    for (size_t i = 0; i < w.k; i++) w.first[i] = w.here.L[i * w.k + i];
+    const double a = walk_on(&w);
+    *out = (dm_crossing_place){lost_row(&w), way->t0 + a * (way->t1 - way->t0)};
+    return a < 1.0;
+}
+
+int dm_crossing_in_step(const dm_constraints *c, double *watched, double volume,
+                        const dm_crossing_way *way, dm_crossing_place *out, double *work) {
+    const double before = watched[0];
+    dm_crossing_watch watch;
+    dm_crossing_expect(&watch, watched[1]);
+    watched[0] = volume;
+    if (dm_crossing_is_far(&watch, volume)) return 0;
+    const int suspect = dm_crossing_suspects(&watch, before, volume);
+    watched[1] = watch.volume;
+    return suspect && dm_crossing_between(c, way, out, work);
+}

@@ -1,0 +1,53 @@
+/* crossing.h - places where holonomic constraints cross: the rows of G = dg/dq depend on each other
+ * at a point of the level set, as at the node of x y = 0, and g = 0 no longer says where a motion
+ * goes on. A step may go over such a place, or onto another branch behind it. */
+#ifndef DM_CROSSING_H
+#define DM_CROSSING_H
+
+#include "mech/constraints.h"
+
+/* A step from q0[n] to q1[n]; unit[n]: lengths in which masses are 1. */
+typedef struct {
+    const double *q0, *q1, *unit;
+    double t0, t1;
+} dm_crossing_way;
+
+/* row: from 1, the one that lost most; when it is reached */
+typedef struct {
+    uint32_t row;
+    double t;
+} dm_crossing_place;
+
+/* Does the way along g = 0 from q0 toward q1 lead over such a place? Needs DM_WANT_HOLONOMIC;
+ * work[dm_crossing_work]. */
+size_t dm_crossing_work(const dm_constraints *c);
+int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_crossing_place *out,
+                        double *work);
+
+/* The square of the volume that the rows span in these units, of the outputs of the kernel. */
+double dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
+                          double *work);
+
+/* The square of the volume falls by a large part in a step that goes over such a place, or in the
+ * one before it: these steps, which are rare, are looked into. */
+typedef struct {
+    double volume;      /* where it was compared last; not positive: the next step is looked into */
+    double least, most; /* steps in which it stays between these are not */
+} dm_crossing_watch;
+
+void dm_crossing_expect(dm_crossing_watch *w, double volume);
+
+static inline int dm_crossing_is_far(const dm_crossing_watch *w, double now) {
+    return now > w->least && now < w->most;
+}
+
+/* Of one that is not far: is the step looked into in which it came from `before`? */
+int dm_crossing_suspects(dm_crossing_watch *w, double before, double now);
+
+/* All of this for a step with that volume at its end; watched[2]: what the step before left, zeros
+ * at a start. */
+enum { DM_CROSSING_WATCHED = 2 };
+int dm_crossing_in_step(const dm_constraints *c, double *watched, double volume,
+                        const dm_crossing_way *way, dm_crossing_place *out, double *work);
+
+#endif

@@ -1,0 +1,103 @@
+-- places where holonomic constraints cross: steps went over them, or onto another branch behind them, without a word;
+-- now they end the run and name the constraint, by every rule, and steps beside such places are taken
+local tap = require "tap"
+local dm = require "dm"
+local ok, near = tap.ok, tap.near
+local cos, sin = math.cos, math.sin
+
+local function free(_, v) return v:dot(v) / 2 end
+local function fall(q, v) return v:dot(v) / 2 - q[4] end
+
+-- where: when the motion from this start is there, in a closed form; row: the one that is named
+local cases = {
+  { "a line across a line", { Q = dm.R(2), L = free, constraint = function(q) return q[1] * q[2] end }, { -1, 0 }, { 1.3, 0 }, 1 / 1.3, 1 },
+  { "lines at a small angle", { Q = dm.R(2), L = free, constraint = function(q) return q[2] * (q[2] - 0.3 * q[1]) end }, { -1, 0 }, { 1, 0 }, 1, 1 },
+  { "a parabola that touches a line", { Q = dm.R(2), L = free, constraint = function(q) return q[2] * (q[2] - q[1] ^ 2) end },
+    { -1, 0 }, { 1, 0 }, 1, 1 },
+  { "the tip of a cone", { Q = dm.R(3), L = free, constraint = function(q) return q[1] ^ 2 + q[2] ^ 2 - q[3] ^ 2 end }, { -1, 0, 1 }, { 1, 0, -1 }, 1, 1 },
+  { "three rows", { Q = dm.R(4), L = fall, constraint = function(q) return { q[1] - q[3] * q[2], q[4] - q[2], q[1] + q[3] * q[2] } end },
+    { 0, 0, -1.02, 0 }, { 0, 0, 1, 0 }, 1.02, 3 },
+  -- cranks of length 1 that a rod of length 2 couples, from an angle of 1 to pi
+  { "a parallelogram", { Q = dm.R(4), L = free, constraint = function(q)
+      return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - 2) ^ 2 + q[4] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - 4 } end },
+    { cos(1), sin(1), 2 + cos(1), sin(1) }, { -sin(1), cos(1), -sin(1), cos(1) }, math.pi - 1, 3 },
+  { "a plane that moves", { Q = dm.R(3), L = free, constraint = function(q, t) return (q[1] - 0.5 * t) * q[2] end }, { 0, 1, 0 }, { 0.5, -1, 0.3 }, 1, 1 },
+}
+local rules = { "rattle", "shake", "midpoint", "trapezoidal", "lobatto(3)", "gauss(2)", "gauss(3)", "yoshida(4, rattle)", "curve(rk4)" }
+local function fails(system, rule, h, start)
+  local fine, failure = pcall(function() return system:solver { rule = rule, h = h }:run(start) end)
+  return not fine and type(failure) == "table" and failure
+end
+for _, case in ipairs(cases) do
+  local name, model, q, v, time, row = table.unpack(case)
+  local system = dm.system(model)
+  for _, rule in ipairs(rules) do
+    for _, h in ipairs { 0.0731, 0.0117 } do
+      local failure = fails(system, rule, h, { q = q, v = v, steps = 400 })
+      -- yoshida's parts go ahead and back by 1.7 steps
+      local about = rule == "yoshida(4, rattle)" and 2.5 * h or h
+      ok(failure and failure.constraint == row and math.abs(failure.path.t[#failure.path] + h / 2 - time) <= about,
+        ("%s: %s, h = %g, is told"):format(name, rule, h), failure)
+    end
+  end
+end
+
+-- the message says which and when
+local across = dm.system(cases[1][2])
+local failure = fails(across, "midpoint", 0.0731, { q = { -1, 0 }, v = { 1.3, 0 }, steps = 100 })
+ok(failure.message:find("constraint 1 vanishes inside of this step, at t = 0.769", 1, true), "when it is met", failure.message)
+
+-- the same in ensembles, and where a run goes on
+local solver = across:solver { rule = "lobatto(3)", h = 0.0731 }
+local many = solver:ensemble { members = 3, steps = 100, q = function() return { -1, 0 } end, v = function(i) return { i, 0 } end }
+for i, lost in ipairs(many:failures()) do
+  local alone = fails(across, "lobatto(3)", 0.0731, { q = { -1, 0 }, v = { i, 0 }, steps = 100 })
+  ok(lost.member == i and lost.step == alone.step and lost.message:find("constraint 1 vanishes inside", 1, true),
+    ("member %d ends as a run of its own"):format(i), lost.message)
+end
+ok(#many:failures() == 3, "all of them end there", #many:failures())
+local file = os.tmpname()
+solver:run({ q = { -1, 0 }, v = { 1.3, 0 }, steps = 9 }):checkpoint(file)
+local rest = select(2, pcall(function() return dm.resume(file, across):run { steps = 20 } end))
+os.remove(file)
+ok(rest.constraint == 1 and math.abs(rest.time - 10 * 0.0731) < 1e-12, "a run that goes on ends at the same step", rest)
+
+-- discrete Lagrangians
+local h = 0.0731
+local pairs_of = dm.discrete_lagrangian { Q = dm.R(2), h = h, constraint = function(q) return q[1] * q[2] end,
+  Ld = function(a, b) local d = b - a return d:dot(d) / (2 * h) end }
+local fine, stopped = pcall(function() return pairs_of:solver():run { q = { -1, 0 }, p = { 1.3, 0 }, steps = 100 } end)
+ok(not fine and stopped.constraint == 1 and #stopped.path <= 12, "del: is told", stopped)
+
+-- where it is said that steps may: straight on, since nothing turns the motion
+local straight = { Q = dm.R(2), L = free, crossings = true, constraint = cases[1][2].constraint }
+for _, rule in ipairs(rules) do
+  local path = dm.system(straight):solver { rule = rule, h = 0.0731 }:run { q = { -1, 0 }, v = { 1.3, 0 }, steps = 40 }
+  near(path.q[#path][1], -1 + 1.3 * 40 * 0.0731, 1e-12, rule .. " goes straight on with crossings = true")
+end
+local refused, text = pcall(dm.system, { Q = dm.R(2), L = free, crossings = 1, constraint = cases[1][2].constraint })
+ok(not refused and text:find("'crossings' must be true or false", 1, true), "a wrong option is told", text)
+
+-- beside such places nothing is open: a linkage that is not quite a parallelogram is flat nowhere, and a point turns
+-- round the tip of a cone, which unrolled is a straight line; energies are what they were
+local function linkage(rod)
+  return dm.system { Q = dm.R(4), L = free, constraint = function(q)
+    return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - 2) ^ 2 + q[4] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - rod ^ 2 } end }
+end
+for _, rule in ipairs(rules) do
+  local path = linkage(2.02):solver { rule = rule, h = 0.01 }:run { q = { cos(1), sin(1), 2.56, 0.83 }, v = { -0.8, 0.5, -0.8, 0.5 },
+    steps = 2000, project = true }
+  ok(path:drift "energy".largest < (rule == "shake" and 0.2 or 0.02) and path:worst "constraint" < 1e-12, rule .. ": a linkage beside it goes on", path)
+  local cone = dm.system(cases[4][2]):solver { rule = rule, h = 0.01 }:run { q = { 1, 0, 1 }, v = { -1, 0.2, -1 }, steps = 400 }
+  ok(cone:drift "energy".largest < (rule == "shake" and 0.2 or 0.03), rule .. ": the tip of a cone is passed", cone)
+  local q = cone.q[#cone.q]
+  near(q[1] ^ 2 + q[2] ^ 2, q[3] ^ 2, 1e-11, rule .. ": on the cone")
+end
+local large = 1e6
+local ring = dm.system { Q = dm.R(2), L = function(_, v) return v[1] ^ 2 / 2 + (v[2] / large) ^ 2 / 2 end,
+  constraint = function(q) return q[1] ^ 2 + (q[2] / large) ^ 2 - 1 end }
+for _, rule in ipairs(rules) do
+  local path = ring:solver { rule = rule, h = 0.3 }:run { q = { 1, 0 }, v = { 0, large }, steps = 200 }
+  ok(path:worst "constraint" < 1e-12, rule .. ": long steps on a ring, in other units", path)
+end
+tap.done()
