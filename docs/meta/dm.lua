@@ -1312,9 +1312,9 @@ function dm_ensemble_class:range(i, name, until_) end
 ---@return integer
 function dm_ensemble_class:stride(i, names, share) end
 
----ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, late, nearest, span, megno}
+---ensemble:summary([name]) -> {first, last, least, largest, mean, slope, error, early, late, nearest, span, megno} or {name = {least, mean, largest}}
 ---
----What the rows of every member say of a watched column y, as tables with an entry for each: slope per unit of time with its standard error as path:drift finds them; early, late: largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y - first| and largest - least in their second half (infinite without rows there); megno: the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a tangent vector. NaN without rows.
+---What the rows of every member say of a watched column y, as tables with an entry for each: slope per unit of time with its standard error as path:drift finds them; early, late: largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y - first| and largest - least in their second half (infinite without rows there); megno: the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a tangent vector. NaN without rows. Without a name: of every watched column the extent over the rows of all members.
 ---@param name? any
 ---@return table
 function dm_ensemble_class:summary(name) end
