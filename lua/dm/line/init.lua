@@ -100,6 +100,27 @@ local function check_speeds(L, n, grid)
   end
 end
 
+local ARGUMENTS = { [4] = "x", [5] = "t" } -- of L, behind u, ut and ux
+
+-- Raises where an argument of L is called like something that it is not: a second derivative, or a
+-- parameter; it would be taken for that without a word.
+local function check_arguments(L, params)
+  local u = debug.getlocal(L, 1)
+  for k = 4, 5 do
+    local name = debug.getlocal(L, k)
+    local rest = name and u and name:sub(1, #u) == u and name:sub(#u + 1) or ""
+    if rest:find "^_?[xt][xt]+$" then
+      fail("argument %d of L is %s, but is called %s like a second derivative: L knows u, u_t and "
+        .. "u_x alone", k, ARGUMENTS[k], name)
+    end
+    if name and name ~= ARGUMENTS[k] and type(params) == "table" and params[name] ~= nil then
+      fail("argument %d of L is %s, but is called like the parameter '%s': params are a table "
+        .. "behind it, L(u, ut, ux, x, t, params), and the parameter is params.%s", k, ARGUMENTS[k],
+        name, name)
+    end
+  end
+end
+
 -- L with the params as its last argument
 local function with_params(options)
   local L, params = rules.guarded(options.L, "dm.field"), options.params
@@ -116,7 +137,8 @@ M.field = blame.caller(function(options)
   local grid = grids.read(option.need(options, "x", "dm.field", "{ from, to, cells, periodic = }"),
     "dm.field")
   option.callable(options, "L", "dm.field", "(u, ut, ux, x, t)")
-  option.need(options, "L", "dm.field", "a function of (u, ut, ux, x, t)")
+  check_arguments(option.need(options, "L", "dm.field", "a function of (u, ut, ux, x, t)"),
+    options.params)
   local n = option.whole(options, "values", "dm.field", 1, 20, 1)
   local fixed = sides_of(options.fixed, "fixed", grid)
   local absorbing = absorbing_of(options.absorbing, grid)

@@ -129,4 +129,16 @@ do
   local light = dm.field { x = { 0, 1, 20 }, L = function(_, ut, ux) return (ut ^ 2 - 9e16 * ux ^ 2) / 2 end }
   ok(#light:solver { h = 1 / 6e9 }:run { u = function(x) return math.abs(x - 0.5) end, ut = function(x) return x < 0.5 and 3e8 or -3e8 end, steps = 9 } == 10, "L that is round-off")
 end
+-- arguments that are called like something that they are not
+do
+  local function beam(L, params) return dm.field, { x = { 0, 1, 8 }, L = L, params = params } end
+  tap.raises("argument 4 of L is x, but is called uxx like a second derivative: L knows u, u_t and u_x alone",
+    beam(function(u, ut, ux, uxx) return (ut ^ 2 - uxx ^ 2) / 2 end)) -- luacheck: ignore
+  tap.raises("argument 5 of L is t, but is called y_xt", beam(function(y, y_t, y_x, x, y_xt) return (y_t ^ 2 - y_xt) / 2 end)) -- luacheck: ignore
+  tap.raises("argument 4 of L is x, but is called like the parameter 'k': params are a table behind it, L(u, ut, ux, x, t, params)",
+    beam(function(u, ut, ux, k) return (ut ^ 2 - k * ux ^ 2) / 2 end, { k = 2 })) -- luacheck: ignore
+  local F, given = beam(function(u, ut, ux, x, _, p) return (ut ^ 2 - p.x * ux ^ 2) / 2 - u * x end, { x = 2 })
+  tap.ok(F(given).params.x == 2, "a parameter may be called x")
+end
+
 tap.done()
