@@ -115,10 +115,23 @@ or a code of dm.failure), journal ({ file, found, run } where there is one); #sw
 
 function Sweep.__len(s) return #s.status end
 
+-- ", NaN in value of 2" of columns in which members that are ok have it
+local function nan_text(s)
+  local out = ""
+  for _, name in ipairs(s.columns) do
+    local count = 0
+    for i = 1, #s do
+      if s.status[i] == "ok" and s[name][i] ~= s[name][i] then count = count + 1 end
+    end
+    if count > 0 then out = out .. (", NaN in %s of %d"):format(name, count) end
+  end
+  return out
+end
+
 function Sweep.__tostring(s)
   local failed = #s:failures()
-  return ("sweep of %d members (%s): %s"):format(#s, table.concat(s.columns, ", "),
-    failed == 0 and "all ok" or failed .. " failed (see failures())")
+  return ("sweep of %d members (%s): %s%s"):format(#s, table.concat(s.columns, ", "),
+    failed == 0 and "all ok" or failed .. " failed (see failures())", nan_text(s))
 end
 
 core.method("dm.sweep", "failures", blame.caller(function(s)

@@ -209,4 +209,11 @@ raises("too deeply", values.pack, cycle)
 near(#dm.sweep { members = 1, run = function() return 1 end }, 1, 0, "one member")
 
 os.execute(("rm -rf '%s'"):format(folder))
+-- NaN that a member gives is its number, and told
+do
+  local some = dm.sweep { members = 4, workers = 1, run = function(i) return { a = i, b = i > 2 and 0 / 0 or i } end }
+  tap.ok(tostring(some) == "sweep of 4 members (a, b): all ok, NaN in b of 2" and some.status[4] == "ok" and some.a[4] == 4,
+    "a sweep says in which columns NaN is", tostring(some))
+end
+
 tap.done()
