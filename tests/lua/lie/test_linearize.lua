@@ -230,4 +230,26 @@ raises("off the constraints: constraint 1 is 0.21 there", ball.linearize, ball, 
 raises("the rate of constraint 1 is -2 there", ball.linearize, ball, { q = { 0, 0, -1 }, v = { 0, 0, 1 } })
 raises("rolling condition 1 is 1 there", skate.linearize, skate, { q = { 0, 0, 0 }, v = { 0, 1, 0 } })
 
+-- a disk that rolls upright falls like exp(s t), s^2 = 4/5 (g/r - 3 v^2/r^2): stable from v^2 = g r/3 on (Routh). Its
+-- places and turns are zeros without eigenvectors, which round-off moves to either side
+local disk = dm.system { Q = dm.product(G, dm.R(3)), L = function(q, u)
+  return (u[1] ^ 2 / 4 + u[2] ^ 2 / 4 + u[3] ^ 2 / 2 + u[4] ^ 2 + u[5] ^ 2 + u[6] ^ 2) / 2 - gravity * q[2][3]
+end, rolling = function(q, u)
+  local up = q[1]:transpose() * dm.vector { 0, 0, 1 }
+  local size = (up[1] ^ 2 + up[2] ^ 2) ^ 0.5
+  local rim = q[1] * dm.vector { u[1], u[2], u[3] }:cross(dm.vector { -up[1] / size, -up[2] / size, 0 * size })
+  return { u[4] + rim[1], u[5] + rim[2], u[6] + rim[3] }
+end }
+for _, part in ipairs { 0.5, 0.9, 1.1, 2 } do
+  local speed = math.sqrt(part * gravity / 3)
+  local ahead = { 0, 0, -speed, speed, 0, 0 }
+  local its = disk:linearize { q = { G:exp { math.pi / 2, 0, 0 }, { 0, 0, 1 } }, v = ahead, generator = function() return ahead end }
+  local square = 4 / 5 * gravity * (1 - part)
+  ok(its.stable == (part > 1), ("a disk that rolls at %g g r/3"):format(part), its.why)
+  near(part > 1 and its.fastest or growth(its), math.sqrt(math.abs(square)), 1e-6, "wobbles, or falls, at that rate")
+end
+local slowly = dm.system { Q = dm.R(2), L = function(q, u) return (u:dot(u) - q[1] ^ 2 + 1e-12 * q[2] ^ 2) / 2 end }
+local slow = slowly:linearize { q = { 0, 0 } }
+ok(not slow.stable and math.abs(growth(slow) - 1e-6) < 1e-9, "what grows slowly grows", slow.why)
+
 tap.done()
