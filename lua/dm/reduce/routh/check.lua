@@ -94,7 +94,7 @@ M.AWAY = AWAY
 
 -- A group that stretches (boosts, scalings) makes elements whose velocities g^-1 dg have few digits
 -- left, or moves points so far that their invariants have: how many times more than TOLERANCE is
--- round-off at q, 1 at least.
+-- round-off at q, 1 at least. Asked for where something is off by more than that alone.
 local ROUNDING = 1e-14
 local function slack(info, q)
   local on = info.ambient
@@ -135,9 +135,9 @@ local NO_SLOPE = "L is not invariant, or not smooth: it has no derivative at %s,
 
 -- dL/dtheta = 0 at a point, beside terms of this size
 local function check_slope(info, g, p, size)
-  size = size * slack(info, p.q)
   for _, i in ipairs(info.cyclic) do
-    if abs(g[i]) * reach(p.q[i]) > TOLERANCE * size then
+    local off, room = abs(g[i]) * reach(p.q[i]), TOLERANCE * size
+    if off > room and off > room * slack(info, p.q) then
       if info.ambient then error(NO_SYMMETRY:format(g[i], info.names[i], place(info, p)), 0) end
       error(("L is not invariant under translations of '%s': dL/d%s = %.6g at %s")
         :format(info.names[i], info.names[i], g[i], at(p)), 0)
@@ -216,12 +216,11 @@ M.numbers = numbers
 local function values(f, info)
   local out = {}
   for k, p in ipairs(info.points) do
+    local there = moved(info, p, k)
     local fine, a, b = blame.try(function()
-      return numbers(f(p.q, p.v, p.t)), numbers(f(moved(info, p, k), p.v, p.t))
+      return numbers(f(p.q, p.v, p.t)), numbers(f(there, p.v, p.t))
     end)
-    if fine then
-      out[#out + 1] = { a = a, b = b, p = p, slack = slack(info, (moved(info, p, k))) }
-    end
+    if fine then out[#out + 1] = { a = a, b = b, p = p, there = there } end
   end
   return out
 end
@@ -238,7 +237,8 @@ local function compare(what, info, list, weight, size)
   for _, one in ipairs(list) do
     for i = 1, #one.a do
       local a, b = one.a[i], one.b[i]
-      if abs(a - b) * weight(one.p, i) > TOLERANCE * max(size(one, i), usual[i]) * one.slack then
+      local off, room = abs(a - b) * weight(one.p, i), TOLERANCE * max(size(one, i), usual[i])
+      if off > room and off > room * slack(info, one.there) then
         error(("%s is not invariant: entry %d changes from %.6g to %.6g when the group moves q "
           .. "at %s")
           :format(what, i, a, b, place(info, one.p)), 0)
