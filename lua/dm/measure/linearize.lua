@@ -205,9 +205,10 @@ local function state_on_group(system, options)
 end
 
 -- A, whether it stays what it is, at a state on a group
-local function at_on_group(system, g, x, t)
+local function at_on_group(system, g, x, t, kept)
   local kit, right = system.place.kit, system.place.right
-  local at, rates = on_group.field(system)
+  if not kept.at then kept.at, kept.rates = on_group.field(system) end
+  local at, rates = kept.at, kept.rates
   local A = at(g, x, t)
   return A, function()
     return is_steady(A, at, rates, function(z, u)
@@ -218,17 +219,18 @@ local function at_on_group(system, g, x, t)
 end
 
 -- in the right trivialization a motion along a symmetry on the left may be steady in the left one
-local function of_group(system, options, what)
+local function of_group(system, options, what, kept)
   local own, g, x, t = system.place, state_on_group(system, options)
   local A, is_constant, w
   if options.generator then
     A, w = comoving.matrix_on_group(system, g, x, t, options.generator, what)
     if own.right then system, x = left.system(system), left.moved(system, g, x) end
   else
-    A, is_constant = at_on_group(system, g, x, t)
+    A, is_constant = at_on_group(system, g, x, t, kept)
     if own.right and not is_constant() then
-      local other, y = left.system(system), left.moved(system, g, x)
-      local B, steady = at_on_group(other, g, y, t)
+      kept.left = kept.left or { system = left.system(system) }
+      local other, y = kept.left.system, left.moved(system, g, x)
+      local B, steady = at_on_group(other, g, y, t, kept.left)
       if steady() then system, x, A, is_constant = other, y, B, steady end
     end
   end
