@@ -79,6 +79,36 @@ static void graphs(void) {
     dm_arena_release(&arena);
 }
 
+/* A difference of positions is a whole number of units of their last place, so that c times it, of
+ * 3/20, lies at 40 places between two doubles of the other terms, and at half a unit always on the
+ * same side. */
+static void differences(void) {
+    dm_arena arena = new_arena();
+    dm_graph *g = dm_graph_new(&arena, 3);
+    const dm_node d = dm_sub(g, dm_input(g, 1), dm_input(g, 0)),
+                  scaled = dm_mul(g, dm_constant(g, 0.15), d),
+                  roots[] = {dm_add(g, dm_input(g, 2), scaled), dm_sub(g, scaled, dm_input(g, 2)),
+                             dm_mul(g, dm_neg(g, scaled), d)};
+    dm_node out[3];
+    dm_kernel k;
+    errors plus = {0}, minus = {0};
+    dm_graph *even = dm_even_graph(g, roots, 3, out);
+    CHECK(even && dm_tape_build(&k, even, out, 3, &arena) == DM_OK);
+    double y[3];
+    dm_kernel_prepare(&k, y);
+    for (int i = 0; i < SAMPLES; i++) {
+        const double x[] = {sample(i), sample(i) + h * sample(3 * i + 1), 0.5 + sample(2 * i)};
+        const long double exact = 0.15L * (x[1] - x[0]); /* 0.15L - 0.15 moves it by less */
+        dm_kernel_eval(&k, x, y);
+        count(&plus, y[0], x[2] + exact);
+        count(&minus, y[1], exact - x[2]);
+        CHECK(fabsl(y[2] + exact * (x[1] - x[0])) <= 1e-15L * -y[2]);
+    }
+    if (!CHECK(fabs(mean(&plus)) < 5.0)) printf("# %.1f standard errors\n", mean(&plus));
+    if (!CHECK(fabs(mean(&minus)) < 5.0)) printf("# %.1f standard errors\n", mean(&minus));
+    dm_arena_release(&arena);
+}
+
 /* base = low + h c v of the sweeps, by every width */
 static void lines(void) {
     for (uint32_t stages = 1; stages <= 8; stages++) {
@@ -104,6 +134,7 @@ int main(void) {
     RUN(one_product, "one product by h = 0.05 has a mean");
     RUN(coefficients, "nor has one by 1/90 in few bits, as by the nearest double");
     RUN(graphs, "even graphs: two products have none, other products stay, cubes are values");
+    RUN(differences, "nor have sums with decimal parts of differences of positions");
     RUN(lines, "nor has what sweeps begin with, at every width");
     return check_finish();
 }
