@@ -84,7 +84,8 @@ local function by_formula(Ld)
   return way
 end
 
--- its step, p0 = -D1 Ld(g0, g0 exp(x)), as a rule
+-- Its step, p0 = -D1 Ld(g0, g0 exp(x)), as a rule. What the root leaves of that has a mean; carried
+-- on, p1 = D2 Ld + Ad*(p0 + D1 Ld), it moves no momentum map.
 local function rule_of(Ld)
   local kit, P, d = kits.of(Ld.Q), Ld.place, Ld.place.dimension
   local function momenta(g0, g1)
@@ -95,8 +96,8 @@ local function rule_of(Ld)
     equation = function(y, x) return (momenta(y.q, kit.compose(y.q, kit.exp(x)))) - y.p end,
     next = function(y, x)
       local g1 = kit.compose(y.q, kit.exp(x))
-      local _, p1 = momenta(y.q, g1)
-      return { q = g1, p = p1 }
+      local p0, p1 = momenta(y.q, g1)
+      return { q = g1, p = p1 + kit.coAd(kit.exp(-x), y.p - p0) }
     end }
 end
 
