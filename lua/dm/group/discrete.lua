@@ -220,7 +220,18 @@ local function check_left(Q, given)
   return place.of(Q, { columns = "matrix" })
 end
 
+--- What constrains or pushes a discrete Lagrangian on coordinates is not taken on a group.
+local function check_alone(given)
+  for _, key in ipairs { "constraint", "rolling", "reaction", "force" } do
+    if given[key] ~= nil then
+      error(("%s: on a group '%s' is not taken beside an Ld of one's own: give it to "
+        .. "dm.system { Q =, L =, %s = }, which lie(s) steps"):format(WHERE, key, key), 0)
+    end
+  end
+end
+
 local function of_formula(given)
+  check_alone(given)
   options.check(given, { "Q", "h", "Ld", "name" }, WHERE, "{ Q =, h =, Ld = }")
   options.need(given, "h", WHERE, "the time between two elements")
   options.positive(given, "h", WHERE, "a step")

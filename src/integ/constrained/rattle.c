@@ -22,6 +22,7 @@ typedef struct {
     double *memory, *now, *next, *iterate, *change;
     double *unit, *crossing; /* [n] in which masses are 1; what mech/crossing.h works on */
     dm_crossing_watch watch;
+    int looks; /* for places where constraints cross */
 } layout;
 
 /* memory: h of the last step (0: there is none), which may be a part of a composition, the volume
@@ -70,12 +71,14 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return layout_size() + MU + at.m + 3 * (size_t)at.size + at.n + crossing;
 }
 
-/* M is constant. */
+/* M is constant; in tangent maps some coordinates have no unit, and nothing is looked for. */
 static void find_units(layout *l, const dm_model *m) {
     const size_t apart = m->structure & DM_DIAGONAL_MASS ? 1 : m->n + (size_t)1;
-    for (uint32_t i = 0; l->at.m && i < m->n; i++) {
+    l->looks = l->at.m > 0;
+    for (uint32_t i = 0; l->looks && i < m->n; i++) {
         const double own = fabs(m->mass_matrix[i * apart]);
-        l->unit[i] = own > 0.0 ? 1.0 / sqrt(own) : 1.0;
+        l->unit[i] = 1.0 / sqrt(own);
+        l->looks = own > 0.0;
     }
 }
 
@@ -216,7 +219,7 @@ static dm_status look_for_crossing(dm_stepper *s, layout *l, double last) {
     const double *x = l->now;
     const dm_crossing_way way = {x, l->next, l->unit, x[l->at.t0], x[l->at.t]};
     dm_crossing_place place;
-    if (!l->at.m || !dm_crossing_suspects(&l->watch, last, volume_of(l, x))) return DM_OK;
+    if (!l->looks || !dm_crossing_suspects(&l->watch, last, volume_of(l, x))) return DM_OK;
     if (!dm_crossing_between(s->model->constraints, &way, &place, l->crossing)) return DM_OK;
     s->report.trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
     return DM_SINGULAR;
