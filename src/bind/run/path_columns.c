@@ -70,11 +70,52 @@ static int columns_len(lua_State *L) {
     return 1;
 }
 
-/* What it is; rows are shown by index. */
+enum { FIRST = 3 }; /* rows that are shown of more than LONGEST, and the last one */
+static const long LONGEST = 12;
+
+/* row i, from 1, as text on top */
+static void push_row_text(lua_State *L, long i) {
+    char text[40];
+    lua_pushcfunction(L, columns_index);
+    lua_pushvalue(L, 1);
+    lua_pushinteger(L, (lua_Integer)i);
+    lua_call(L, 2, 1);
+    if (lua_type(L, -1) == LUA_TNUMBER) {
+        snprintf(text, sizeof text, "%.14g", lua_tonumber(L, -1));
+        lua_pushstring(L, text);
+    } else {
+        luaL_tolstring(L, -1, NULL);
+    }
+    lua_remove(L, -2);
+}
+
+/* The times as a vector and the rows as a matrix print themselves; elements of groups are shown by
+ * index. */
 static int columns_tostring(lua_State *L) {
     const columns *c = luaL_checkudata(L, 1, COLUMNS);
-    lua_pushfstring(L, "columns %s of a path: %d rows of %d numbers", c->name, (int)c->path->rows,
-                    (int)c->count);
+    const long rows = c->path->rows;
+    const int is_time = c->count == 1 && c->first == 0, brief = rows > LONGEST;
+    luaL_Buffer b;
+    if (c->path->placed && strcmp(c->name, "q") == 0)
+        return lua_pushfstring(L, "q of a path: %d elements", (int)rows), 1;
+    luaL_buffinit(L, &b);
+    luaL_addchar(&b, '[');
+    for (long i = 1; i <= rows; i = brief && i == FIRST ? rows : i + 1) {
+        const char *gap = is_time ? ", " : ",\n ";
+        if (i > 1 && !(brief && i == rows)) luaL_addstring(&b, gap);
+        if (brief && i == rows) luaL_addstring(&b, is_time ? ", ... , " : ",\n ...\n ");
+        push_row_text(L, i);
+        luaL_addvalue(&b);
+    }
+    luaL_addchar(&b, ']');
+    if (brief && is_time)
+        lua_pushfstring(L, " (%d)", (int)rows);
+    else if (brief)
+        lua_pushfstring(L, " (%d x %d)", (int)rows, (int)c->count);
+    else
+        lua_pushliteral(L, "");
+    luaL_addvalue(&b);
+    luaL_pushresult(&b);
     return 1;
 }
 

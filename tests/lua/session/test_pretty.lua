@@ -119,4 +119,13 @@ local path = solver:run { q = { 1 }, v = { 0 }, steps = 50 }
 for name, result in pairs { drift = path:drift "energy", report = solver:report(), structure = swing:structure(), linear = swing:linearize { q = { 0 } } } do
   ok(tostring(result) == pretty(result) and tostring(result):match "^{.* = ", name .. " is shown by its entries", tostring(result))
 end
+
+-- the times of a path print as a vector, its rows as those of a matrix
+local few, many = solver:run { q = { 1 }, v = { 0 }, steps = 2 }, path
+ok(tostring(few.t) == "[0, 0.1, 0.2]" and tostring(few.q):match "^%[%[1%],\n %[0%.995%d+%],\n %[0%.98%d+%]%]$", "a few are shown whole", tostring(few.q))
+ok(tostring(many.t) == "[0, 0.1, 0.2, ... , 5] (51)", "of many times the first and the last", tostring(many.t))
+ok(tostring(many.p):match "^%[%[0%],\n %[[-.%d]+%],\n %[[-.%d]+%],\n %.%.%.\n %[[-.%d]+%]%] %(51 x 1%)$", "and of many rows", tostring(many.p))
+local spun = dm.system { Q = dm.SO(3), L = function(_, w) return w:dot(w) / 2 end }:solver { rule = "lie(2)", h = 0.1 }
+  :run { q = dm.SO(3):identity(), v = { 1, 0, 0 }, steps = 2 }
+ok(tostring(spun.q) == "q of a path: 3 elements", "elements are counted", tostring(spun.q))
 tap.done()
