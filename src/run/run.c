@@ -332,10 +332,13 @@ static dm_status stop_before(loop *l, long end) {
 static dm_status advance(loop *l, long end) {
     dm_inertia *x = l->plan->inertia;
     while (x && l->done < end && !is_finished(l)) {
+        if (l->done == x->seen.looked) {
+            dm_inertia_go_on(x, l->state, time_now(l));
+            keep(l);
+        }
         const int steep = dm_inertia_is_steep(&x->seen), open = x->seen.open;
         const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
         const long next = due > l->done ? dm_lesser(due, end) : end;
-        if (l->done == x->seen.looked) keep(l);
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
         const int seen = looks ? dm_inertia_look(x, l->state, time_now(l), l->done) : 0;

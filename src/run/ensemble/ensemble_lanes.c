@@ -116,6 +116,12 @@ static int may_be_back(const dm_hand *x, int seen) {
     return seen == DM_INERTIA_STRANGE && x->b->stepper->model->mass_bounds;
 }
 
+/* Member i goes on from a look. */
+static void go_on(dm_hand *x, long i, double t) {
+    dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, x->b->lanes.alone);
+    dm_inertia_go_on(x->b->inertia, x->b->lanes.alone, t);
+}
+
 /* Has member i gone over a change of inertia in the steps that are done, in lanes still, or may it
  * have? Then it runs again alone, up to that step. `failed`: in the one after these. */
 static int has_crossed(dm_hand *x, long i, long done, int failed) {
@@ -133,7 +139,9 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     steep |= one && seen == DM_INERTIA_TURNED;
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));
+    if (!over && !failed) go_on(x, i, t);
     x->seen[i] = inertia->seen;
+    if (x->b->mass) dm_mass_lanes_put_scale(x->b->mass, (uint32_t)i, inertia->scale);
     if (over) run_alone(x, i);
     return over;
 }
@@ -186,19 +194,11 @@ static void leave(dm_hand *x, long i) {
     dm_hand_keep_last_row(x, i);
 }
 
-/* May the next step of a member be looked into? Then it begins at a state that is kept. */
-static int looks_into(const dm_hand *x) {
-    int out = 0;
-    for (long i = 0; i < x->count && x->b->inertia && !out; i++)
-        out = dm_hand_runs(x, i) && (dm_inertia_is_near(&x->seen[i]) || x->seen[i].open);
-    return out;
-}
-
 /* a burst of a method that tells who failed */
 static void advance_told(dm_hand *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
-    if (count == 1 && looks_into(x)) dm_block_keep(x->b);
+    if (count == 1 && x->b->inertia) dm_block_keep(x->b); /* a look may ask for it */
     s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     for (long i = 0; i < x->count; i++)
         if (dm_hand_runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);

@@ -46,18 +46,21 @@ INLINE double of_lane(V x, uint32_t lane) {
 
 /* What looks leave, as in dm_inertia_seen. */
 typedef struct {
-    V least, all, nearest, left, rate, way, reach, fell;
+    V least, all, ones, nearest, left, rate, way, turn, reach, fell;
 } course;
 
-/* M depends on v; bounds tell how it moves; members in lanes look at steps at which others do. */
+/* M depends on v; has bounds; they told how it moves since the last look; members in lanes look at
+ * steps at which others do. */
 typedef struct {
-    int by_velocity, bounded, aside;
+    int by_velocity, bounded, told, aside;
 } kind;
 
 /* How values moved since the last look: the product of all (`whole`), where bounds do not tell how
- * those move that are not the least, or the one next to zero; and steps until it could vanish. */
+ * those move that are not the least, or the one next to zero; steps until it vanishes, or could if
+ * it fell as fast as it rose; by what its logarithm moved, and by how much that missed what it would
+ * have done if it had gone on as before. */
 typedef struct {
-    V was, is, left, since;
+    V was, is, falling, left, since, moved, missed;
     I whole;
 } move;
 
@@ -77,39 +80,58 @@ INLINE V left_of(V before, V now, V since, int by_velocity) {
     return pick(WHERE(ratio > same(1.0)), since / (power - same(1.0)), same(INFINITY));
 }
 
-/* One that grew may fall as fast. */
+/* One that grew may fall as fast. Of a ratio r the logarithm is 2 (r - 1)/(r + 1) as long as that is
+ * little. */
 INLINE move move_since(kind k, const course *c, V least, V all, V since) {
     move w = {.since = since, .whole = WHERE(c->all * all > same(0.0))};
-    if (k.by_velocity || k.bounded) w.whole = not_of(all_lanes());
+    if (k.by_velocity || k.told) w.whole = not_of(all_lanes());
     w.was = pick(w.whole, c->all, c->least), w.is = pick(w.whole, all, least);
     const V back = left_of(w.is, w.was, since, k.by_velocity) + since;
-    w.left = lesser(left_of(w.was, w.is, since, k.by_velocity), back);
+    const V least_left = left_of(c->least, least, since, k.by_velocity);
+    w.falling = lesser(least_left, left_of(w.was, w.is, since, k.by_velocity));
+    w.left = lesser(w.falling, back);
+    w.moved = same(2.0) - same(4.0) / (w.is / w.was + same(1.0));
+    const V expected = c->rate + same(0.5) * c->turn * (c->way + since);
+    w.missed = magnitude(w.moved - expected * since);
     return w;
 }
 
+/* Did it miss that by so much, e^(1/2), that it may have been behind zero, or thrown back? */
+INLINE I jumps(const move *w) {
+    return not_of(WHERE(w->missed <= same(0.5)));
+}
+
+/* Has M grown by far since its scales were found, where the product of all was `ones`? */
+INLINE I has_grown(V ones, V all) {
+    return WHERE(ones > same(0.0)) & WHERE(all > same(16.0) * ones);
+}
+
 /* Is the line from the last look looked at, on which one may have touched zero? Where bounds do not
- * tell how M moves, and the product of all values moved by more than it was let, or does not go on
- * falling, or was so few steps from its end that one step may go over it. */
+ * tell how M moves, and the product of all values moved by more than it was let, or otherwise than
+ * before, or does not go on falling, or was so few steps from its end that one step may go over it.
+ */
 INLINE I sees_line(kind k, const course *c, const move *w) {
-    const V moved = same(1.4), few = same(4.0);
-    if (k.bounded) return not_of(all_lanes());
-    return (WHERE(c->fell > same(0.0)) & WHERE(w->is > w->was)) |
+    const V moved = same(1.4), few = same(4.0), surprise = same(0.1);
+    if (k.told) return not_of(all_lanes());
+    return WHERE(c->way == same(0.0)) | not_of(WHERE(w->missed < surprise)) |
+           (WHERE(c->fell > same(0.0)) & WHERE(w->is > w->was)) |
            not_of(WHERE(w->is < moved * w->was) & WHERE(w->is * moved > w->was)) |
            (WHERE(w->since == same(1.0)) & WHERE(lesser(c->nearest, w->left) < few));
 }
 
 /* Steps that may come before the next look, so that the value moves by little meanwhile, since to
- * go back costs more than to look: by how fast its logarithm moved, which is 2 (r - 1)/(r + 1) as
- * long as that is little, and how that changed, as that of a value that is about to turn does. Ways
- * grow slowly from `let`, but for a value that hardly moves. */
-INLINE V still_steps(course *c, V ratio, V since, V let) {
-    const V little = same(0.6), surely = same(0.25);
-    const V rate = (same(2.0) - same(4.0) / (ratio + same(1.0))) / since;
+ * go back costs more than to look: by how fast its logarithm moved, and how that changed, as that
+ * of a value that is about to turn does. Ways grow slowly from `let`, but for a value that hardly
+ * moves. */
+INLINE V still_steps(course *c, const move *w, V let) {
+    const V little = same(0.6), surely = same(0.25), since = w->since, rate = w->moved / since;
+    const I known = WHERE(rate == rate);
     const V change = same(2.0) * (rate - c->rate) / (since + c->way);
     const V bend = pick(WHERE(c->way > same(0.0)), change, same(0.0));
     const V now = magnitude(rate + same(0.5) * bend * since);
     const V steps = little / (now + root_of(now * now + little * magnitude(bend)));
-    c->rate = rate, c->way = since;
+    c->rate = pick(known, rate, same(0.0)), c->turn = pick(known, bend, same(0.0));
+    c->way = pick(known, since, same(0.0));
     return lesser(larger_of(let + same(1.0), lesser(same(2.0) * let, surely * steps)), steps);
 }
 
@@ -118,10 +140,8 @@ INLINE void note(kind k, course *c, V least, V all, const move *w) {
     /* Of the steps until a value vanishes, the part that is not looked at. */
     const V part = same(k.by_velocity ? 0.4 : 0.5), most = same(512.0);
     const V let = k.aside && !k.bounded ? larger_of(c->reach, w->since) : w->since;
-    c->left = left_of(c->least, least, w->since, k.by_velocity);
-    c->nearest = lesser(c->left, w->left);
-    const V ratio = lesser(least / c->least, w->is / w->was);
-    const V still = still_steps(c, ratio, w->since, let);
+    c->left = w->falling, c->nearest = w->left;
+    const V still = still_steps(c, w, let);
     const V far = lesser(still, lesser(part * c->nearest, most));
     c->reach = larger_of(pick(WHERE(c->left <= same(NEAR)), same(1.0), far), same(1.0));
     c->least = least, c->all = all;
@@ -143,10 +163,12 @@ enum { APART = sizeof(dm_inertia_seen) / sizeof(double) };
 INLINE course load_course(const dm_inertia_seen *s) {
     return (course){.least = gather(&s->least, APART),
                     .all = gather(&s->all, APART),
+                    .ones = gather(&s->ones, APART),
                     .nearest = gather(&s->nearest, APART),
                     .left = gather(&s->left, APART),
                     .rate = gather(&s->rate, APART),
                     .way = gather(&s->way, APART),
+                    .turn = gather(&s->turn, APART),
                     .reach = gather(&s->reach, APART),
                     .fell = gather(&s->fell, APART)};
 }
@@ -160,6 +182,7 @@ INLINE void store_course(kind k, dm_inertia_seen *s, const course *c, long done,
         s->least = of_lane(c->least, l), s->all = of_lane(c->all, l);
         s->nearest = of_lane(c->nearest, l), s->left = of_lane(c->left, l);
         s->rate = of_lane(c->rate, l), s->way = of_lane(c->way, l);
+        s->turn = of_lane(c->turn, l);
         s->reach = of_lane(c->reach, l), s->fell = of_lane(c->fell, l);
         const long far = (long)s->reach;
         s->due = k.aside && !k.bounded ? meet(done, far) : done + far;

@@ -49,9 +49,18 @@ static size_t room(const dm_model *m) {
     return 2 * (size_t)m->n + 1 + outputs(m) + matrices(m) + dm_legendre_work(m);
 }
 
+/* [n]: scales, a region, a place */
+enum { OF_MEMBER = 4, TO_PLACE = 3 };
+
+static void find_member(dm_inertia *x, size_t member) {
+    const size_t n = x->model->n;
+    x->scale = x->members + member * OF_MEMBER * n;
+    x->region = x->scale + n, x->place = x->scale + TO_PLACE * n;
+}
+
 size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
     return room(m) + 4 * dm_state_size(m->n) + 3 * memory + dm_inertia_boxes(m) +
-           members * 3 * (size_t)m->n;
+           members * OF_MEMBER * (size_t)m->n;
 }
 
 void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *work) {
@@ -62,26 +71,25 @@ void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *wo
     x->end = x->aside + 2 * (dm_state_size(m->n) + memory);
     x->boxes = x->end + dm_state_size(m->n);
     x->members = x->boxes + dm_inertia_boxes(m);
-    x->scale = x->members, x->region = x->scale + m->n;
+    find_member(x, 0);
     memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);
 }
 
 void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen) {
-    x->scale = x->members + member * 3 * x->model->n;
-    x->region = x->scale + x->model->n;
+    find_member(x, member);
     x->seen = *seen;
 }
 
 void dm_inertia_keep_places(dm_inertia *x, size_t first, const double *q, uint32_t lanes,
                             uint32_t which) {
     const size_t n = x->model->n;
-    double *place = x->members + (3 * first + 1) * n;
-    for (uint32_t l = 0; l < lanes; l++, place += 3 * n, q++)
+    double *place = x->members + (OF_MEMBER * first + TO_PLACE) * n;
+    for (uint32_t l = 0; l < lanes; l++, place += OF_MEMBER * n, q++)
         for (size_t i = 0; i < n && (which >> l & 1); i++) place[i] = q[i * lanes];
 }
 
 const double *dm_inertia_place_of(const dm_inertia *x, size_t member) {
-    return x->members + (3 * member + 1) * x->model->n;
+    return x->members + (OF_MEMBER * member + TO_PLACE) * x->model->n;
 }
 
 /* `count` rows of a kernel, scaled, each of size 1, at G */
@@ -183,6 +191,22 @@ static void find_scales(dm_inertia *x, const double *whole) {
     }
     scale_rows(x->scale, block, d, half);
     memcpy(x->scale + half, x->scale, (d - half) * sizeof *x->scale);
+}
+
+void dm_inertia_scale_again(dm_inertia *x, const double *state, double t) {
+    const uint32_t n = x->model->n;
+    double *M = x->room + 2 * (size_t)n + 1 + outputs(x->model), *before = M + (size_t)n * n;
+    dm_inertia_seen *s = &x->seen;
+    const double credit = s->credit;
+    dm_inertia_there there;
+    if (!find_mass(x, state, t)) return;
+    memcpy(before, x->scale, n * sizeof *before);
+    find_scales(x, x->room + 2 * (size_t)n + 1 + n);
+    for (uint32_t i = 0; i < n; i++) x->scale[i] = fmin(x->scale[i], before[i]);
+    if (dm_inertia_values(x, state, t, &there))
+        s->least = there.least, s->all = s->ones = there.all;
+    dm_inertia_expect(x);
+    s->credit = credit;
 }
 
 /* [M, G^T; G, 0] as A[N*N] */
@@ -362,6 +386,7 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     const int ahead = go_ahead(x, state, t, h);
     find_scales(x, x->room + 2 * n + 1 + n);
     s->negative = count(x, &s->least, &s->all);
+    s->ones = s->all;
     s->degenerate = is_singular(x, state, t, ahead);
     if (s->degenerate) return DM_SINGULAR;
     s->at = t;

@@ -17,14 +17,18 @@ typedef struct {
     double fell;       /* 1: it did */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
-    double rate, way;  /* how fast the logarithm of that size moved, a step, and in how many */
-    double reach;      /* steps that could come before the next look */
+    /* how fast the logarithm of what is looked at moved, a step, in how many (0: not known), and
+     * how much more it did so with every step */
+    double rate, way, turn;
+    double ones;  /* `all` where the scales were found */
+    double reach; /* steps that could come before the next look */
     /* How much M can bend in a unit of time squared, over what it was at the start: for unit
      * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
     double anywhere, bend, speed, until;
     double shift_anywhere, shift; /* how much it can move in a unit of time, alike */
     long wide;                    /* steps that a region is made for */
     int wait;                     /* looks until the next one is tried */
+    int told;                     /* do bounds tell how M moves from the last look on? */
     double credit;  /* nodes whose bounds may be found yet: looks cost a part of the steps */
     double at;      /* the time of the last look */
     int degenerate; /* d2L/dv2 is singular to round-off at the start */
@@ -37,11 +41,12 @@ typedef struct {
     double close_least, close_left; /* of the last step, where every one is looked at */
     double kept_left;               /* seen.left at the kept state */
     double before;                  /* what was left before the last look */
-    double *scale;  /* [n] of the velocities: the mass at the start has ones on its diagonal */
-    double *region; /* [2n] of coordinates: the least, then the largest; both in members[][3n].
-                     * Without mass_bounds: q[n] at the last look */
-    double *members;
-    double *room; /* arguments and outputs of kernels, the matrix */
+    double *scale;   /* [n] of the velocities: the mass has ones on its diagonal, at the start or
+                      * where it was largest since */
+    double *region;  /* [2n] of coordinates: the least, then the largest */
+    double *place;   /* q[n] at the last look */
+    double *members; /* [][4n]: these three */
+    double *room;    /* arguments and outputs of kernels, the matrix */
     /* a state that steps can be taken again from, what the engine remembered there, how many
      * steps and rows were done */
     double *state, *memory;
@@ -89,6 +94,9 @@ int dm_inertia_is_fading(const dm_inertia *x);
 
 /* What is there; 0: no velocity is known. */
 int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out);
+
+/* New scales, by the mass at the state of the last look where that is larger. */
+void dm_inertia_scale_again(dm_inertia *x, const double *state, double t);
 
 /* Are all values of the mass that was found last positive by far, as is easily told? Then the least
  * and the product of all. */

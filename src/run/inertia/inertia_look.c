@@ -8,9 +8,10 @@
 #define DM_LANES_FUSED 0
 #include "run/inertia/course_text.h"
 
-static kind kind_of(const dm_model *m, int aside) {
+static kind kind_of(const dm_model *m, const dm_inertia_seen *s, int aside) {
     return (kind){.by_velocity = dm_inertia_sees_velocity(m),
                   .bounded = m->mass_bounds != NULL,
+                  .told = s->told,
                   .aside = aside};
 }
 
@@ -30,8 +31,20 @@ static const double KEPT = 0.9;
 
 static int has_touched(const dm_inertia *x, const double *state, double t, const move *w) {
     const double first = w->whole ? w->was : 0.0, last = w->whole ? w->is : 0.0;
-    const dm_chord line = {x->region, state, x->seen.at, t, first, last};
+    const dm_chord line = {x->place, state, x->seen.at, t, first, last};
     return dm_inertia_has_touched(x, &line);
+}
+
+/* Has the one that was near zero a step ago not gone on falling, or has one jumped? */
+static int has_turned(const course *c, const move *w) {
+    return (c->left <= NEAR && w->is > KEPT * w->was) || jumps(w);
+}
+
+void dm_inertia_go_on(dm_inertia *x, const double *state, double t) {
+    const dm_inertia_seen *s = &x->seen;
+    if (!has_grown(s->ones, s->all)) return;
+    dm_inertia_scale_again(x, state, t);
+    dm_inertia_foresee(x, state, t, s->looked);
 }
 
 /* What a look tells that found `there`, or nothing (NULL): so near to a fold that no velocity is
@@ -43,13 +56,13 @@ static int judge(dm_inertia *x, const double *state, double t, long done,
     const int found = there != NULL, changed = found && there->negative != s->negative;
     if (!found) there = &nothing;
     if (done == s->looked) return changed ? DM_INERTIA_CHANGED : 0; /* a step from here failed */
-    const kind k = kind_of(x->model, aside);
+    const kind k = kind_of(x->model, s, aside);
     course c = load_course(s);
     const double since = done > s->looked ? (double)(done - s->looked) : 1.0;
     const move w = move_since(k, &c, there->least, there->all, since);
-    const int strange = found && since > 1.0 && is_strange(s->least, there->least);
+    const int strange = found && since > 1.0 && is_strange(w.was, w.is);
     const int touched = found && !changed && sees_line(k, &c, &w) && has_touched(x, state, t, &w);
-    const int turned = since == 1.0 && s->left <= NEAR && there->least > KEPT * s->least;
+    const int turned = since == 1.0 && has_turned(&c, &w);
     x->before = s->left;
     note(k, &c, there->least, there->all, &w);
     if (!found) c.reach = 1.0;
@@ -57,7 +70,8 @@ static int judge(dm_inertia *x, const double *state, double t, long done,
     if (found && !changed) dm_inertia_foresee(x, state, t, done);
     dm_inertia_keep_place(x, state);
     if (changed || touched) return DM_INERTIA_CHANGED;
-    return strange ? DM_INERTIA_STRANGE : found && turned ? DM_INERTIA_TURNED : 0;
+    if (!found) return 0;
+    return strange ? DM_INERTIA_STRANGE : turned ? DM_INERTIA_TURNED : 0;
 }
 
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
@@ -100,8 +114,4 @@ int dm_inertia_is_fading(const dm_inertia *x) {
 
 int dm_inertia_is_steep(const dm_inertia_seen *s) {
     return s->known && s->left <= DM_INERTIA_STEEP;
-}
-
-int dm_inertia_is_near(const dm_inertia_seen *s) {
-    return s->known && s->left <= NEAR;
 }

@@ -16,6 +16,10 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
 int dm_inertia_look_aside(dm_inertia *x, const double *state, double t, long done,
                           const dm_inertia_there *told);
 
+/* From the state of the last look on, to which steps are taken: scales that do not hide the fall of
+ * what has grown meanwhile. */
+void dm_inertia_go_on(dm_inertia *x, const double *state, double t);
+
 /* From the kept state on again, after every step: 0 or DM_INERTIA_CHANGED; *steep: or a value may
  * have vanished inside. Leaves `seen` as it is. */
 void dm_inertia_begin_closely(dm_inertia *x);
@@ -27,13 +31,12 @@ double dm_inertia_left(const dm_inertia *x, double before, double now, double si
 /* May it vanish in the next step, or be so near that DM_INERTIA_TURNED may come of it? */
 #define DM_INERTIA_STEEP 1.25
 int dm_inertia_is_steep(const dm_inertia_seen *s);
-int dm_inertia_is_near(const dm_inertia_seen *s);
 
 /* The next line between states begins at this one. */
 void dm_inertia_keep_place(dm_inertia *x, const double *state);
 
 /* Of `which` members from `first` on, whose q[n][lanes] these are; and where it begins of one.
- * Without mass_bounds. */
+ */
 void dm_inertia_keep_places(dm_inertia *x, size_t first, const double *q, uint32_t lanes,
                             uint32_t which);
 const double *dm_inertia_place_of(const dm_inertia *x, size_t member);

@@ -187,14 +187,14 @@ static double next_step(const dm_inertia *x, double t, long done) {
 void dm_inertia_foresee(dm_inertia *x, const double *state, double t, long done) {
     const dm_mass_bounds *b = x->model->mass_bounds;
     dm_inertia_seen *s = &x->seen;
-    s->open = 0;
+    s->open = s->told = 0;
     if (!b || !(s->least > 0.0)) return;
     s->credit = fmin(CREDIT, s->credit + EARNED * (double)(done - s->looked));
     const double h = next_step(x, t, done);
     double steps = b->shifted ? 0.0 : safe_steps(x, state, t, h, 0);
     if (steps < 1.0) steps = safe_steps(x, state, t, h, 1);
     if (steps < 1.0 && s->credit <= 0.0) return; /* too dear for this run */
-    s->open = steps < 1.0;
+    s->open = steps < 1.0, s->told = 1;
     const long least = steps < 1.0 ? 1 : steps < WIDEST ? (long)steps : WIDEST;
     if (steps < INFINITY && s->due > done + least) s->due = done + least;
     for (int surely = b->shifted; surely < 2 && s->due > done + 1; surely++) {

@@ -232,5 +232,5 @@ int dm_inertia_has_touched(const dm_inertia *x, const dm_chord *way) {
 }
 
 void dm_inertia_keep_place(dm_inertia *x, const double *state) {
-    if (!x->model->mass_bounds) memcpy(x->region, state, x->model->n * sizeof *state);
+    memcpy(x->place, state, x->model->n * sizeof *state);
 }

@@ -63,7 +63,8 @@ INLINE uint32_t look_quietly(dm_inertia_seen *seen, const double *least, const d
         const V valley = same(DM_INERTIA_VALLEY) * larger_of(w.was, w.is);
         line &= not_of(w.whole & WHERE(load(between) >= valley));
     }
-    const I quiet = WHERE(since > same(0.0)) & not_of(line | (one & WHERE(c.left <= same(NEAR))));
+    const I turns = one & (jumps(&w) | WHERE(c.left <= same(NEAR)));
+    const I quiet = WHERE(since > same(0.0)) & not_of(line | turns | has_grown(c.ones, load(all)));
     const uint32_t out = asked & bits_of(quiet);
     if (!out) return 0;
     note(k, &c, load(least), load(all), &w);

@@ -98,6 +98,7 @@ static void make_seen(dm_inertia_seen *s, long done) {
     s->least = any_value(), s->all = any_value();
     s->nearest = 1.0 + 10.0 * fabs(any()), s->left = any() > 0.0 ? INFINITY : s->nearest;
     s->fell = any() > 0.0, s->rate = any(), s->way = any() > -0.5 ? 3.0 : 0.0;
+    s->turn = any() > 0.0 ? 0.3 * any() : 0.0, s->ones = any() > 0.5 ? 0.1 * any_value() : 0.0;
     s->reach = 1.0 + fabs(any()) * 20.0;
 }
 

@@ -74,8 +74,8 @@ for i = 1, 120 do
     end
   end
 end
--- before: 13
-ok(over <= runs / 100, "hardly a run goes over such a place", over .. " of " .. runs .. ":" .. where)
+-- before: 13, 6
+ok(over <= runs / 200, "hardly a run goes over such a place", over .. " of " .. runs .. ":" .. where)
 ok(named > runs / 3, "many come to one and are told by name", named)
 ok(unlike <= alike / 50, "members end as runs of their own", unlike .. " of " .. alike)
 tap.done()
