@@ -57,8 +57,8 @@ typedef struct {
 
 /* How values moved since the last look: the product of all (`whole`), where bounds do not tell how
  * those move that are not the least, or the one next to zero; steps until it vanishes, or could if
- * it fell as fast as it rose; by what its logarithm moved, and by how much that missed what it would
- * have done if it had gone on as before. */
+ * it fell as fast as it rose; by what its logarithm moved, and by how much that missed what it
+ * would have done if it had gone on as before. */
 typedef struct {
     V was, is, falling, left, since, moved, missed;
     I whole;
@@ -80,8 +80,8 @@ INLINE V left_of(V before, V now, V since, int by_velocity) {
     return pick(WHERE(ratio > same(1.0)), since / (power - same(1.0)), same(INFINITY));
 }
 
-/* One that grew may fall as fast. Of a ratio r the logarithm is 2 (r - 1)/(r + 1) as long as that is
- * little. */
+/* One that grew may fall as fast. Of a ratio r the logarithm is 2 (r - 1)/(r + 1) as long as that
+ * is little. */
 INLINE move move_since(kind k, const course *c, V least, V all, V since) {
     move w = {.since = since, .whole = WHERE(c->all * all > same(0.0))};
     if (k.by_velocity || k.told) w.whole = not_of(all_lanes());

@@ -17,11 +17,10 @@ typedef struct {
     double fell;       /* 1: it did */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
     long looked, due;  /* steps done then, and when the next look is due */
-    /* how fast the logarithm of what is looked at moved, a step, in how many (0: not known), and
-     * how much more it did so with every step */
-    double rate, way, turn;
-    double ones;  /* `all` where the scales were found */
-    double reach; /* steps that could come before the next look */
+    double rate, way;  /* how fast the logarithm of what is looked at moved, a step, in how many */
+    double turn;       /* how much faster with every step; way 0: not known */
+    double ones;       /* `all` where the scales were found */
+    double reach;      /* steps that could come before the next look */
     /* How much M can bend in a unit of time squared, over what it was at the start: for unit
      * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
     double anywhere, bend, speed, until;
@@ -41,18 +40,15 @@ typedef struct {
     double close_least, close_left; /* of the last step, where every one is looked at */
     double kept_left;               /* seen.left at the kept state */
     double before;                  /* what was left before the last look */
-    double *scale;   /* [n] of the velocities: the mass has ones on its diagonal, at the start or
-                      * where it was largest since */
-    double *region;  /* [2n] of coordinates: the least, then the largest */
-    double *place;   /* q[n] at the last look */
-    double *members; /* [][4n]: these three */
-    double *room;    /* arguments and outputs of kernels, the matrix */
-    /* a state that steps can be taken again from, what the engine remembered there, how many
-     * steps and rows were done */
-    double *state, *memory;
+    double *scale; /* [n] of the velocities: where the mass was largest its diagonal has ones */
+    double *region, *place; /* [2n] of q: the least, then the largest; q[n] at the last look */
+    double *members;        /* [][4n]: these three */
+    double *room;           /* arguments and outputs of kernels, the matrix */
+    /* a state that steps can be taken again from, what the engine remembered there, its time, how
+     * many steps and rows were done */
+    double *state, *memory, t;
     size_t memory_size;
     long done, rows;
-    double t;                   /* its time */
     double *aside;              /* states and memories of parts of a step */
     double *end;                /* [state] of who looks into a step that is not its last one */
     double h;                   /* of the steps */
@@ -64,8 +60,7 @@ typedef struct {
 /* Values that are positive by far, with ones on the diagonal of the mass at the start. */
 #define DM_INERTIA_FAR 1e-3
 
-/* Of the larger product of values at two ends of a line: more in its middle is no valley, where a
- * zero between them leaves a fourth at most. */
+/* Of the larger product at two ends of a line; a zero between leaves a fourth in its middle. */
 #define DM_INERTIA_VALLEY 0.5
 
 /* What is there at a state: how many values are negative, the size of the one next to zero, the
@@ -94,9 +89,6 @@ int dm_inertia_is_fading(const dm_inertia *x);
 
 /* What is there; 0: no velocity is known. */
 int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out);
-
-/* New scales, by the mass at the state of the last look where that is larger. */
-void dm_inertia_scale_again(dm_inertia *x, const double *state, double t);
 
 /* Are all values of the mass that was found last positive by far, as is easily told? Then the least
  * and the product of all. */

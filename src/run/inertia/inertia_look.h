@@ -20,6 +20,9 @@ int dm_inertia_look_aside(dm_inertia *x, const double *state, double t, long don
  * what has grown meanwhile. */
 void dm_inertia_go_on(dm_inertia *x, const double *state, double t);
 
+/* New scales, by the mass at the state of the last look where that is larger (inertia.c). */
+void dm_inertia_scale_again(dm_inertia *x, const double *state, double t);
+
 /* From the kept state on again, after every step: 0 or DM_INERTIA_CHANGED; *steep: or a value may
  * have vanished inside. Leaves `seen` as it is. */
 void dm_inertia_begin_closely(dm_inertia *x);
