@@ -35,14 +35,15 @@ static int has_touched(const dm_inertia *x, const double *state, double t, const
     return dm_inertia_has_touched(x, &line);
 }
 
-/* Has the one that was near zero a step ago not gone on falling, or has one jumped? */
-static int has_turned(const course *c, const move *w) {
-    return (c->left <= NEAR && w->is > KEPT * w->was) || jumps(w);
+/* Has the one that was near zero a step ago not gone on falling, or has one jumped? That of a
+ * speed near to its limit does. */
+static int has_turned(kind k, const course *c, const move *w) {
+    return (c->left <= NEAR && w->is > KEPT * w->was) || (!k.by_velocity && jumps(w));
 }
 
 void dm_inertia_go_on(dm_inertia *x, const double *state, double t) {
     const dm_inertia_seen *s = &x->seen;
-    if (!has_grown(s->ones, s->all)) return;
+    if (dm_inertia_sees_velocity(x->model) || !has_grown(s->ones, s->all)) return;
     dm_inertia_scale_again(x, state, t);
     dm_inertia_foresee(x, state, t, s->looked);
 }
@@ -62,7 +63,7 @@ static int judge(dm_inertia *x, const double *state, double t, long done,
     const move w = move_since(k, &c, there->least, there->all, since);
     const int strange = found && since > 1.0 && is_strange(w.was, w.is);
     const int touched = found && !changed && sees_line(k, &c, &w) && has_touched(x, state, t, &w);
-    const int turned = since == 1.0 && has_turned(&c, &w);
+    const int turned = since == 1.0 && has_turned(k, &c, &w);
     x->before = s->left;
     note(k, &c, there->least, there->all, &w);
     if (!found) c.reach = 1.0;
