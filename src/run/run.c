@@ -341,7 +341,7 @@ static dm_status advance(loop *l, long end) {
         const long next = due > l->done ? dm_lesser(due, end) : end;
         dm_status status = advance_plainly(l, next);
         const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
-        const int seen = looks ? dm_inertia_look(x, l->state, time_now(l), l->done) : 0;
+        const int seen = looks ? dm_inertia_look(x, l->state, time_now(l), l->done, NULL) : 0;
         const int one = status == DM_OK && l->done == x->done + 1;
         if (one && goes_over(l, seen, steep, open)) return end_before(l);
         if (seen && !one) {

@@ -110,12 +110,6 @@ static void run_alone(dm_hand *x, long i) {
     x->ended[i] = 1;
 }
 
-/* May a value have changed its sign and come back between two looks? Without bounds the line
- * between them has been looked at. */
-static int may_be_back(const dm_hand *x, int seen) {
-    return seen == DM_INERTIA_STRANGE && x->b->stepper->model->mass_bounds;
-}
-
 /* Member i goes on from a look. */
 static void go_on(dm_hand *x, long i, double t) {
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, x->b->lanes.alone);
@@ -134,8 +128,8 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, now);
     const double t = dm_hand_time(x, i, now, done);
     const int told = !failed && (x->told >> i & 1);
-    const int seen = dm_inertia_look_aside(inertia, now, t, done, told ? &x->there[i] : NULL);
-    int over = seen == DM_INERTIA_CHANGED || may_be_back(x, seen);
+    const int seen = dm_inertia_look(inertia, now, t, done, told ? &x->there[i] : NULL);
+    int over = seen == DM_INERTIA_CHANGED || seen == DM_INERTIA_STRANGE;
     steep |= one && seen == DM_INERTIA_TURNED;
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));

@@ -49,10 +49,9 @@ typedef struct {
     V least, all, ones, nearest, left, rate, way, turn, reach, fell;
 } course;
 
-/* M depends on v; has bounds; they told how it moves since the last look; members in lanes look at
- * steps at which others do. */
+/* M depends on v; has bounds; they told how it moves since the last look. */
 typedef struct {
-    int by_velocity, bounded, told, aside;
+    int by_velocity, bounded, told;
 } kind;
 
 /* How values moved since the last look: the product of all (`whole`), where bounds do not tell how
@@ -139,7 +138,7 @@ INLINE V still_steps(course *c, const move *w, V let) {
 INLINE void note(kind k, course *c, V least, V all, const move *w) {
     /* Of the steps until a value vanishes, the part that is not looked at. */
     const V part = same(k.by_velocity ? 0.4 : 0.5), most = same(512.0);
-    const V let = k.aside && !k.bounded ? larger_of(c->reach, w->since) : w->since;
+    const V let = k.bounded ? w->since : larger_of(c->reach, w->since);
     c->left = w->falling, c->nearest = w->left;
     const V still = still_steps(c, w, let);
     const V far = lesser(still, lesser(part * c->nearest, most));
@@ -148,8 +147,8 @@ INLINE void note(kind k, course *c, V least, V all, const move *w) {
     c->fell = pick(WHERE(w->is < w->was), same(1.0), same(0.0));
 }
 
-/* The last multiple of the largest power of 2 among the next `far` steps: where members in lanes
- * look, more of them do at once. */
+/* The last multiple of the largest power of 2 among the next `far` steps: of members in lanes more
+ * look at once. */
 INLINE long meet(long done, long far) {
     long unit = 1;
     while (2 * unit <= far) unit *= 2;
@@ -185,7 +184,7 @@ INLINE void store_course(kind k, dm_inertia_seen *s, const course *c, long done,
         s->turn = of_lane(c->turn, l);
         s->reach = of_lane(c->reach, l), s->fell = of_lane(c->fell, l);
         const long far = (long)s->reach;
-        s->due = k.aside && !k.bounded ? meet(done, far) : done + far;
+        s->due = k.bounded ? done + far : meet(done, far);
         s->open = 0, s->looked = done, s->at = t[l];
     }
 }

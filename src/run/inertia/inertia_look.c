@@ -8,11 +8,10 @@
 #define DM_LANES_FUSED 0
 #include "run/inertia/course_text.h"
 
-static kind kind_of(const dm_model *m, const dm_inertia_seen *s, int aside) {
+static kind kind_of(const dm_model *m, const dm_inertia_seen *s) {
     return (kind){.by_velocity = dm_inertia_sees_velocity(m),
                   .bounded = m->mass_bounds != NULL,
-                  .told = s->told,
-                  .aside = aside};
+                  .told = s->told};
 }
 
 double dm_inertia_left(const dm_inertia *x, double before, double now, double since) {
@@ -51,13 +50,13 @@ void dm_inertia_go_on(dm_inertia *x, const double *state, double t) {
 /* What a look tells that found `there`, or nothing (NULL): so near to a fold that no velocity is
  * known. */
 static int judge(dm_inertia *x, const double *state, double t, long done,
-                 const dm_inertia_there *there, int aside) {
+                 const dm_inertia_there *there) {
     static const dm_inertia_there nothing = {0};
     dm_inertia_seen *s = &x->seen;
     const int found = there != NULL, changed = found && there->negative != s->negative;
     if (!found) there = &nothing;
     if (done == s->looked) return changed ? DM_INERTIA_CHANGED : 0; /* a step from here failed */
-    const kind k = kind_of(x->model, s, aside);
+    const kind k = kind_of(x->model, s);
     course c = load_course(s);
     const double since = done > s->looked ? (double)(done - s->looked) : 1.0;
     const move w = move_since(k, &c, there->least, there->all, since);
@@ -75,17 +74,11 @@ static int judge(dm_inertia *x, const double *state, double t, long done,
     return strange ? DM_INERTIA_STRANGE : turned ? DM_INERTIA_TURNED : 0;
 }
 
-int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
-    dm_inertia_there there;
-    const int found = x->seen.known && dm_inertia_values(x, state, t, &there);
-    return judge(x, state, t, done, found ? &there : NULL, 0);
-}
-
-int dm_inertia_look_aside(dm_inertia *x, const double *state, double t, long done,
-                          const dm_inertia_there *told) {
+int dm_inertia_look(dm_inertia *x, const double *state, double t, long done,
+                    const dm_inertia_there *told) {
     dm_inertia_there there;
     const int found = told || (x->seen.known && dm_inertia_values(x, state, t, &there));
-    return judge(x, state, t, done, told ? told : found ? &there : NULL, 1);
+    return judge(x, state, t, done, told ? told : found ? &there : NULL);
 }
 
 void dm_inertia_begin_closely(dm_inertia *x) {

@@ -5,16 +5,12 @@
 #include "run/inertia/inertia.h"
 
 /* Are more or fewer values negative after so many steps than at the start, or may that have changed
- * and come back? A run on its own goes back to see; a member in lanes begins anew alone where
- * bounds tell how M moves. Or did a value that fell not go on falling in the one step since the
- * last look, so that it may have vanished inside? And when to look again. */
+ * and come back? A run on its own goes back to see; a member in lanes begins anew alone. Or did a
+ * value that fell not go on falling in the one step since the last look, so that it may have
+ * vanished inside? And when to look again. told: what is there, where the caller knows. */
 enum { DM_INERTIA_CHANGED = 1, DM_INERTIA_STRANGE = 2, DM_INERTIA_TURNED = 3 };
-int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
-
-/* The same of a member in lanes, whose looks come at steps at which others come, too; told: what is
- * there, where the caller knows. */
-int dm_inertia_look_aside(dm_inertia *x, const double *state, double t, long done,
-                          const dm_inertia_there *told);
+int dm_inertia_look(dm_inertia *x, const double *state, double t, long done,
+                    const dm_inertia_there *told);
 
 /* From the state of the last look on, to which steps are taken: scales that do not hide the fall of
  * what has grown meanwhile. */

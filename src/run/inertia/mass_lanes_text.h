@@ -47,7 +47,7 @@ INLINE uint32_t find_pivots_of_mass(const dm_mass_lanes *w, const double *scale,
 /* Lanes that are not asked may hold anything. */
 INLINE uint32_t look_quietly(dm_inertia_seen *seen, const double *least, const double *all,
                              const double *between, const double *t, long done, uint32_t asked) {
-    const kind k = {.aside = 1};
+    const kind k = {0};
     course c = load_course(seen);
     _Alignas(8 * W) double steps[W];
 #pragma GCC unroll 8
