@@ -37,7 +37,8 @@ local function model(rolls)
     if V == "cos" then return T - dm.cos(q[1] + (n > 1 and q[2] or 0)) end
     return T - (V == "bowl" and 0.5 or -0.25) * q:dot(q)
   end
-  local system = dm.system { Q = dm.R(n), L = rate ~= 0 and L or function(q, v) return L(q, v, 0) end,
+  local function timeless(q, v) return L(q, v, 0) end
+  local system = dm.system { Q = dm.R(n), L = rate ~= 0 and L or timeless,
     rolling = rolls and function(q, v) return v[3] - dm.sin(q[1]) * v[2] end or nil }
   local q, v = {}, {}
   for j = 1, any(3, 9, 21) do
