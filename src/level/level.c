@@ -4,6 +4,7 @@
 #include "algebra/derive.h"
 #include "code/tape/tape.h"
 #include "level/switches.h"
+#include "linalg/inverse.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -194,15 +195,55 @@ double dm_level_sine(dm_level *l, double *slant) {
     for (uint32_t i = 0; i < r; i++)
         for (uint32_t j = 0; j < r; j++) {
             double cut = 0, turn = 0;
-            for (uint32_t k = 0; k < n; k++) {
-                cut += l->slope[i * n + k] * l->psi[k * r + j];
+            for (uint32_t k = 0; k < n; k++) cut += l->slope[i * n + k] * l->psi[k * r + j];
+            for (uint32_t k = 0; j <= i && k < n; k++)
                 turn += l->psi[k * r + i] * l->psi[k * r + j];
-            }
-            l->A[i * r + j] = cut, l->turns[i * r + j] = turn;
+            l->A[i * r + j] = cut;
+            if (j <= i) l->turns[i * r + j] = l->turns[j * r + i] = turn;
         }
     const double rows = lengths(l->A, r), cut = determinant(l->A, scratch, r);
     const double turns = determinant(l->turns, scratch, r);
     const double sine = cut / sqrt(turns * of_section(l, scratch));
     if (slant) *slant = r > 1 && rows > 0 ? cut / rows : sine;
     return sine;
+}
+
+/* ---- away from the level set ---- */
+
+static double length(const double *x, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; i++) sum += x[i] * x[i];
+    return sqrt(sum);
+}
+
+static int are_finite(const double *x, size_t n) {
+    int are = 1;
+    for (size_t i = 0; i < n; i++) are &= isfinite(x[i]) != 0;
+    return are;
+}
+
+int dm_level_cut(dm_level *l, const double *x, double *A, double *inverse, double *unit,
+                 double *condition) {
+    const uint32_t n = l->n, r = l->r;
+    const size_t size = (size_t)n * r, all = (size_t)r * r;
+    double rows = 0;
+    l->has_gram = 0;
+    dm_kernel_eval(&l->kernel, x, l->value);
+    if (!are_finite(l->slope, size) || !are_finite(l->psi, size)) return 0;
+    for (uint32_t i = 0; i < r; i++) {
+        const double *J = l->slope + (size_t)i * n, reach = length(J, n);
+        unit[i] = reach > 0 ? 1 / reach : 1;
+        rows += reach > 0;
+        for (uint32_t j = 0; j < r; j++) {
+            double sum = 0;
+            for (uint32_t k = 0; k < n; k++) sum += J[k] * l->psi[(size_t)k * r + j];
+            A[i * r + j] = unit[i] * sum;
+        }
+    }
+    memcpy(inverse, A, all * sizeof *A);
+    const int is = dm_invert(inverse, l->pivot, r) == DM_OK;
+    const double turns = sqrt(rows) * length(x, n), most = fmax(length(A, all) / r, turns);
+    *condition = is ? length(inverse, all) * most : INFINITY;
+    if (isnan(*condition)) *condition = INFINITY;
+    return 1;
 }

@@ -77,13 +77,13 @@ local function standard_map(given)
   return function(g, z) return map(inverse(g), z) end, kind
 end
 
--- an action from checked parts
+-- an action from checked parts; false, as what is missing in a class is noted (core/missing_key.h)
 local function assemble(given)
   return setmetatable({ group = given.group, on = given.on, map = given.map,
-    side = given.side or "left", domain = given.domain, name = given.name,
+    side = given.side or "left", domain = given.domain or false, name = given.name,
     dimension = points.coordinates(given.on), angles = groups.kit(given.on).angles,
     points = given.points, count = given.points, base = given.base, kind = given.kind,
-    generator_by = given.generator_by }, class)
+    generator_by = given.generator_by or false }, class)
 end
 M.assemble = assemble
 

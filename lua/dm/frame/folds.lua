@@ -4,7 +4,6 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local groups = require "dm.group"
-local kits = require "dm.group.kit"
 local places = require "dm.action.points"
 local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
@@ -23,56 +22,6 @@ local TINY = 1e-3      -- of the algebra, for a second difference
 local EDGES = 5        -- halvings towards the ends of a branch between two pieces of a section
 local AIMS = 3         -- steps of Gauss and Newton from one piece to the other
 local LONG = 10        -- of the algebra: what an orbit meets that far away is no neighbour
-
--- equations of the space of the points, as |z| = 1
-local function bonds_of(frame)
-  local kit = kits.of(frame.action.on)
-  return function(x)
-    local out = {}
-    for _, z in ipairs(points.split(x, frame.k, frame.m)) do
-      for _, bond in ipairs(kit.bonds(kits.list_of(z))) do out[#out + 1] = bond end
-    end
-    return out
-  end
-end
-
--- what must be > 0 at x: domain and branch
-local function conditions(frame, x)
-  local list, out = points.split(x, frame.k, frame.m), {}
-  local domain = frame.action.domain
-  for i, z in ipairs(domain and list or {}) do out[i] = domain(z) end
-  local values = frame.branch and points.entries(frame.branch(table.unpack(list))) or {}
-  return table.move(values, 1, #values, #out + 1, out)
-end
-
--- conditions as a dm.function, as one of Lua where they cannot be traced, or nothing
-local function inside_of(frame, n)
-  if not (frame.branch or frame.action.domain) then return nil end
-  local fine, traced = blame.try(core.trace, function(x) return conditions(frame, x) end, n)
-  if fine then return traced end
-  return function(x)
-    local told, values = blame.try(conditions, frame, x)
-    for i = 1, told and #values or 0 do
-      if not (values[i] > 0) then return false end
-    end
-    return told
-  end
-end
-
--- the section as a level set, and how many dimensions it has
-local function level_of(frame)
-  local n, bonds = frame.k * frame.m, bonds_of(frame)
-  local count = #bonds(points.flat(points.sample(frame, 1)))
-  if n - frame.r - count < 1 then return nil end
-  local Z = tangent.section(frame)
-  local function equations(x)
-    local out = kits.list_of(Z(x))
-    for _, bond in ipairs(bonds(x)) do out[#out + 1] = 1 + bond end
-    return out
-  end
-  return core.section(count > 0 and tangent.traced(frame, equations, n) or Z,
-    tangent.moved(frame), inside_of(frame, n))
-end
 
 -- a node of the section
 local function node(level, x, step)
@@ -208,8 +157,8 @@ end
 --- Looks for folds. lists: points on the section. tried(list, elements) compares the frame of these
 -- points with those of what the elements move.
 function M.search(frame, lists, tried)
-  local fine, level = blame.try(level_of, frame)
-  if not fine or not level then return end
+  local fine, level, dimension = blame.try(tangent.level, frame)
+  if not fine or dimension < 1 then return end
   for _, list in ipairs(level:folds(starts_of(frame, lists), NODES // frame.r, MOST)) do
     try_between(frame, level, list, tried)
   end

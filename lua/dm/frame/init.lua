@@ -250,10 +250,10 @@ local function assembled(o)
   local action, k = base_of(o)
   local self = setmetatable({ action = action, group = action.group, k = k, points = k,
     m = action.dimension, r = action.group.dimension, cross_section = o.cross_section,
-    branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name,
-    invariants_named = o.invariants }, class)
+    branch = o.branch or false, solution = core.one(o.solution, "solution") or false,
+    name = o.name, basis = false, invariants_named = o.invariants }, class)
   if o.partial then partial.prepare(self, section) end
-  self.chart = not is_flat(self) and partial.chart(self) or nil
+  self.chart = not is_flat(self) and partial.chart(self)
   check_section(self)
   check_branch(self)
   if not self.solution then self.root = solved(self, o.start) end

@@ -71,6 +71,8 @@ end
 function M.entries(value, ...)
   if select("#", ...) > 0 then return several(value, ...) end
   if type(value) == "table" then return { table.unpack(value) } end
+  if kits.is_scalar(value) then return { value } end
+  if kits.class_of(value) == "dm.vector" then return value:totable() end
   local fine, count = blame.try(function() return #value end)
   if not fine or type(value) == "string" then return { value } end
   local out = {}

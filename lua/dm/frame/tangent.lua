@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local linear = class.module(function() return require "dm.base.linear" end)
 local points = require "dm.frame.points"
 
@@ -17,7 +18,6 @@ local function traced(frame, f, ...)
   lengths[#lengths + 1] = frame.root and "unchecked"
   return core.trace(f, table.unpack(lengths))
 end
-M.traced = traced
 
 --- 1 + Z of the points x, one vector: what cancels is compared with the trace beside 1
 function M.section(frame)
@@ -43,8 +43,8 @@ function M.along_basis(frame, y)
   return xi
 end
 
---- (y, x) -> the points x, one vector, moved by y in the algebra, to first order
-function M.moved(frame)
+-- (y, x) -> the points x, one vector, moved by y in the algebra, to first order
+local function moved(frame)
   local action, near = frame.action, require("dm.group").kit(frame.group).near
   local image = require("dm.action.points").image
   return traced(frame, function(y, x)
@@ -88,71 +88,78 @@ local function psi_at(frame, list)
 end
 M.psi_at = psi_at
 
--- norm of Frobenius
-local function size(A)
-  local sum = 0
-  for _, row in ipairs(A:totable()) do
-    for j = 1, #row do sum = sum + row[j] ^ 2 end
+---- the section against the orbits ----
+
+-- equations of the space of the points, as |z| = 1
+local function bonds_of(frame)
+  local kit = kits.of(frame.action.on)
+  return function(x)
+    local out = {}
+    for _, z in ipairs(points.split(x, frame.k, frame.m)) do
+      for _, bond in ipairs(kit.bonds(kits.list_of(z))) do out[#out + 1] = bond end
+    end
+    return out
   end
-  return math.sqrt(sum)
 end
 
--- 1/|row| of a matrix: rows of a section may be written in any units
-local function row_scales(J)
-  local out = {}
-  for i, row in ipairs(J:totable()) do
-    local sum = 0
-    for k = 1, #row do sum = sum + row[k] ^ 2 end
-    out[i] = sum > 0 and 1 / math.sqrt(sum) or 1
-  end
-  return out
+-- conditions that must be > 0 at x: domain and branch
+local function conditions(frame, x)
+  local list, out = points.split(x, frame.k, frame.m), {}
+  local domain = frame.action.domain
+  for i, z in ipairs(domain and list or {}) do out[i] = domain(z) end
+  local values = frame.branch and points.entries(frame.branch(table.unpack(list))) or {}
+  return table.move(values, 1, #values, #out + 1, out)
 end
 
-local function scaled(scale, A)
-  local rows = A:totable()
-  for i, row in ipairs(rows) do
-    for k = 1, #row do row[k] = scale[i] * row[k] end
+-- conditions as a dm.function, as one of Lua where they cannot be traced, or nothing
+local function inside_of(frame, n)
+  if not (frame.branch or frame.action.domain) then return nil end
+  local fine, made = blame.try(core.trace, function(x) return conditions(frame, x) end, n)
+  if fine then return made end
+  return function(x)
+    local told, values = blame.try(conditions, frame, x)
+    for i = 1, told and #values or 0 do
+      if not (values[i] > 0) then return false end
+    end
+    return told
   end
-  return core.matrix(rows)
 end
 
--- D J psi with rows of D J as long as 1, its condition number, |(J psi)^-1|; D
-local function measured(frame, list)
-  local first = { table.unpack(list, 1, frame.k) }
-  local J, r = M.J_at(frame, first), frame.r
-  local scale = row_scales(J)
-  J = scaled(scale, J)
-  local A = J * psi_at(frame, first)
-  local fine, inverse = blame.try(function() return A:inverse() end)
-  local condition, size_of_inverse = math.huge, math.huge
-  if fine then
-    local turns = size(J) * require("dm.frame").flat(first):norm()
-    condition = size(inverse) * math.max(size(A) / r, turns)
-    size_of_inverse = size(scaled(scale, inverse:transpose()))
+-- The section as a level set (core.section), on the space of the points where that leaves room, and
+-- how many dimensions it has: one kernel of Z, J and psi, for whatever looks at them.
+local function level_of(frame)
+  local n, bonds, Z = frame.k * frame.m, bonds_of(frame), M.section(frame)
+  local count = #bonds(points.flat(points.sample(frame, 1)))
+  local left = n - frame.r - count
+  local function equations(x)
+    local out = kits.list_of(Z(x))
+    for _, bond in ipairs(bonds(x)) do out[#out + 1] = 1 + bond end
+    return out
   end
-  if condition ~= condition then condition = math.huge end
-  return A, condition, size_of_inverse, scale
+  local F = count > 0 and left >= 0 and traced(frame, equations, n) or Z
+  return core.section(F, moved(frame), inside_of(frame, n)), left
 end
 
---- J psi of the cross-section at these very points, and its condition number in the norm of
--- Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is
--- larger, how much the frame turns for a relative change of the points, |(J psi)^-1| |J| |z|: near
--- a fixed point psi itself vanishes.
-function M.transversality(frame, list)
-  local A, condition, _, scale = measured(frame, list)
-  for i = 1, #scale do scale[i] = 1 / scale[i] end
-  return scaled(scale, A), condition
+--- The dm.section of a frame, and its number of dimensions.
+function M.level(frame)
+  if not frame.level then frame.level, frame.left = level_of(frame) end
+  return frame.level, frame.left
 end
+
+local function flat(frame, list)
+  return points.flat(#list == frame.k and list or { table.unpack(list, 1, frame.k) })
+end
+
+--- J psi of the cross-section at these very points, and its condition number (section:cut).
+function M.transversality(frame, list) return M.level(frame):cut(flat(frame, list)) end
 
 --- How far the points are from the section, as the length of the algebra vector (J psi)^-1 Z that
 -- would bring them there: a measure that does not depend on how the section is written. Also the
 -- condition number of J psi, and |(J psi)^-1|. Z: the section there, a list.
 function M.distance(frame, list, Z)
-  local A, condition, size_of_inverse, scale = measured(frame, list)
+  local off, condition, size_of_inverse = M.level(frame):distance(flat(frame, list), Z)
   if not (condition < M.CONDITION) then return math.huge, condition, math.huge end
-  local off = {}
-  for i = 1, #scale do off[i] = scale[i] * Z[i] end
-  return A:solve(core.vector(off)):norm(), condition, size_of_inverse
+  return off, condition, size_of_inverse
 end
 
 --- The distance that a frame may leave: round-off at this condition number, far from what a wrong

@@ -253,15 +253,22 @@ local function check_equivariance(frame, h, list, pushed, a, b, seed)
   not_free(frame, list, h, distance)
 end
 
--- an element far from the identity, by turns in every component of the group; backward: its inverse
-local function large(G, seed, backward)
-  local kit = groups.kit(G)
+-- an element far from the identity, by turns in every component of the group
+local function large(kit, seed)
   local others = kit.others()
   local size = PUSHES[seed % #PUSHES + 1]
   local h = kit.exp(kits.normals(core.random(11), seed, kit.dimension, size))
   local other = others[seed % (#others + 1)]
-  h = other and kit.compose(other, h) or h
-  return backward and kit.inverse(h) or h
+  return other and kit.compose(other, h) or h
+end
+
+-- Push number `again` of a sample: large elements and, by turns, the inverse of the next one. Every
+-- one is pushed with by two samples.
+local function push(trial, seed, again)
+  local kit, known = groups.kit(trial.frame.group), trial.pushes
+  local place = seed + again // 2
+  known[place] = known[place] or large(kit, place)
+  return again % 2 == 1 and known[place] or kit.inverse(known[place])
 end
 
 -- The frame at sample `seed` and where large elements move it; nothing where nothing is told, and
@@ -274,7 +281,7 @@ local function try(trial, seed)
   if not a then return nil, why end
   trial.on[#trial.on + 1] = a.there
   for again = 1, not frame.solution and AGAIN[min(frame.r, #AGAIN)] or 1 do
-    local h = large(frame.group, seed + again // 2, again % 2 == 0)
+    local h = push(trial, seed, again)
     local pushed = moved(frame, h, list)
     local b = pushed and frame_of(trial, pushed)
     if b then check_equivariance(frame, h, list, pushed, a, b, seed) end
@@ -300,7 +307,8 @@ local function is_singular(why) return why and tostring(why):find("is singular",
 
 --- Raises where the frame is none. section(frame, list): Z at the points, as a list.
 function M.check(frame, section)
-  local trial = { frame = frame, section = section, measured = 0, scale = huge, on = {} }
+  local trial = { frame = frame, section = section, measured = 0, scale = huge, on = {},
+    pushes = {} }
   local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
   local few, told, first, tangential, seed = left / 3, 0, nil, 0, 0
   local function is_rare() return not frame.solution and first and tangential < seed end
@@ -322,6 +330,7 @@ function M.check(frame, section)
       frame.solution and "section and solution" or "the section")
   end
   if frame.solution then fail("the solution fails at random points: %s", blame.bare(first)) end
+  by_root(frame, points.sample(frame, 1), true) -- does the trace alone have no root?
   if tangential == seed then text.refuse(frame, frame.r) end
   refuse("there was none at %d samples of points of size 0.1 to 10 (where points that have one are "
     .. "rare, say where they are by the action's domain(z) > 0): %s", seed, blame.bare(first))

@@ -97,6 +97,7 @@ function M.vector(x, n, what)
     error(("%s must be a vector of %d entries (got %s)"):format(what, n, class), 0)
   end
   if length ~= n then error(("%s must have %d entries (got %d)"):format(what, n, length), 0) end
+  if class == "dm.vector" then return core.vector(x) end
   local fine, out = blame.try(core.vector, x)
   if not fine then error(("%s: %s"):format(what, blame.bare(out)), 0) end
   return out

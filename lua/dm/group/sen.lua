@@ -157,7 +157,8 @@ local function three()
   end
   function kit.exp(xi)
     local v, omega = parts(xi)
-    return joined(so3.exp(omega), so3.dexp(omega) * v)
+    local R, slope = so3.exp_and_slope(omega)
+    return joined(R, slope * v)
   end
   function kit.log(g)
     local omega = so3.log(rotation(g, 3))

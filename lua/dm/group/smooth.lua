@@ -106,7 +106,11 @@ end
 local bernoulli = { [0] = 1 / 12, 1 / 720, 1 / 30240, 1 / 1209600 }
 for j = 5, 18 do
   local zeta = 1
-  for n = 2, 63 do zeta = zeta + n ^ (-2 * j) end
+  for n = 2, 63 do
+    local term = n ^ (-2 * j)
+    if term < 0x1p-53 then break end -- it and those behind it change nothing
+    zeta = zeta + term
+  end
   bernoulli[j - 1] = 2 * zeta / (2 * math.pi) ^ (2 * j)
 end
 

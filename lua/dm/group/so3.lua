@@ -79,6 +79,13 @@ function M.dexp(xi)
   local t = xi:dot(xi)
   return M.combine(M.hat(xi), circular(2, t), circular(3, t))
 end
+
+--- exp and dexp together
+function M.exp_and_slope(xi)
+  local t, X, one = xi:dot(xi), M.hat(xi), core.identity(3)
+  local square, c2 = X * X, circular(2, t)
+  return one + X * circular(1, t) + square * c2, one + X * c2 + square * circular(3, t)
+end
 function M.dexpinv(xi) return M.combine(M.hat(xi), -0.5, smooth.half_cotangent(xi:dot(xi))) end
 
 --- A uniform rotation.

@@ -77,13 +77,13 @@ static void push_root(lua_State *L, const dml_root_shape *s, const dml_scalar *y
         dml_pushscalars(L, y, s->unknowns);
 }
 
-/* on numbers; the functions are traced anew where a call of the equations shows, if `compared`,
- * that they have changed, or where there is no root: those that are the same have none */
+/* on numbers; if `compared`, the functions are traced anew where a call of the equations shows that
+ * they have changed, or where there is no root: those that are the same have none */
 static dml_root_shape *solve(lua_State *L, int top, int compared) {
     const dml_root_shape *failed = NULL;
     for (int tries = 0;; tries++) {
         lua_settop(L, top);
-        dml_root_shape *s = dml_rootshape(L, tries > 0);
+        dml_root_shape *s = compared ? dml_rootchecked(L, tries > 0) : dml_rootshape(L, tries > 0);
         if (s == failed) dml_raiseroot(L, s->f);
         dml_scalar *x = lua_newuserdatauv(L, (s->inputs + 1) * sizeof *x, 0);
         read_arguments(L, s, top, x);
@@ -91,7 +91,7 @@ static dml_root_shape *solve(lua_State *L, int top, int compared) {
         for (uint32_t i = 0; i < s->uses; i++) s->chosen[i] = s->x[s->used[i]];
         const dm_root_outcome outcome = dm_root_solve(&s->solver, s->chosen, s->y, s->inverse);
         if (outcome == DM_ROOT_FOUND && !(compared && has_changed(L, s))) return s;
-        if (outcome != DM_ROOT_FOUND && tries) dml_raiseroot(L, s->f);
+        if (outcome != DM_ROOT_FOUND && (tries || !compared)) dml_raiseroot(L, s->f);
         failed = outcome == DM_ROOT_FOUND ? NULL : s;
         if (tries)
             luaL_error(L,
@@ -112,10 +112,10 @@ static uint32_t outermost(lua_State *L) {
 
 /* once in a trace its functions are traced too, to see whether they are what they were */
 static dml_root_shape *shape_in_trace(lua_State *L, int top) {
-    dml_root_shape *s = dml_rootshape(L, 0);
+    dml_root_shape *s = dml_rootchecked(L, 0);
     if (s->trace == outermost(L)) return s;
     lua_settop(L, top);
-    s = dml_rootshape(L, 1);
+    s = dml_rootchecked(L, 1);
     s->trace = outermost(L);
     return s;
 }
@@ -295,8 +295,9 @@ static const dml_row meta[] = {{"__call", root_call, NULL},
 static const dml_row methods[] =
     {{"traced", root_traced,
       "f:traced(x, ...) -> number or dm.vector\n"
-      "f(x, ...) of the equations as they were traced: they are not called to see whether what "
-      "they read has changed since. For many calls of one root, of which each costs less."},
+      "f(x, ...) of the equations as they were traced: they are not called to see whether the "
+      "trace says what they do, nor whether what they read has changed since. For many calls of "
+      "one root, of which each costs less, where the result is looked at anyway."},
      {"value", root_value,
       "f:value(x, ...) -> number\n"
       "S(y, x, ...) at the point y where it is stationary. Its first derivatives are those of S at "

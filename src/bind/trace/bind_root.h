@@ -21,12 +21,16 @@ typedef struct {
     dm_root_solver solver;            /* on the tape */
     dm_kernel value;                  /* S, where F = dS/dy */
     double *x, *chosen, *y, *inverse; /* all arguments, those that are used */
+    int checked;    /* the equations were compared with plain calls of the function */
     uint32_t trace; /* the outermost one in which the functions were last compared with these */
 } dml_root_shape;
 
 /* Push the shape for arguments 2, 3, ... of the call with the root at 1, which is traced when it
  * is new, or (anew = 1) when its functions are not what they were. */
 dml_root_shape *dml_rootshape(lua_State *L, int anew);
+
+/* The same, of what was compared with plain calls of the functions as they are, or is now. */
+dml_root_shape *dml_rootchecked(lua_State *L, int anew);
 
 /* Push the name of the root at arg. */
 const char *dml_rootname(lua_State *L, int arg);

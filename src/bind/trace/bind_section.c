@@ -90,6 +90,52 @@ static int node(lua_State *L) {
     return 3;
 }
 
+/* D J psi (r x r) at x on top, behind it r numbers: D; their places are told. The condition. */
+static double cut_at(lua_State *L, section *s, int at, double **A, double **inverse,
+                     double **unit) {
+    const uint32_t n = s->level.n, r = s->level.r;
+    double condition;
+    double *x = lua_newuserdatauv(L, (n + r + (size_t)r * r) * sizeof *x, 0);
+    *unit = x + n, *inverse = x + n + r;
+    dml_vectorarg(L, at, "x", x, n);
+    *A = dml_pushmatrix(L, r, r);
+    if (!dm_level_cut(&s->level, x, *A, *inverse, *unit, &condition))
+        luaL_error(L, "the section or the action has no finite derivative there");
+    return condition;
+}
+
+/* (section, x) -> J psi, condition */
+static int cut(lua_State *L) {
+    section *s = check(L);
+    const uint32_t r = s->level.r;
+    double *A, *inverse, *unit;
+    const double condition = cut_at(L, s, 2, &A, &inverse, &unit);
+    for (uint32_t i = 0; i < r * r; i++) A[i] /= unit[i / r];
+    lua_pushnumber(L, condition);
+    return 2;
+}
+
+/* (section, x, Z) -> distance, condition, |(J psi)^-1| */
+static int distance(lua_State *L) {
+    section *s = check(L);
+    const uint32_t r = s->level.r;
+    double *A, *inverse, *unit, off = 0, size = 0;
+    const double condition = cut_at(L, s, 2, &A, &inverse, &unit);
+    dml_vectorarg(L, 3, "Z", A, r);
+    for (uint32_t i = 0; i < r; i++) {
+        double sum = 0;
+        for (uint32_t j = 0; j < r; j++) {
+            const double b = inverse[i * r + j] * unit[j];
+            sum += b * A[j], size += b * b;
+        }
+        off += sum * sum;
+    }
+    lua_pushnumber(L, isfinite(condition) ? sqrt(off) : INFINITY);
+    lua_pushnumber(L, condition);
+    lua_pushnumber(L, isfinite(condition) ? sqrt(size) : INFINITY);
+    return 3;
+}
+
 /* The list of what is found is at stack index 5: tables {a, b} or {a, b, left, left}. */
 static int found(void *ud, const double *a, const double *b, const double *const left[2]) {
     lua_State *L = ud;
@@ -139,6 +185,17 @@ static const dml_row methods[] =
       "The point of F = 1 beside x, by Newton steps of least length, which fit a step of that "
       "length; the product of the sines of the angles of that level set with the orbits of the "
       "group, with a sign; do the conditions hold there?"},
+     {"cut", cut,
+      "section:cut(x) -> J psi, condition\n"
+      "Slopes of the section at x, which need not be on it, by the generators of the action: r x "
+      "r. Its condition number in the norm of Frobenius, with rows of J as long as 1, since a "
+      "section may have any units; or, if that is larger, how much the frame turns for a relative "
+      "change of the points, |(J psi)^-1| |J| |x|: near a fixed point psi itself vanishes. Raises "
+      "where J or psi is not finite."},
+     {"distance", distance,
+      "section:distance(x, Z) -> number, condition, number\n"
+      "|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, "
+      "however the section is written; the condition number as of cut, and |(J psi)^-1|."},
      {"folds", folds,
       "section:folds(starts, nodes, most) -> list\n"
       "Where the sine changes its sign along curves from the starts { { x, step } ... }, each "

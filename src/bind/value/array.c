@@ -58,7 +58,7 @@ const dml_array *dml_vectorat(lua_State *L, int arg) {
     if (n < 0) luaL_argerror(L, arg, "a vector or table of numbers expected");
     a = dml_newarray(L, 1, (uint32_t)n, 1, &zero);
     const int made = lua_gettop(L);
-    for (uint32_t i = 0; i < (uint32_t)n; i++) {
+    for (uint32_t i = dml_readplain(L, arg, a->entries, (uint32_t)n); i < (uint32_t)n; i++) {
         const dml_scalar x = dml_entry(L, arg, i);
         dml_assign(L, made, i, &x);
     }

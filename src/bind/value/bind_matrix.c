@@ -30,7 +30,9 @@ static void set_row(lua_State *L, int m, uint32_t i) {
     if (n != (long)a->columns)
         luaL_error(L, "row %d has %d entries, but the matrix has %d columns", (int)i + 1, (int)n,
                    (int)a->columns);
-    for (uint32_t j = 0; j < a->columns; j++) {
+    double *numbers = dml_numbersof(a);
+    uint32_t j = numbers ? dml_readplain(L, row, numbers + (size_t)i * a->columns, a->columns) : 0;
+    for (; j < a->columns; j++) {
         const dml_scalar x = dml_entry(L, row, j);
         dml_assign(L, m, i * a->columns + j, &x);
     }

@@ -259,8 +259,7 @@ static int read_chunk(lua_State *L, int arg, double *out, uint32_t i) {
     return fine;
 }
 
-/* the first entries of a vector or plain table that are finite numbers; gives how many */
-static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
+uint32_t dml_readplain(lua_State *L, int arg, double *out, uint32_t n) {
     const dml_array *a = dml_toarray(L, arg, 1);
     const double *entries = a ? dml_numbersof(a) : NULL;
     uint32_t i = 0;
@@ -269,8 +268,9 @@ static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
         for (; i < n && isfinite(entries[i]); i++) out[i] = entries[i];
         return i;
     }
-    if (a || !lua_istable(L, arg) || luaL_getmetafield(L, arg, "__index") != LUA_TNIL) return 0;
+    if (a || !lua_istable(L, arg)) return 0;
     luaL_checkstack(L, CHUNK, NULL);
+    if (luaL_getmetafield(L, arg, "__index") != LUA_TNIL) return lua_pop(L, 1), 0;
     while (n - i >= CHUNK && read_chunk(L, arg, out, i)) i += CHUNK;
     for (; i < n; i++) {
         number = lua_rawgeti(L, arg, (lua_Integer)i + 1) == LUA_TNUMBER;
@@ -292,7 +292,7 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
     if (length != (long)n)
         luaL_error(L, "%s must have %d entries (got %d)", name, (int)n, (int)length);
     luaL_checkstack(L, 4, NULL);
-    for (uint32_t i = read_plain(L, arg, out, n); i < n; i++) {
+    for (uint32_t i = dml_readplain(L, arg, out, n); i < n; i++) {
         dml_scalar x;
         const char *type = "";
         if (!read_entry(L, arg, i, &x, &type))

@@ -53,6 +53,10 @@ int dml_islist(lua_State *L, int arg);
 long dml_length(lua_State *L, int arg);
 /* Entry i (from 0) of what dml_length measured. Raises when it is no scalar. */
 dml_scalar dml_entry(lua_State *L, int arg, uint32_t i);
+
+/* out = the first entries, at most n, of a vector or plain table that are finite numbers; gives how
+ * many. */
+uint32_t dml_readplain(lua_State *L, int arg, double *out, uint32_t n);
 /* n finite numbers from the vector or table at arg; messages call it `name`. A bare number
  * will do where n is 1. */
 void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_t n);
