@@ -99,12 +99,15 @@ int dm_level_look(dm_level *l, const double *x) {
 
 /* out[rows rows] = A A^T of the first rows, `n` long */
 static void square(double *out, const double *A, uint32_t rows, uint32_t n) {
-    for (uint32_t i = 0; i < rows; i++)
-        for (uint32_t j = 0; j <= i; j++) {
-            double sum = 0;
-            for (uint32_t k = 0; k < n; k++) sum += A[i * n + k] * A[j * n + k];
-            out[i * rows + j] = out[j * rows + i] = sum;
+    memset(out, 0, (size_t)rows * rows * sizeof *out);
+    for (uint32_t i = 0; i < rows; i++) {
+        for (uint32_t k = 0; k < n; k++) {
+            const double a = A[i * n + k];
+            if (a == 0.0) continue;
+            for (uint32_t j = 0; j <= i; j++) out[i * rows + j] += a * A[j * n + k];
         }
+        for (uint32_t j = 0; j < i; j++) out[j * rows + i] = out[i * rows + j];
+    }
 }
 
 double dm_level_normal_step(dm_level *l, const double *rows, uint32_t count) {
@@ -189,18 +192,25 @@ static double of_section(dm_level *l, uint32_t *scratch) {
     return determinant(l->turns, scratch, l->r);
 }
 
+/* out[r r] = B psi, where entry (i, k) of B stands at B[i row + k column] */
+static void multiply(double *out, const double *B, size_t row, size_t column, const dm_level *l) {
+    const uint32_t n = l->n, r = l->r;
+    memset(out, 0, (size_t)r * r * sizeof *out);
+    for (uint32_t i = 0; i < r; i++) {
+        double *restrict sum = out + (size_t)i * r;
+        for (uint32_t k = 0; k < n; k++) {
+            const double b = B[i * row + k * column], *psi = l->psi + (size_t)k * r;
+            if (b == 0.0) continue; /* as most of a section's slopes (first, bench frames) */
+            for (uint32_t j = 0; j < r; j++) sum[j] += b * psi[j];
+        }
+    }
+}
+
 double dm_level_sine(dm_level *l, double *slant) {
     const uint32_t n = l->n, r = l->r;
     uint32_t *scratch = l->pivot + l->c + l->s;
-    for (uint32_t i = 0; i < r; i++)
-        for (uint32_t j = 0; j < r; j++) {
-            double cut = 0, turn = 0;
-            for (uint32_t k = 0; k < n; k++) cut += l->slope[i * n + k] * l->psi[k * r + j];
-            for (uint32_t k = 0; j <= i && k < n; k++)
-                turn += l->psi[k * r + i] * l->psi[k * r + j];
-            l->A[i * r + j] = cut;
-            if (j <= i) l->turns[i * r + j] = l->turns[j * r + i] = turn;
-        }
+    multiply(l->A, l->slope, n, 1, l);
+    multiply(l->turns, l->psi, 1, r, l);
     const double rows = lengths(l->A, r), cut = determinant(l->A, scratch, r);
     const double turns = determinant(l->turns, scratch, r);
     const double sine = cut / sqrt(turns * of_section(l, scratch));
@@ -230,15 +240,12 @@ int dm_level_cut(dm_level *l, const double *x, double *A, double *inverse, doubl
     l->has_gram = 0;
     dm_kernel_eval(&l->kernel, x, l->value);
     if (!are_finite(l->slope, size) || !are_finite(l->psi, size)) return 0;
+    multiply(A, l->slope, n, 1, l);
     for (uint32_t i = 0; i < r; i++) {
         const double *J = l->slope + (size_t)i * n, reach = length(J, n);
         unit[i] = reach > 0 ? 1 / reach : 1;
         rows += reach > 0;
-        for (uint32_t j = 0; j < r; j++) {
-            double sum = 0;
-            for (uint32_t k = 0; k < n; k++) sum += J[k] * l->psi[(size_t)k * r + j];
-            A[i * r + j] = unit[i] * sum;
-        }
+        for (uint32_t j = 0; j < r; j++) A[i * r + j] *= unit[i];
     }
     memcpy(inverse, A, all * sizeof *A);
     const int is = dm_invert(inverse, l->pivot, r) == DM_OK;

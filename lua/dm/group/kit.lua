@@ -133,8 +133,8 @@ function M.norm(list) return core.vector(list):norm() end
 
 --- n numbers, normal with that deviation, of place i of a dm.random.
 function M.normals(stream, i, n, deviation)
-  local out = {}
-  for k = 1, n do out[k] = stream:normal(i, k - 1, 0, deviation) end
+  local normal, out = stream.normal, {}
+  for k = 1, n do out[k] = normal(stream, i, k - 1, 0, deviation) end
   return core.vector(out)
 end
 

@@ -80,10 +80,12 @@ function M.dexp(xi)
   return M.combine(M.hat(xi), circular(2, t), circular(3, t))
 end
 
---- exp and dexp together
+--- exp and dexp together; the same bits at 0, where all terms but the first are 0
 function M.exp_and_slope(xi)
-  local t, X, one = xi:dot(xi), M.hat(xi), core.identity(3)
-  local square, c2 = X * X, circular(2, t)
+  local t, one = xi:dot(xi), core.identity(3)
+  if t == 0 then return one, one end
+  local X, c2 = M.hat(xi), circular(2, t)
+  local square = X * X
   return one + X * circular(1, t) + square * c2, one + X * c2 + square * circular(3, t)
 end
 function M.dexpinv(xi) return M.combine(M.hat(xi), -0.5, smooth.half_cotangent(xi:dot(xi))) end

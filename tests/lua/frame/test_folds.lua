@@ -119,4 +119,28 @@ do
   tap.raises("{ x, step } expected", section.folds, section, { 1, 2 }, 10, 3)
   tap.raises("a function of x expected", core.section, wave, turned, wider)
 end
+
+-- a section against the orbits anywhere, J psi = (-2 x1, 1) . (-x2, x1) of x2 = x1^2 and turns,
+-- with its row in other units too
+do
+  local core = require "dm.core"
+  local turned = core.trace(function(y, x) return { x[1] - y[1] * x[2], x[2] + y[1] * x[1] } end, 1, 2)
+  for _, unit in ipairs { 1, 1e-6, 1e9 } do
+    local curve = core.trace(function(x) return { 1 + unit * (x[2] - x[1] ^ 2) } end, 2)
+    local section = core.section(curve, turned, nil)
+    local slope, condition = section:cut { 1, 3 }
+    tap.near(slope[1][1], 7 * unit, 1e-14 * unit, "J psi")
+    tap.near(condition, math.sqrt(50) / 7, 1e-14, "the turn by a relative change of the points")
+    local off, _, inverse = section:distance({ 1, 3 }, { 2 * unit })
+    tap.near(off, 2 / 7, 1e-15, "an angle")
+    tap.near(inverse, 1 / (7 * unit), 1e-15 / unit, "of a unit of Z")
+    local _, nowhere = section:cut { 0, 0 }
+    ok(nowhere == math.huge, "the fixed point")
+    ok(section:distance({ 0, 0 }, { unit }) == math.huge, "is infinitely far")
+    tap.raises("must have 2 entries", section.cut, section, { 1 })
+    tap.raises("must have 1 entries", section.distance, section, { 1, 3 }, { 1, 2 })
+  end
+  local root = core.trace(function(x) return { 1 + dm.sqrt(x[2]) } end, 2)
+  tap.raises("no finite derivative", core.section(root, turned, nil).cut, core.section(root, turned, nil), { 1, 0 })
+end
 tap.done()

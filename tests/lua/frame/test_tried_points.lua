@@ -13,6 +13,9 @@ raises("no point tried was finite", frame, first, function() return { 1 / 0 } en
 raises("no point tried was finite", frame, first, function(z) return { -z[1] + 0 * (z[2] - 1000) ^ 0.5 } end)
 raises("domain(z) > 0", frame, first, function(z) return { -z[1] + 0 * (z[2] - 1000) ^ 0.5 } end)
 raises("there was none at", frame, function(z) return z[1] + (z[2] - 1000) ^ 0.5 end)
+-- of a section that its trace does not see, also where the trace alone has no root
+raises("not what its trace says", frame, function(z) return z[1] + (type(z[1]) == "number" and 0.1 or 0) end)
+raises("not what its trace says", frame, function(z) return type(z[1]) == "number" and z[1] or z[1] ^ 2 + 1 end)
 -- points where the domain is rare are looked for
 local rare = dm.action { group = dm.R(1), on = dm.R(2), domain = function(z) return z[2] - 1.5 end,
   map = function(g, z) return { z[1] + g[1], z[2] } end }

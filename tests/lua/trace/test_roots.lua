@@ -215,6 +215,18 @@ ok(scaled(1) == 2, "a root")
 factor = 9
 ok(scaled:traced(1) == 2, "as it was traced")
 ok(scaled(1) == 3 and scaled:traced(1) == 3, "traced anew by a call that looks at the equations")
+-- what was traced for a call that compares nothing is compared by the first one that does, as it is then
+do
+  local by = 2
+  local late = dm.root { equations = function(y, x) return y - by * x end, start = 0 }
+  ok(late:traced(3) == 6, "traced")
+  by = 5
+  ok(late(0) == 0 and late(3) == 15, "the functions are what they are now, though this root is the same")
+  local blind = dm.root { equations = function(y, x) return y - (type(x) == "number" and 1 or 2) * x end, start = 0 }
+  ok(blind:traced(3) == 6, "as its trace says")
+  raises("not what its trace says", blind, 3)
+  raises("not what its trace says", dm.derivative, function(x) return blind(x[1]) end, 1)
+end
 raises("has no value at (-1)", scaled.traced, scaled, -1)
 
 ---- roots far away, on the way to which increments grow as y does ----

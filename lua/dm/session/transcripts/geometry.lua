@@ -1,4 +1,4 @@
---- Examples of discrete tangent bundles, connections and classes of pairs.
+--- Examples of discrete tangent bundles, connections, classes of pairs and cross-sections of orbits.
 local M = {}
 
 M["dm.bundle"] = [=[
@@ -223,5 +223,46 @@ M["bundle_class.at"] = [=[
 > class = A:splitting({ {1}, {0} }, { {3}, {0} })
 > class:at({ {1}, {10} })
 class [{[1], [10]}, [4]]]=]
+
+M["core.section"] = [=[
+> core = require "dm.core"
+> line = core.trace(function(x) return { 1 + x[2] } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> core.section(line, turned, nil):node({ 2, 0.25 }, 1)
+[2, 0]	1.0	true]=]
+
+M["section.node"] = [=[
+> core = require "dm.core"
+> wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> s = core.section(wave, turned, function(x) return x[1] < 0 end)
+> x, sine, inside = s:node({ 1, 1 }, 1)
+> x, math.abs(sine - 3/10^.5) < 1e-14, inside
+[1, 1]	true	false]=]
+
+M["section.cut"] = [=[
+> core = require "dm.core"
+> wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> slope, condition = core.section(wave, turned, nil):cut { 1, 3 }
+> slope, math.abs(condition - 50^.5/7) < 1e-14
+[[7]]	true]=]
+
+M["section.distance"] = [=[
+> core = require "dm.core"
+> wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> off, _, inverse = core.section(wave, turned, nil):distance({ 1, 3 }, { 2 })
+> math.abs(off - 2/7) < 1e-15, math.abs(inverse - 1/7) < 1e-15
+true	true]=]
+
+M["section.folds"] = [=[
+> core = require "dm.core"
+> wave = core.trace(function(x) return { 1 + x[2] - 0.9*dm.sin(3*x[1]) } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> s = core.section(wave, turned, nil)
+> l = s:folds({ { { 0.5, 0.9 }, 1 } }, 100, 1)
+> #l, math.abs(l[1][1]:norm() - 1.06) < 0.02
+1	true]=]
 
 return M

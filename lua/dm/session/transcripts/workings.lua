@@ -209,31 +209,6 @@ M["core.result"] = [=[
 > core.result { order = 2, ok = true }
 { ok = true, order = 2 }]=]
 
-M["core.section"] = [=[
-> core = require "dm.core"
-> line = core.trace(function(x) return { 1 + x[2] } end, 2)
-> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
-> core.section(line, turned, nil):node({ 2, 0.25 }, 1)
-[2, 0]	1.0	true]=]
-
-M["section.node"] = [=[
-> core = require "dm.core"
-> wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
-> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
-> s = core.section(wave, turned, function(x) return x[1] < 0 end)
-> x, sine, inside = s:node({ 1, 1 }, 1)
-> x, math.abs(sine - 3/10^.5) < 1e-14, inside
-[1, 1]	true	false]=]
-
-M["section.folds"] = [=[
-> core = require "dm.core"
-> wave = core.trace(function(x) return { 1 + x[2] - 0.9*dm.sin(3*x[1]) } end, 2)
-> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
-> s = core.section(wave, turned, nil)
-> l = s:folds({ { { 0.5, 0.9 }, 1 } }, 100, 1)
-> #l, math.abs(l[1][1]:norm() - 1.06) < 0.02
-1	true]=]
-
 M["core.sem_energies"] = [=[
 > core = require "dm.core"
 > s = dm.system {
