@@ -3695,7 +3695,7 @@ function dm_root_class:inverse(x, ...) end
 
 ---f:traced(x, ...) -> number or dm.vector
 ---
----f(x, ...) of the equations as they were traced: they are not called to see whether what they read has changed since. For many calls of one root, of which each costs less.
+---f(x, ...) of the equations as they were traced: they are not called to see whether the trace says what they do, nor whether what they read has changed since. For many calls of one root, of which each costs less, where the result is looked at anyway.
 ---@param x? any
 ---@param ... any
 ---@return number|dm.vector
@@ -3850,6 +3850,24 @@ function dm_schroedinger_class:stability_limit(rule) end
 ---all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.
 ---@class dm.section
 local dm_section_class = {}
+
+---section:cut(x) -> J psi, condition
+---
+---Slopes of the section at x, which need not be on it, by the generators of the action: r x r. Its condition number in the norm of Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is larger, how much the frame turns for a relative change of the points, |(J psi)^-1| |J| |x|: near a fixed point psi itself vanishes. Raises where J or psi is not finite.
+---@param x? any
+---@return any
+---@return any
+function dm_section_class:cut(x) end
+
+---section:distance(x, Z) -> number, condition, number
+---
+---|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, however the section is written; the condition number as of cut, and |(J psi)^-1|.
+---@param x? any
+---@param Z? any
+---@return number
+---@return any
+---@return number
+function dm_section_class:distance(x, Z) end
 
 ---section:folds(starts, nodes, most) -> list
 ---

@@ -57,7 +57,8 @@ end
 local function size_of(z)
   local most = 0
   for i = 1, #z do
-    if not (abs(z[i]) <= most) and most == most then most = abs(z[i]) end
+    local size = abs(z[i])
+    if not (size <= most) and most == most then most = size end
   end
   return most
 end

@@ -113,9 +113,11 @@ end
 
 --- All numbers of a list of points.
 function M.flat(list)
-  local out = {}
+  local out, n = {}, 0
   for _, z in ipairs(list) do
-    for i = 1, #z do out[#out + 1] = z[i] end
+    local size = #z
+    for i = 1, size do out[n + i] = z[i] end
+    n = n + size
   end
   return core.vector(out)
 end
