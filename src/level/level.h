@@ -57,8 +57,8 @@ int dm_level_turn(dm_level *l, double *v, uint32_t more);
  * become short in some direction; the sine where there is one row. */
 double dm_level_sine(dm_level *l, double *slant);
 
-/* The section against orbits at x, which need not be on it. A[r r] = D J psi, inverse[r r] that of A,
- * D = diag(unit[r]), which makes rows of D J as long as 1, since a section may have any units.
+/* The section against orbits at x, which need not be on it. A[r r] = D J psi, inverse[r r] that of
+ * A, D = diag(unit[r]), which makes rows of D J as long as 1, since a section may have any units.
  * condition: |A^-1| max(|A|/r, |D J| |x|) in Frobenius' norm, as near a fixed point psi itself
  * vanishes; INFINITY where A is singular. 0: J or psi is not finite. */
 int dm_level_cut(dm_level *l, const double *x, double *A, double *inverse, double *unit,

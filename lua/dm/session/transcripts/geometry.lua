@@ -1,4 +1,4 @@
---- Examples of discrete tangent bundles, connections, classes of pairs and cross-sections of orbits.
+--- Examples of discrete tangent bundles, connections, classes of pairs, cross-sections.
 local M = {}
 
 M["dm.bundle"] = [=[
