@@ -84,9 +84,8 @@ end
 
 local function here(command) return house.output(("cd '%s' && %s"):format(root, command)) end
 
--- what is compiled again is not optimised: that takes longer than what is run
 local function make()
-  return here "make --no-print-directory -o build/flags B=build V= CFLAGS=-O0 build/dmlua"
+  return here "make --no-print-directory -o build/flags B=build V= build/dmlua"
 end
 
 local function build(count, most)
