@@ -189,11 +189,11 @@ function M.check_first(map, cell)
   end
   -- a misspelled one is told here
   for _, rule in ipairs(map.rule_list) do
-    rule_alone(system, rule)
     if type(rule) == "string" and rule:find "^%s*avi%s*$" then
       fail("rule '%s' has steps of its own in every cell, and no ensembles: its report tells which "
         .. "are beyond their limit", tostring(rule))
     end
+    rule_alone(system, rule)
   end
 end
 

@@ -132,7 +132,13 @@ static void check_constraints(lua_State *L, const solver *s) {
     int some = 0;
     for (const char *const *key = beside; *key; key++)
         some |= dml_systemfield(L, 2, *key) != LUA_TNIL;
-    if (some && !s->pair) dml_refuseconstraints(L, s, dml_pushlast(L, 2, NULL));
+    if (some && !s->pair) {
+        const dml_model *m = dml_pushlast(L, 2, NULL);
+        if (!(m->model.structure & DM_NO_VELOCITY)) { /* else no rule will do, and a run tells it */
+            dml_refuselinear(L, s, m);
+            dml_refuseconstraints(L, s, m);
+        }
+    }
     lua_settop(L, top);
 }
 

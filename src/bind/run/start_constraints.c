@@ -55,10 +55,9 @@ static int is_known_beside(unsigned needs) {
     return 0;
 }
 
-void dml_refuselinear(lua_State *L, const dml_stepping *r) {
-    const dml_solver *s = r->solver;
-    const unsigned needs = dm_method_needs(&r->model->model);
-    if (!(r->model->model.structure & DM_LINEAR_IN_V) || s->method->traits & DM_FOR_PAIRS) return;
+void dml_refuselinear(lua_State *L, const dml_solver *s, const dml_model *m) {
+    const unsigned needs = dm_method_needs(&m->model);
+    if (!(m->model.structure & DM_LINEAR_IN_V) || s->method->traits & DM_FOR_PAIRS) return;
     if (!is_known_beside(needs))
         luaL_error(L,
                    "L is linear in v, so that its equations are of first order, and there are %s "

@@ -8,7 +8,7 @@
 void dml_refuseconstraints(lua_State *L, const dml_solver *s, const dml_model *m);
 
 /* Raise where L is linear in v and the rule is not for that, or none knows what is beside it. */
-void dml_refuselinear(lua_State *L, const dml_stepping *r);
+void dml_refuselinear(lua_State *L, const dml_solver *s, const dml_model *m);
 
 /* Kernels that the checks below need; 0 without constraints. */
 unsigned dml_start_wants(const dml_stepping *r);

@@ -91,7 +91,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (r->model->model.structure & DM_NO_VELOCITY)
         luaL_error(L, "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
                       "such as m*v:dot(v)/2 with m not 0");
-    dml_refuselinear(L, r);
+    dml_refuselinear(L, s, r->model);
     if (r->model->model.group)
         dml_refuse_group(L, r->system, r->model, s->nodes, backend_name(L), r->complete);
     if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass &&
