@@ -57,6 +57,14 @@ local function ring(random)
   return q, v
 end
 
+-- two bodies beside the origin, as tests/bench/c/by_hand/drifts_verlet.c has them
+local function tied_to_origin(random)
+  local q, v = {}, {}
+  for i, x in ipairs { -0.7, 0, 0.3, 0.2 } do q[i] = x + 0.4 * (random() - 0.5) end
+  for i, x in ipairs { 0, -0.6, 0.2, 0.3 } do v[i] = x + 0.3 * (random() - 0.5) end
+  return q, v
+end
+
 -- a top's axis anywhere, turning
 local SO3 = dm.SO(3)
 local function turning(random)
@@ -71,6 +79,7 @@ local function joined_bodies(random)
 end
 
 local function angular(q, p) return q[1] * p[2] - q[2] * p[1] end
+local function angular_of_two(q, p) return angular(q, p) + q[3] * p[4] - q[4] * p[3] end
 local function total(_, p)
   local sum = 0
   for i = 1, #p do sum = sum + p[i] end
@@ -142,6 +151,10 @@ local systems = {
       sum = sum - d ^ 2 / 2 - 0.3 * d ^ 3 - 0.25 * d ^ 4
     end
     return sum
+  end } },
+  { name = "springs", h = 0.05, start = tied_to_origin, J = angular_of_two, rules = few, system = dm.system { Q = dm.R(4), L = function(q, v)
+    local xx, xy, yy = q[1] ^ 2 + q[2] ^ 2, q[1] * q[3] + q[2] * q[4], q[3] ^ 2 + q[4] ^ 2
+    return v:dot(v) / 2 - xx / 2 - 0.75 * yy / 2 - 0.25 * xy - 0.125 * yy ^ 2
   end } },
   { name = "vortices", h = 0.05, start = vortices, J = impulse, rules = { "degenerate(1)", "degenerate(2)" },
     system = dm.system { Q = dm.R(6), L = function(q, v)
