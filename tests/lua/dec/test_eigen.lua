@@ -115,4 +115,19 @@ local skew = K:star(2, { dual = true }) * K:star(0) + K:laplacian(0)
 ok(skew:eigen(1).values[1] > 0.99, "1 + a Laplacian")
 -- cells of zero dual volume may leave the problem singular: that is said, not that the shift was bad
 tap.raises("zero dual volume", function() return require "dm".mesh { cube_tiling = 2 }:laplacian(1):eigen(3) end)
+
+---- units of length in which masses times eigenvalues are no doubles ----
+local ball = dm.mesh { icosphere = 1 }
+local function in_units(size)
+  local places = {}
+  for i, p in ipairs(ball:points()) do places[i] = { size * p[1], size * p[2], size * p[3] } end
+  return dm.mesh { simplices = ball:simplices(2), points = places }
+end
+for _, size in ipairs { 1e-100, 1e80, 1e100 } do
+  raises("another unit of length", function() in_units(size):laplacian(2):eigen(4) end)
+end
+for _, size in ipairs { 1e-60, 1e60 } do
+  local values = in_units(size):laplacian(2):eigen(4).values * size ^ 2
+  near(values[4], ball:laplacian(2):eigen(4).values[4], 1e-12, "eigenvalues of 2-forms in units of " .. size)
+end
 tap.done()

@@ -25,6 +25,22 @@ local function masses(A)
   return A.from.side == "primal" and values or mass.inverse(K, cells, false, WHERE)
 end
 
+-- a length of the mesh, to the power -2: what low eigenvalues of Laplacians are measured in
+local function low(K) return K:volume(K.dimension):sum() ^ (-2 / K.dimension) end
+
+local LEAST = 1e-280 -- what S is made of keeps its digits down to here
+
+-- entries of S are masses times eigenvalues, and doubles
+local function check_size(K, weights)
+  local most = 0
+  for i = 1, #weights do most = math.max(most, weights[i]) end
+  local size = most * low(K)
+  if most > 0 and not (size > LEAST and size < 1 / LEAST) then
+    fail("masses times eigenvalues are about %.1e, which leaves the range of numbers: measure the "
+      .. "mesh in another unit of length", size)
+  end
+end
+
 -- S and M of what is free
 local function pencil(A)
   if A.from.degree ~= A.to.degree or A.from.side ~= A.to.side then
@@ -32,6 +48,7 @@ local function pencil(A)
       A.from.degree, A.to.side, A.to.degree)
   end
   local weights = A.weights or masses(A)
+  check_size(A.mesh, weights)
   local S = A.stiffness or A.matrix:scale(weights)
   local asymmetry = S:asymmetry()
   if asymmetry > ASYMMETRY then
@@ -90,9 +107,6 @@ local function dense(S, weights, m, options)
   end
   return best(zipped(values, vectors, residuals), m, order_of(options)), "dense rotations"
 end
-
--- a length of the mesh, to the power -2: what low eigenvalues of Laplacians are measured in
-local function low(K) return K:volume(K.dimension):sum() ^ (-2 / K.dimension) end
 
 -- the distance from the shift to the nearest eigenvalue, by inverse iterations
 local function distance(factor, M_)
