@@ -138,8 +138,7 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
     *b = (dm_fusion){.model = m, .kicks = k, .size = size};
     b->graph = dm_graph_new(s->arena, size + MOST_COEFFICIENTS + m->params);
     b->state = dm_arena_take(s->arena, (size + (size_t)inputs) * sizeof *b->state);
-    b->late = dm_arena_take(s->arena, 2 * (size_t)n * sizeof *b->late);
-    if (!b->graph || !b->state || !b->late) return 0;
+    if (!b->graph || !b->state) return 0;
     b->q = b->state;
     b->p = b->q + n;
     b->low_q = b->p + n;
@@ -254,26 +253,10 @@ dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_n
     return coordinate < 0 ? (dm_product){hb, f} : (dm_product){f, b->q[coordinate]};
 }
 
-/* what a sum leaves as its low part */
-static dm_node remainder_of(dm_fusion *b, const struct dm_remainder *r) {
-    const dm_node lost = dm_sub(b->graph, r->high, r->sum);
-    const dm_node rest = r->a ? dm_multiply_add(b->graph, r->a, r->b, lost) : lost;
-    return dm_add(b->graph, r->y, rest);
-}
-
-/* the low part of a sum, which nobody waits for, is made later */
-static void leave(dm_fusion *b, struct dm_remainder r) {
-    if (!b->late || b->late_count == 2 * b->model->n) dm_fusion_settle(b);
-    if (b->late)
-        b->late[b->late_count++] = r;
-    else
-        *r.low = remainder_of(b, &r);
-}
-
-/* In the order in which they were left. */
-void dm_fusion_settle(dm_fusion *b) {
-    for (uint32_t i = 0; i < b->late_count; i++) *b->late[i].low = remainder_of(b, b->late + i);
-    b->late_count = 0;
+/* low = y + (high - sum), which is what the rounding of the sum lost, and high = sum */
+static void leave(dm_fusion *b, dm_node *high, dm_node *low, dm_node sum, dm_node y) {
+    *low = dm_add(b->graph, y, dm_sub(b->graph, *high, sum));
+    *high = sum;
 }
 
 /* The sum is rounded from low + high and the product at once: it waits for one operation after the
@@ -286,15 +269,13 @@ void dm_fusion_add_product(dm_fusion *b, dm_node *high, dm_node *low, dm_product
     const dm_node before = dm_add(b->graph, *high, *low);
     const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
     const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
-    leave(b, (struct dm_remainder){.high = *high, .sum = sum, .y = y, .low = low});
-    *high = sum;
+    leave(b, high, low, sum, y);
 }
 
 /* y has the old low part in it; what the rounding of the sum lost is the new one. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y) {
     const dm_node sum = dm_add(b->graph, *high, y);
-    leave(b, (struct dm_remainder){.high = *high, .sum = sum, .y = y, .low = low});
-    *high = sum;
+    leave(b, high, low, sum, y);
 }
 
 /* As for numbers: y = low + x first. */
@@ -316,12 +297,12 @@ static dm_node move(dm_fusion *b, dm_node p, double shift) {
     return dm_sub(b->graph, p, constant);
 }
 
-/* sum_j row_j moved_j; zeros are left out */
+/* sum_j row_j moved_j; zeros are left out; shift NULL: none */
 static dm_node combine(dm_fusion *b, const double *row, const dm_node *p, const double *shift) {
     dm_node sum = 0;
     for (uint32_t j = 0; j < b->model->n; j++) {
         if (row[j] == 0.0) continue;
-        const dm_node moved = move(b, p[j], shift[j]);
+        const dm_node moved = shift ? move(b, p[j], shift[j]) : p[j];
         const dm_node term = times(b, row[j], moved);
         sum = sum ? dm_add(b->graph, sum, term) : term;
     }
@@ -340,36 +321,40 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
     }
 }
 
-/* high + low += a v. The product is exact in the low part where the processor rounds a b + c once;
- * else it goes into the low part at once. */
-static void drift_by(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
+/* high + low += a (v + rest). The low part is in what is rounded, so that roundings have no mean:
+ * a v alone lies at few places between two doubles where h is a ratio of small numbers. The product
+ * is exact in the low part where the processor rounds a b + c once. */
+static void drift_by(dm_fusion *b, dm_node *high, dm_node *low, dm_product x, dm_node rest) {
     if (b->plain) {
         *high = dm_multiply_add(b->graph, x.a, x.b, *high);
-    } else if (dm_fma_is_fused()) {
-        const dm_node before = dm_add(b->graph, *high, *low);
-        const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
-        leave(b, (struct dm_remainder){*high, sum, *low, low, x.a, x.b});
-        *high = sum;
-    } else {
-        dm_fusion_sum(b, high, low, dm_multiply_add(b->graph, x.a, x.b, *low));
+        return;
     }
+    const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
+    const dm_node sum = dm_add(b->graph, *high, y), lost = dm_sub(b->graph, *high, sum);
+    const dm_node left = dm_fma_is_fused()
+                             ? dm_add(b->graph, *low, dm_multiply_add(b->graph, x.a, x.b, lost))
+                             : dm_add(b->graph, y, lost);
+    *low = dm_multiply_add(b->graph, x.a, rest, left);
+    *high = sum;
 }
 
-void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
+void dm_fusion_drift(dm_fusion *b, dm_node ha) {
     const dm_model *m = b->model;
     const uint32_t n = m->n;
     const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
     for (uint32_t i = 0; i < n; i++) {
         const double *row = m->inverse_mass + (diagonal ? i : i * (size_t)n);
-        const dm_node v = diagonal ? p[i] : combine(b, row, p, m->momentum_shift);
+        const dm_node v = diagonal ? b->p[i] : combine(b, row, b->p, m->momentum_shift);
+        const dm_node rest = b->plain   ? 0
+                             : diagonal ? b->low_p[i]
+                                        : combine(b, row, b->low_p, NULL);
         const dm_node a = diagonal ? times(b, *row, ha) : ha;
-        drift_by(b, b->q + i, b->low_q + i, (dm_product){a, v});
+        drift_by(b, b->q + i, b->low_q + i, (dm_product){a, v}, rest);
     }
 }
 
 /* What is carried out of a part is the state as it is by now. */
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {
-    dm_fusion_settle(b);
     *out = (dm_loop_part){b->graph, b->state, b->coefficients, b->model->params > 0};
     return !b->failed && dm_graph_status(b->graph) == DM_OK;
 }

@@ -39,11 +39,6 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, in
 /* Products in the factors are added at once (algebra/contract.h). 0 without memory. */
 int dm_kicks_contract(dm_kicks *k);
 
-/* low = y + (high - sum), or, where there is an a, y + (a b + (high - sum)) */
-struct dm_remainder {
-    dm_node high, sum, y, *low, a, b;
-};
-
 /* A part under construction, made as it stands. */
 typedef struct {
     dm_graph *graph;
@@ -56,9 +51,6 @@ typedef struct {
     uint32_t coefficients;                 /* asked for so far */
     int failed;                            /* memory was refused */
     int plain; /* sums without low parts: the state's stay as they are */
-    struct dm_remainder
-        *late; /* [2 n] low parts that are still to be made, behind what others wait for */
-    uint32_t late_count;
 } dm_fusion;
 
 /* 0 without memory. */
@@ -94,14 +86,11 @@ void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y);
 /* high + low += x, as numbers/compensated.h does it. */
 void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x);
 
-/* Make the low parts that sums so far have left; dm_fusion_end does it too. */
-void dm_fusion_settle(dm_fusion *b);
-
 /* v[n] = M^-1 (p - shift), and the shifted moved[n] = p - shift (may be NULL). */
 void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node *p);
 
-/* q += ha M^-1 (p - shift) */
-void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p);
+/* q += ha M^-1 (p - shift), and the low parts of p in the low parts of q. */
+void dm_fusion_drift(dm_fusion *b, dm_node ha);
 
 /* What dm_loop_native takes; 0: no memory. */
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out);

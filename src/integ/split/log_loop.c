@@ -94,7 +94,6 @@ static void fuse_drift(dm_fusion *b, dm_node *scratch, dm_node d, const dm_node 
         dm_fusion_add_product(b, b->q + i, b->low_q + i, (dm_product){dt, v[i]});
     const dm_node z = dm_add(b->graph, b->more[1], dt);
     dm_fusion_sum(b, b->more, b->more + 1, z);
-    dm_fusion_settle(b);
     b->more[1] = guarded(b, speed, b->more[1]);
 }
 

@@ -27,59 +27,41 @@ static unsigned shape_of(const dm_splitting *table) {
 /* coefficients: force: t, h b, -h b, parameters; drift: h a; the first kick of a head: h b_0; in
  * the order of use */
 
-/* new factors, and where there is a low[n], p with other increments in its low parts, the kick
- * by them */
-static void fuse_force(dm_fusion *b, dm_node *low) {
+/* new factors, and where it kicks, the kick by them */
+static void fuse_force(dm_fusion *b, int kicks) {
     const dm_node t = dm_fusion_coefficient(b), hb = dm_fusion_coefficient(b),
                   minus = dm_fusion_coefficient(b);
     dm_fusion_params(b);
     dm_fusion_factors(b, b->more, t, hb, minus);
-    for (uint32_t i = 0; low && i < b->model->n; i++) {
-        dm_node *to = b->plain ? b->p : b->low_p;
-        to[i] = dm_fusion_constant(b, i, hb, b->plain ? b->p[i] : low[i]);
+    for (uint32_t i = 0; kicks && i < b->model->n; i++) {
+        dm_node *to = b->plain ? b->p + i : b->low_p + i;
+        *to = dm_fusion_constant(b, i, hb, *to);
         dm_fusion_add_product(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
     }
 }
 
-/* The kick that begins a step has the factors of the one that ended the last step: p + kick is
- * what the drift sees; p itself gets it with the next kick, by way of the low part, so that the
- * drift does not wait. */
-static void fuse_head(dm_fusion *b, dm_node *low, dm_node *kicked) {
-    const uint32_t n = b->model->n;
-    dm_product *first = dm_arena_take(b->model->source.arena, n * sizeof *first);
-    b->failed |= !first;
-    if (!first) return;
-    const dm_node hb = dm_fusion_coefficient(b);
-    for (uint32_t i = 0; i < n; i++) {
-        const dm_product x = dm_fusion_kick(b, b->more, i, hb);
-        const dm_node p = dm_fusion_constant(b, i, hb, b->p[i]);
-        kicked[i] = dm_multiply_add(b->graph, x.a, x.b, p);
-        first[i] = x;
-    }
-    dm_fusion_drift(b, dm_fusion_coefficient(b), kicked);
-    for (uint32_t i = 0; i < n; i++) {
-        const dm_node more = dm_fusion_constant(b, i, hb, b->low_p[i]);
-        low[i] = dm_multiply_add(b->graph, first[i].a, first[i].b, more);
-    }
-    fuse_force(b, low);
-}
-
-/* the same without low parts: p gets the kick at once */
-static void fuse_plain_head(dm_fusion *b) {
+/* The kick that begins a step has the factors of the one that ended the last step. */
+static void fuse_head(dm_fusion *b) {
     const dm_node hb = dm_fusion_coefficient(b);
     for (uint32_t i = 0; i < b->model->n; i++) {
-        b->p[i] = dm_fusion_constant(b, i, hb, b->p[i]);
-        dm_fusion_add_product(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+        const dm_product x = dm_fusion_kick(b, b->more, i, hb);
+        const dm_node p = b->p[i], moved = dm_fusion_constant(b, i, hb, p);
+        b->p[i] = dm_multiply_add(b->graph, x.a, x.b, moved);
+        if (b->plain) continue;
+        /* not by way of the low part, for which the drift would wait */
+        const dm_node low = dm_fusion_constant(b, i, hb, b->low_p[i]);
+        const dm_node y = dm_multiply_add(b->graph, x.a, x.b, low);
+        b->low_p[i] = dm_add(b->graph, y, dm_sub(b->graph, p, b->p[i]));
     }
-    dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
-    fuse_force(b, b->low_p);
+    dm_fusion_drift(b, dm_fusion_coefficient(b));
+    fuse_force(b, 1);
 }
 
 /* A stage: drift and force, or force and drift. */
 static void fuse_body(dm_fusion *b, int kick_first) {
-    if (!kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
-    fuse_force(b, b->low_p);
-    if (kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
+    if (!kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b));
+    fuse_force(b, 1);
+    if (kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b));
 }
 
 /* values that nothing carries from part to part */
@@ -88,25 +70,21 @@ static int drops_factors(const dm_splitting_loop *l) {
            dm_splitting_loop_ends(l->shape) != DM_LOOP_KICKS_AT_BOTH_ENDS;
 }
 
-/* y[2n] is room for the kicked momenta of a head; factors that nothing carries lie behind it. */
 static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind kind,
                      dm_loop_part *out) {
-    const uint32_t n = m->n;
     dm_fusion b;
-    dm_node *y = dm_arena_take(m->source.arena, 3 * (size_t)n * sizeof *y);
-    if (!y || !dm_fusion_begin(&b, m, &l->kicks, l->size)) return 0;
+    dm_node *factors = dm_arena_take(m->source.arena, m->n * sizeof *factors);
+    if (!factors || !dm_fusion_begin(&b, m, &l->kicks, l->size)) return 0;
     b.plain = (l->shape & DM_LOOP_PLAIN) != 0;
-    if (drops_factors(l)) b.more = y + 2 * (size_t)n;
+    if (drops_factors(l)) b.more = factors; /* nothing carries them */
     if (kind == DM_LOOP_START)
-        fuse_force(&b, l->shape & DM_LOOP_MERGED ? b.p : NULL);
-    else if (kind == DM_LOOP_HEAD && b.plain)
-        fuse_plain_head(&b);
+        fuse_force(&b, (l->shape & DM_LOOP_MERGED) != 0);
     else if (kind == DM_LOOP_HEAD)
-        fuse_head(&b, y, y + n);
+        fuse_head(&b);
     else if (kind == DM_LOOP_BODY)
         fuse_body(&b, dm_splitting_loop_ends(l->shape) == DM_LOOP_KICK_FIRST);
     else
-        dm_fusion_drift(&b, dm_fusion_coefficient(&b), b.p);
+        dm_fusion_drift(&b, dm_fusion_coefficient(&b));
     return dm_fusion_end(&b, out);
 }
 
