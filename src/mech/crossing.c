@@ -240,12 +240,13 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
 
 int dm_crossing_in_step(const dm_constraints *c, double *watched, double volume,
                         const dm_crossing_way *way, dm_crossing_place *out, double *work) {
-    const double before = watched[0];
     dm_crossing_watch watch;
     dm_crossing_expect(&watch, watched[1]);
-    watched[0] = volume;
-    if (dm_crossing_is_far(&watch, volume)) return 0;
-    const int suspect = dm_crossing_suspects(&watch, before, volume);
-    watched[1] = watch.volume;
-    return suspect && dm_crossing_between(c, way, out, work);
+    if (!dm_crossing_is_far(&watch, volume)) {
+        const int suspect = dm_crossing_suspects(&watch, watched[0], volume);
+        if (suspect && dm_crossing_between(c, way, out, work)) return 1;
+        watched[1] = watch.volume;
+    }
+    watched[0] = volume; /* of a step that is taken */
+    return 0;
 }

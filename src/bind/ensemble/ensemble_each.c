@@ -25,7 +25,7 @@ static int is_through(lua_State *L, dml_starting *s) {
     lua_pushcfunction(L, run_rest);
     for (int i = 1; i <= top; i++) lua_pushvalue(L, i);
     lua_pushlightuserdata(L, s);
-    return lua_pcall(L, top + 1, 0, 0) == LUA_OK;
+    return dml_try(L, top + 1, 0);
 }
 
 void dml_each_start(lua_State *L, dml_starting *s) {

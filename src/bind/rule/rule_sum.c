@@ -95,7 +95,7 @@ static double of_curve(lua_State *L, const dm_curve *c) {
     if (r) {
         uint32_t outputs = 2 * r->n;
         for (int i = 0; i < r->calls; i++)
-            outputs += 2 * r->n * (1 + (uint32_t)r->directions[i]) + 1;
+            outputs += (2 * r->n + 1) * (1 + (uint32_t)r->directions[i]); /* curve_recipe.h */
         sum += of_graph(L, 300, r->graph, r->out, 2 * r->n, outputs);
     }
     if (c->choice)

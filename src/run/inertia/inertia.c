@@ -381,7 +381,7 @@ static int is_singular(dm_inertia *x, const double *state, double t, int ahead) 
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
     dm_inertia_seen *s = &x->seen;
     const size_t n = x->model->n;
-    *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t)};
+    *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t), .h = h};
     if (!s->known) return DM_OK;
     const int ahead = go_ahead(x, state, t, h);
     find_scales(x, x->room + 2 * n + 1 + n);
@@ -392,7 +392,6 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
     s->at = t;
     s->nearest = s->left;
     dm_inertia_keep_place(x, state);
-    x->h = h;
     dm_inertia_expect(x);
     dm_inertia_foresee(x, state, t, 0);
     return DM_OK;

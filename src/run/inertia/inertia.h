@@ -30,6 +30,7 @@ typedef struct {
     int told;                     /* do bounds tell how M moves from the last look on? */
     double credit;  /* nodes whose bounds may be found yet: looks cost a part of the steps */
     double at;      /* the time of the last look */
+    double h;       /* of the steps */
     int degenerate; /* d2L/dv2 is singular to round-off at the start */
     int open;       /* the next step may go over a place that looks do not see */
 } dm_inertia_seen;
@@ -51,7 +52,6 @@ typedef struct {
     long done, rows;
     double *aside;              /* states and memories of parts of a step */
     double *end;                /* [state] of who looks into a step that is not its last one */
-    double h;                   /* of the steps */
     int own;                    /* steps choose their length */
     double *boxes;              /* what inertia_step.c works on */
     struct dm_mass_lanes *wide; /* several masses at once; NULL: one by one */

@@ -180,7 +180,7 @@ static double short_steps(dm_inertia *x, const double *state, double t, double h
 static double next_step(const dm_inertia *x, double t, long done) {
     static const double GROW = 4.0; /* of steps that choose their length */
     const dm_inertia_seen *s = &x->seen;
-    if (!x->own || done <= s->looked) return x->h;
+    if (!x->own || done <= s->looked) return s->h;
     return GROW * (t - s->at) / (double)(done - s->looked);
 }
 

@@ -82,4 +82,17 @@ end
 -- 4 where looks of a run came at other steps than those of a member
 tap.ok(unlike == 0, "members end as runs of their own", unlike .. " of " .. members .. where)
 tap.ok(named > members / 10, "many at a place without mass", named .. " of " .. members)
+
+---- members with steps of their own ----
+local narrow = dm.system { Q = dm.R(1), L = function(q, v) return (1 - 1.5 / (1 + (q[1] / 0.002) ^ 2)) * v[1] ^ 2 / 2 end }
+for _, rule in ipairs { "gauss(2)", "gauss(3)" } do
+  for _, hs in ipairs { { 0.1, 1e-4 }, { 1e-4, 0.1 } } do
+    local solver = narrow:solver { rule = rule, h = 0.1 }
+    local many = solver:ensemble { members = 2, t = 2, h = function(i) return hs[i] end, q = function() return { -1.05 } end, v = function() return { 1 } end }
+    for i = 1, 2 do
+      local fine, alone = pcall(function() return narrow:solver { rule = rule, h = hs[i] }:run { q = { -1.05 }, v = { 1 }, t = 2 } end)
+      tap.ok(not fine and many.status[i] == alone.code and many.steps[i] == alone.step - 1, ("%s, h = %g and %g, member %d ends as alone"):format(rule, hs[1], hs[2], i), many.status[i])
+    end
+  end
+end
 tap.done()

@@ -234,4 +234,21 @@ for _, b in ipairs(bodies) do
   ok(math.abs(math.log(off[1] / off[2], 2) - 3) < 0.2, "taylor(3), " .. b[1], off[1] .. " " .. off[2])
 end
 
+
+---- a checkpoint is of one method: the end of the step counts, beyond f and its derivatives ----
+local function ending(c)
+  return dm.curve { method = function(x, f, h)
+    local k = f(x)
+    local a, n, e = f:along(x, k), #x, {}
+    for i = 1, n do e[i] = x[i] + h * k[i] + h ^ 2 / 2 * a[i] end
+    e[n] = e[n] + c * h ^ 3 * a[n]
+    return dm.vector(e)
+  end }
+end
+local swinging = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + dm.cos(q[1]) end }
+local state = os.tmpname()
+swinging:solver { rule = ending(1), h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 10 }:checkpoint(state)
+ok(dm.resume(state, swinging, { rule = ending(1) }):run { steps = 1 }.steps == 1, "the same method goes on")
+raises("not the one of the checkpoint", function() dm.resume(state, swinging, { rule = ending(0.25) }):run { steps = 1 } end)
+os.remove(state)
 tap.done()

@@ -100,4 +100,12 @@ for _, rule in ipairs(rules) do
   local path = ring:solver { rule = rule, h = 0.3 }:run { q = { 1, 0 }, v = { 0, large }, steps = 200 }
   ok(path:worst "constraint" < 1e-12, rule .. ": long steps on a ring, in other units", path)
 end
+
+---- a run that ended before a crossing does not go over it when it goes on ----
+local symmetric = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 end, constraint = function(q) return q[1] * q[2] end }
+for _, rule in ipairs { "rattle", "midpoint", "gauss(2)", "lobatto(3)", "curve(rk4)" } do
+  local fine, failure = pcall(function() return symmetric:solver { rule = rule, h = 0.08 }:run { q = { -1, 0 }, v = { 1, 0 }, steps = 40 } end)
+  tap.ok(not fine and failure.code == "singular", rule .. " ends before the crossing", failure)
+  tap.raises("cross there", function() dm.resume(failure.path):run { steps = 20 } end)
+end
 tap.done()
