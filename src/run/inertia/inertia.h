@@ -63,6 +63,10 @@ typedef struct {
 /* Of the larger product at two ends of a line; a zero between leaves a fourth in its middle. */
 #define DM_INERTIA_VALLEY 0.5
 
+/* A value that fell by more than this part of the way to zero leaves of it between two looks, (1/2)^(2/3)
+ * after half of the way, or rose from less, may have come back from behind zero. */
+#define DM_INERTIA_PART 0.63
+
 /* What is there at a state: how many values are negative, the size of the one next to zero, the
  * product of all, zero where they are not all positive by far. */
 typedef struct {

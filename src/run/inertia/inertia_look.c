@@ -18,11 +18,8 @@ double dm_inertia_left(const dm_inertia *x, double before, double now, double si
     return left_of(before, now, since, dm_inertia_sees_velocity(x->model));
 }
 
-/* Did a value fall by more than a part of the way to zero leaves of it, or rise from less? What was
- * behind zero in between came back. */
 static int is_strange(double before, double now) {
-    static const double PART = 0.63; /* (1/2)^(2/3): after half of the way */
-    return now < PART * before || before < PART * now;
+    return now < DM_INERTIA_PART * before || before < DM_INERTIA_PART * now;
 }
 
 /* What a value that falls keeps in one step, if it was not thrown back. */

@@ -64,7 +64,10 @@ INLINE uint32_t look_quietly(dm_inertia_seen *seen, const double *least, const d
         line &= not_of(w.whole & WHERE(load(between) >= valley));
     }
     const I turns = one & (jumps(&w) | WHERE(c.left <= same(NEAR)));
-    const I quiet = WHERE(since > same(0.0)) & not_of(line | turns | has_grown(c.ones, load(all)));
+    const V part = same(DM_INERTIA_PART);
+    const I strange = not_of(one) & (WHERE(w.is < part * w.was) | WHERE(w.was < part * w.is));
+    const I quiet =
+        WHERE(since > same(0.0)) & not_of(line | turns | strange | has_grown(c.ones, load(all)));
     const uint32_t out = asked & bits_of(quiet);
     if (!out) return 0;
     note(k, &c, load(least), load(all), &w);
