@@ -5,9 +5,10 @@
  *
  * Carried: q[n], p[n], the low parts of both, then what a part adds. A kick is high' = (high + low)
  * + a b, low' = (low + a b) + (high - high'), each a b added with one rounding, so that the next
- * force waits for one operation. A drift is so too, but low' = low + (a b + (high - high')), where
- * a b is not rounded: by a decimal h its rounding has a mean. (Where a b is rounded before it is
- * added a drift is y = low + a b, high' = high + y, low' = y + (high - high').)
+ * force waits for one operation. A drift is y = low + a b, high' = high + y, low' = low + (a b +
+ * (high - high')) + a rest, where the last a b is not rounded, and the rest of the momentum is what
+ * b, which is about a double, does not have: by a decimal h roundings of a b alone have a mean.
+ * (Where a b is rounded before it is added low' = y + (high - high') + a rest.)
  *
  * Where a force is a coordinate times a factor, as in -q/r^3, it is the factor that is multiplied
  * by h b, as early as can be: one product for all coordinates, and none of them waits for it. */
