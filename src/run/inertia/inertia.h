@@ -57,14 +57,10 @@ typedef struct {
     struct dm_mass_lanes *wide; /* several masses at once; NULL: one by one */
 } dm_inertia;
 
-/* Values that are positive by far, with ones on the diagonal of the mass at the start. */
+/* Values that are positive by far; of the larger product at two ends of a line, a zero between which
+ * leaves a fourth in its middle; (1/2)^(2/3): what falls or rises by more may have met zero. */
 #define DM_INERTIA_FAR 1e-3
-
-/* Of the larger product at two ends of a line; a zero between leaves a fourth in its middle. */
 #define DM_INERTIA_VALLEY 0.5
-
-/* A value that fell by more than this part of the way to zero leaves of it between two looks, (1/2)^(2/3)
- * after half of the way, or rose from less, may have come back from behind zero. */
 #define DM_INERTIA_PART 0.63
 
 /* What is there at a state: how many values are negative, the size of the one next to zero, the

@@ -217,7 +217,9 @@ do
   for _, a in ipairs { 0.1, 3 } do
     local wild = pendulum:stability { rule = "verlet", q = { a }, v = { 0 }, h = { 0.1, 3, 10 }, steps = 1000 }
     local cell = wild:at(1, 2)
-    tap.ok(wild:at(1, 1).class == "bounded" and cell.class == "chaotic" and math.abs(cell.exponent * 3 - math.log(4.5)) < 0.2, "strong chaos", cell.why)
+    -- p walks at random by kicks of h sin q, 50 far in 1000 steps: one that ends much farther is off as well
+    local far = cell.class == "off" and cell.error > 9 / 4 * 1000
+    tap.ok(wild:at(1, 1).class == "bounded" and (cell.class == "chaotic" or far) and math.abs(cell.exponent * 3 - math.log(4.5)) < 0.2, "strong chaos", cell.why)
   end
 end
 
