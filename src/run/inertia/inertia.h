@@ -57,8 +57,8 @@ typedef struct {
     struct dm_mass_lanes *wide; /* several masses at once; NULL: one by one */
 } dm_inertia;
 
-/* Values that are positive by far; of the larger product at two ends of a line, a zero between which
- * leaves a fourth in its middle; (1/2)^(2/3): what falls or rises by more may have met zero. */
+/* Values that are positive by far; of the larger product at two ends of a line, where a zero leaves
+ * a fourth in the middle; (1/2)^(2/3): what falls or rises by more may have met zero. */
 #define DM_INERTIA_FAR 1e-3
 #define DM_INERTIA_VALLEY 0.5
 #define DM_INERTIA_PART 0.63
