@@ -38,7 +38,7 @@ static void complement(dm_graph *g, dm_node *H, uint32_t n, uint32_t m, dm_node 
             x[a] = H[(n + a) * w + j];
             for (uint32_t b = 0; b < m; b++) A[a * m + b] = H[(n + a) * w + n + b];
         }
-        dm_graph_solve(g, A, x, m, 1);
+        dm_graph_solve(g, A, x, m, 1, NULL);
         for (uint32_t i = 0; i <= j; i++)
             for (uint32_t a = 0; a < m; a++)
                 H[i * w + j] = dm_subtract_product(g, H[i * w + j], H[i * w + n + a], x[a]);

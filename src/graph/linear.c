@@ -48,18 +48,21 @@ static int has_diagonal(dm_node *A, uint32_t m, int symmetric) {
     return !zeros;
 }
 
-static dm_node lesser(dm_graph *g, dm_node a, dm_node b) {
-    return a ? dm_apply(g, DM_OP_MIN, a, b, 0) : b;
+/* volume x pivot x unit, where there is a unit; node 0 is a volume of none yet */
+static dm_node widen(dm_graph *g, dm_node volume, dm_node pivot, dm_node unit) {
+    if (!unit) return volume;
+    const dm_node own = dm_mul(g, unit, pivot);
+    return volume ? dm_mul(g, volume, own) : own;
 }
 
 /* eliminated in the order of the rows; the reciprocals of the pivots stay on the diagonal */
-static dm_node eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
+static dm_node eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, const dm_node *units) {
     const dm_node one = dm_constant(g, 1.0);
-    dm_node least = 0;
+    dm_node volume = 0;
     for (uint32_t k = 0; k < m; k++) {
         dm_node *pivot = A + k * (size_t)m;
         find_pivot(A, x, m, k);
-        least = lesser(g, least, pivot[k]);
+        if (units) volume = widen(g, volume, pivot[k], units[k]);
         pivot[k] = dm_div(g, one, pivot[k]);
         for (uint32_t i = k + 1; i < m; i++) {
             dm_node *row = A + i * (size_t)m;
@@ -75,7 +78,7 @@ static dm_node eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
         for (uint32_t j = k + 1; j < m; j++) x[k] = dm_subtract_product(g, x[k], row[j], x[j]);
         if (x[k]) x[k] = dm_mul(g, x[k], row[k]);
     }
-    return least;
+    return volume;
 }
 
 /* ---- along the diagonal, in an order that fills in little ---- */
@@ -87,7 +90,8 @@ typedef struct {
     uint32_t m, *order; /* [m]: what is eliminated first, second ... */
     uint32_t *depth;    /* [m]: divisions in a row before the pivot of a row is known */
     int symmetric;
-    dm_node least; /* of the pivots so far */
+    const dm_node *units; /* [m] of pivots; NULL: their product is not asked for */
+    dm_node volume;       /* that of the pivots so far */
 } system_of;
 
 /* entry of the unknowns i, j */
@@ -121,7 +125,7 @@ static void choose(system_of *s, uint32_t k) {
 static void eliminate_one(system_of *s, uint32_t k) {
     const uint32_t p = s->order[k];
     dm_node *pivot = entry(s, p, p);
-    s->least = lesser(s->g, s->least, *pivot);
+    if (s->units) s->volume = widen(s->g, s->volume, *pivot, s->units[p]);
     *pivot = dm_div(s->g, dm_constant(s->g, 1.0), *pivot);
     for (uint32_t r = k + 1; r < s->m; r++) {
         const uint32_t i = s->order[r];
@@ -154,16 +158,17 @@ static void eliminate_diagonal(system_of *s) {
 }
 
 /* three and more */
-static dm_node solve_many(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
-    system_of s = {.g = g, .A = A, .x = x, .m = m, .symmetric = symmetric};
-    if (!has_diagonal(A, m, symmetric)) return eliminate(g, A, x, m);
+static dm_node solve_many(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric,
+                          const dm_node *units) {
+    system_of s = {.g = g, .A = A, .x = x, .m = m, .symmetric = symmetric, .units = units};
+    if (!has_diagonal(A, m, symmetric)) return eliminate(g, A, x, m, units);
     s.order = dm_arena_take(dm_graph_arena(g), 2 * (size_t)m * sizeof *s.order);
     s.depth = s.order + m;
     if (s.order)
         eliminate_diagonal(&s);
     else
         dm_graph_fail(g, DM_NO_MEMORY);
-    return s.least;
+    return s.volume;
 }
 
 /* two by two by Cramer's rule: one division */
@@ -182,8 +187,13 @@ static dm_node solve_two(dm_graph *g, const dm_node *A, dm_node *x, int symmetri
 }
 
 /* one unknown by a division, two by Cramer's rule */
-dm_node dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
-    if (m > 1) return m == 2 ? solve_two(g, A, x, symmetric) : solve_many(g, A, x, m, symmetric);
+dm_node dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric,
+                       const dm_node *units) {
+    if (m > 2) return solve_many(g, A, x, m, symmetric, units);
+    dm_node volume = m ? A[0] : 0;
+    if (m == 2) volume = solve_two(g, A, x, symmetric);
     if (m == 1) x[0] = dm_div(g, x[0], A[0]);
-    return m == 1 ? A[0] : 0;
+    for (uint32_t i = 0; units && i < m; i++)
+        if (units[i]) volume = dm_mul(g, units[i], volume);
+    return volume;
 }

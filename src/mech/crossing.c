@@ -9,6 +9,15 @@
 #include <math.h>
 #include <string.h>
 
+int dm_crossing_units(double *unit, const double *mass, size_t n, size_t apart) {
+    for (size_t i = 0; i < n; i++) {
+        const double own = fabs(mass[i * apart]);
+        if (!(own > 0.0)) return 0;
+        unit[i] = 1.0 / sqrt(own);
+    }
+    return 1;
+}
+
 /* ---- steps that are looked into ---- */
 
 /* Speed: steps, rattle, double spherical pendulum: 1.01x, against the ratio to the step before. */
@@ -112,11 +121,17 @@ static int find_frame(frame *f, const double *G, const double *unit, uint32_t n,
     return isfinite(f->size);
 }
 
-double dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
-                          double *work) {
+dm_product dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
+                              double *work) {
     const size_t n = c->n, k = c->holonomic;
     frame f = {.Q = work, .L = work + k * n};
-    return find_frame(&f, holonomic + k, unit, (uint32_t)n, (uint32_t)k) ? exp(2.0 * f.size) : 0.0;
+    dm_product out = DM_PRODUCT_OF_NONE;
+    if (!find_frame(&f, holonomic + k, unit, (uint32_t)n, (uint32_t)k)) return (dm_product){0.0, 0};
+    for (size_t i = 0; i < k; i++) {
+        out = dm_product_times(out, f.L[i * k + i]);
+        out = dm_product_times(out, f.L[i * k + i]);
+    }
+    return out;
 }
 
 static int look(walk *w, frame *f, const double *q, double t) {
@@ -238,15 +253,30 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
     return a < 1.0;
 }
 
-int dm_crossing_in_step(const dm_constraints *c, double *watched, double volume,
+int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_product volume,
                         const dm_crossing_way *way, dm_crossing_place *out, double *work) {
+    enum { POWER, BEFORE, COMPARED };
+    const int starts = watched[BEFORE] == 0.0 && watched[COMPARED] == 0.0;
+    const double power = starts ? (double)volume.power : watched[POWER];
+    const double now = dm_product_over(volume, power);
     dm_crossing_watch watch;
-    dm_crossing_expect(&watch, watched[1]);
-    if (!dm_crossing_is_far(&watch, volume)) {
-        const int suspect = dm_crossing_suspects(&watch, watched[0], volume);
+    dm_crossing_expect(&watch, watched[COMPARED]);
+    if (!dm_crossing_is_far(&watch, now)) {
+        const int suspect = dm_crossing_suspects(&watch, watched[BEFORE], now);
         if (suspect && dm_crossing_between(c, way, out, work)) return 1;
-        watched[1] = watch.volume;
+        watched[COMPARED] = watch.volume;
     }
-    watched[0] = volume; /* of a step that is taken */
+    watched[POWER] = power, watched[BEFORE] = now; /* of a step that is taken */
     return 0;
+}
+
+int dm_crossing_at_end(const dm_constraints *c, double *watched, const double *holonomic,
+                       const double *mass, dm_crossing_way way, dm_crossing_place *out,
+                       double *work) {
+    const size_t n = c->n;
+    double *unit = work, *room = work + n;
+    if (!dm_crossing_units(unit, mass, n, n + 1)) return 0;
+    way.unit = unit;
+    const dm_product volume = dm_crossing_volume(c, holonomic, unit, room);
+    return dm_crossing_in_step(c, watched, volume, &way, out, room);
 }

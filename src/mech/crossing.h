@@ -4,6 +4,7 @@
 #ifndef DM_CROSSING_H
 #define DM_CROSSING_H
 
+#include "base/product.h"
 #include "mech/constraints.h"
 
 /* A step from q0[n] to q1[n]; unit[n]: lengths in which masses are 1. */
@@ -18,6 +19,10 @@ typedef struct {
     double t;
 } dm_crossing_place;
 
+/* unit[n] of masses at mass[0], mass[apart] ...; 0: one is none, as in tangent maps, where nothing
+ * is looked for. */
+int dm_crossing_units(double *unit, const double *mass, size_t n, size_t apart);
+
 /* Does the way along g = 0 from q0 toward q1 lead over such a place? Needs DM_WANT_HOLONOMIC;
  * work[dm_crossing_work]. */
 size_t dm_crossing_work(const dm_constraints *c);
@@ -25,8 +30,8 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
                         double *work);
 
 /* The square of the volume that the rows span in these units, of the outputs of the kernel. */
-double dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
-                          double *work);
+dm_product dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
+                              double *work);
 
 /* The square of the volume falls by a large part in a step that goes over such a place, or in the
  * one before it: these steps, which are rare, are looked into. */
@@ -44,10 +49,16 @@ static inline int dm_crossing_is_far(const dm_crossing_watch *w, double now) {
 /* Of one that is not far: is the step looked into in which it came from `before`? */
 int dm_crossing_suspects(dm_crossing_watch *w, double before, double now);
 
-/* All of this for a step with that volume at its end; watched[2]: what the step before left, zeros
- * at a start. */
-enum { DM_CROSSING_WATCHED = 2 };
-int dm_crossing_in_step(const dm_constraints *c, double *watched, double volume,
+/* All of this for a step with that volume at its end; watched[3]: what the step before left, zeros
+ * at a start: a power of two that volumes are divided by, the last one, one to compare with. */
+enum { DM_CROSSING_WATCHED = 3 };
+int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_product volume,
                         const dm_crossing_way *way, dm_crossing_place *out, double *work);
+
+/* The same of a step of h at whose end the kernel gave `holonomic`; mass[n*n].
+ * work[n + dm_crossing_work] */
+int dm_crossing_at_end(const dm_constraints *c, double *watched, const double *holonomic,
+                       const double *mass, dm_crossing_way way, dm_crossing_place *out,
+                       double *work);
 
 #endif

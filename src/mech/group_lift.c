@@ -58,7 +58,7 @@ static dm_status divide_by_mass(lifting *l, dm_node *y) {
     dm_jacobian(from, l->m->source.gradient + n, d, n, d, slope);
     dm_transplant(l->g, from, slope, d * d, l->with, M);
     if (dm_graph_status(from) != DM_OK) return dm_graph_status(from);
-    dm_graph_solve(l->g, M, y, d, 1);
+    dm_graph_solve(l->g, M, y, d, 1, NULL);
     return dm_graph_status(l->g);
 }
 

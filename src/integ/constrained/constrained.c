@@ -308,7 +308,7 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     g->evaluations = 0;
     g->iterations = g->matrices = 0;
     g->residual = 0.0;
-    g->volume = 0.0;
+    g->volume.part = 0.0;
     g->lost = 0, g->crosses = 0;
     if (g->h != h) dm_constrained_weights_scale(g, h);
     const int loose = (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;

@@ -6,6 +6,7 @@
 #include "linalg/solve/newton.h"
 #include "linalg/step_matrix.h"
 #include "mech/constraints.h"
+#include "mech/crossing.h"
 
 /* The curve at some points: Q = q0 + h sum_j a_kj V_j, Qdot = sum_j d_kj V_j. */
 typedef struct {
@@ -76,9 +77,9 @@ typedef struct {
     double residual;
     /* the constraint that depends on those before it, from 1; 0: none was found */
     uint32_t lost;
-    int crosses;   /* others there, inside of the step (mech/crossing.h), at this time */
-    double at;     /* its time */
-    double volume; /* of the rows at the end; 0: the hidden constraint did not tell it */
+    int crosses;       /* others there, inside of the step (mech/crossing.h), at this time */
+    double at;         /* its time */
+    dm_product volume; /* of the rows at the end; part 0: the hidden constraint did not tell it */
 } dm_constrained;
 
 /* without the call that fmax is */
@@ -172,7 +173,7 @@ dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *steppe
 
 size_t dm_constrained_memory_size(uint32_t n, uint32_t unknowns, uint32_t m);
 void dm_constrained_memory_clear(dm_constrained *g, double h);
-enum { DM_CONSTRAINED_VOLUMES = 2 }; /* place of two volumes, which are there for any h */
+enum { DM_CONSTRAINED_VOLUMES = 2 }; /* place of what is watched, which is there for any h */
 int dm_constrained_memory_fits(const dm_constrained *g);
 const double *dm_constrained_memory_velocity(const dm_constrained *g); /* v1 */
 void dm_constrained_memory_keep(dm_constrained *g);

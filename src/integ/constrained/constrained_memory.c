@@ -1,4 +1,4 @@
-/* constrained_memory.c - what a step leaves to the next one: h, a mark, two volumes of its rows
+/* constrained_memory.c - what a step leaves to the next one: h, a mark, the volumes of its rows
  * (constrained_rank.c), the state at its end [4n], the root, v1 and the impulses of the end. But
  * for the volumes another h (a step to a time between, a part of a composition) neither uses nor
  * changes it. */
@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { STEP, MARK, END = DM_CONSTRAINED_VOLUMES + 2 };
+enum { STEP, MARK, END = DM_CONSTRAINED_VOLUMES + DM_CROSSING_WATCHED };
 
 /* Behind the state at the end: V, impulses, then v1 and the impulses of the end. */
 static double *kept_root(const dm_constrained *g) {

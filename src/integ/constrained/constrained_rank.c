@@ -1,6 +1,5 @@
 /* constrained_rank.c - which constraint cannot be held at a point of a step. */
 #include "integ/constrained/constrained_inside.h"
-#include "mech/crossing.h"
 
 #include <math.h>
 
@@ -58,20 +57,14 @@ size_t dm_constrained_crossing_work(const dm_constraints *c) {
  * already. */
 enum { MANY = 16 };
 
-/* In which masses are 1; 0: there are none, as in tangent maps (place_rows). */
 static int find_units(const dm_constrained *g, double *unit) {
-    for (size_t i = 0; i < g->n; i++) {
-        const double own = fabs(g->mass[g->n + i * g->n + i]);
-        if (!(own > 0.0)) return 0;
-        unit[i] = 1.0 / sqrt(own);
-    }
-    return 1;
+    return dm_crossing_units(unit, g->mass + g->n, g->n, g->n + (size_t)1);
 }
 
 /* The volume at the end; g->scratch is room. 0: it is not known. */
 static int find_volume(dm_constrained *g) {
     double *unit = g->scratch;
-    if (g->volume > 0.0) return 1;
+    if (g->volume.part > 0.0) return 1;
     if (g->k > MANY || !find_units(g, unit)) return 0;
     g->volume =
         dm_crossing_volume(g->constraints, dm_constrained_holonomic(g, g->K), unit, unit + g->n);

@@ -20,15 +20,20 @@ typedef struct {
     dm_rattle_layout at;
     dm_rattle_kernels kernel;
     double *memory, *now, *next, *iterate, *change;
-    double *unit, *crossing; /* [n] in which masses are 1; what mech/crossing.h works on */
+    double *unit, *crossing; /* of mech/crossing.h: [n], room */
     dm_crossing_watch watch;
     int looks; /* for places where constraints cross */
 } layout;
 
 /* memory: h of the last step (0: there is none), which may be a part of a composition, the volume
- * of its rows and one to compare with (mech/crossing.h), its mu; and behind the norms of a step */
+ * of its rows and one to compare with (mech/crossing.h), its mu[m], the squares[m] that rows of G
+ * had at the start; and behind the norms of a step */
 enum { LAST, VOLUME, WATCHED, MU };
 enum { VOLUME_OF_NORMS = 3 };
+
+static size_t memory_size(const dm_rattle_layout *at) {
+    return MU + 2 * (size_t)at->m;
+}
 
 /* In doubles, so that what follows is aligned. */
 static size_t layout_size(void) {
@@ -68,18 +73,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_rattle_layout at = dm_rattle_lay_out(m);
     const size_t crossing = at.m ? at.n + dm_crossing_work(m->constraints) : 0;
     (void)rule;
-    return layout_size() + MU + at.m + 3 * (size_t)at.size + at.n + crossing;
-}
-
-/* M is constant; in tangent maps some coordinates have no unit, and nothing is looked for. */
-static void find_units(layout *l, const dm_model *m) {
-    const size_t apart = m->structure & DM_DIAGONAL_MASS ? 1 : m->n + (size_t)1;
-    l->looks = l->at.m > 0;
-    for (uint32_t i = 0; l->looks && i < m->n; i++) {
-        const double own = fabs(m->mass_matrix[i * apart]);
-        l->unit[i] = 1.0 / sqrt(own);
-        l->looks = own > 0.0;
-    }
+    return layout_size() + memory_size(&at) + 3 * (size_t)at.size + at.n + crossing;
 }
 
 /* what never varies stays in the buffers */
@@ -97,14 +91,15 @@ static dm_status open(dm_stepper *s) {
     layout *l = layout_of(s);
     *l = (layout){.at = dm_rattle_lay_out(s->model)};
     l->memory = s->work + layout_size();
-    l->now = l->memory + MU + l->at.m;
+    l->now = l->memory + memory_size(&l->at);
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
     l->change = l->iterate + l->at.size;
     l->unit = l->change + l->at.n;
     l->crossing = l->unit + l->at.n;
-    find_units(l, s->model);
-    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
+    const size_t apart = s->model->structure & DM_DIAGONAL_MASS ? 1 : l->at.n + (size_t)1;
+    l->looks = l->at.m && dm_crossing_units(l->unit, s->model->mass_matrix, l->at.n, apart);
+    memset(l->memory, 0, memory_size(&l->at) * sizeof *l->memory); /* a step before any start */
     const int shake = (s->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
     if (status != DM_OK) return status;
@@ -117,13 +112,13 @@ static dm_status open(dm_stepper *s) {
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     layout *l = layout_of(s);
     (void)state, (void)t, (void)h;
-    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory);
+    memset(l->memory, 0, memory_size(&l->at) * sizeof *l->memory);
     return DM_OK;
 }
 
 static size_t memory(dm_stepper *s, double **place) {
     *place = layout_of(s)->memory;
-    return MU + layout_of(s)->at.m;
+    return memory_size(&layout_of(s)->at);
 }
 
 /* lambda of the last step, which is in the buffer it began in, and mu; of SHAKE the next lambda
@@ -208,7 +203,7 @@ static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) 
         if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
 }
 
-/* h^2 times a volume, in a buffer. */
+/* A volume, in a buffer. */
 static double volume_of(const layout *l, const double *buffer) {
     return buffer[l->at.norms + VOLUME_OF_NORMS];
 }
@@ -252,8 +247,22 @@ static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
     return DM_OK;
 }
 
+/* Of the rows of G at the start, in the units of the masses: volumes begin near one, however many
+ * rows there are. */
+static void find_squares(const dm_stepper *s, layout *l) {
+    const double *G = l->now + l->at.G;
+    const uint8_t *touches = s->model->constraints->touches;
+    for (uint32_t c = 0; c < l->at.m; c++) {
+        double sum = 0.0;
+        for (uint32_t i = 0; i < l->at.n; i++)
+            if (*touches++) sum += *G * l->unit[i] * (*G * l->unit[i]), G++;
+        l->memory[MU + l->at.m + c] = l->looks && sum > 0.0 && isfinite(sum) ? sum : 1.0;
+    }
+}
+
 /* mu of the last step is a guess for this one, in proportion to their lengths */
-static void load(layout *l, const double *state, double t, double h) {
+static void load(const dm_stepper *s, const double *state, double t, double h) {
+    layout *l = layout_of(s);
     const dm_rattle_layout *at = &l->at;
     l->now[at->h] = l->next[at->h] = h;
     l->now[at->half] = l->next[at->half] = 0.5 * h;
@@ -262,9 +271,13 @@ static void load(layout *l, const double *state, double t, double h) {
     dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
     const double last = l->memory[LAST];
     const double part = last == h ? 1.0 : last == 0.0 ? 0.0 : h / last;
-    l->next[at->norms + VOLUME_OF_NORMS] = part * part * l->memory[VOLUME];
-    dm_crossing_expect(&l->watch, part * part * l->memory[WATCHED]);
-    for (uint32_t i = 0; i < at->m; i++) l->now[at->guess + i] = part * l->memory[MU + i];
+    if (last == 0.0 && at->m) find_squares(s, l);
+    l->next[at->norms + VOLUME_OF_NORMS] = l->memory[VOLUME];
+    dm_crossing_expect(&l->watch, l->memory[WATCHED]);
+    for (uint32_t i = 0; i < at->m; i++) {
+        l->now[at->guess + i] = part * l->memory[MU + i];
+        l->now[at->unit + i] = l->next[at->unit + i] = 1.0 / (h * l->memory[MU + at->m + i]);
+    }
 }
 
 /* For the next step, of whatever length: mu is an impulse. */
@@ -288,7 +301,7 @@ static dm_status advance(dm_stepper *s, double *state, double t, double h, long 
     layout *l = layout_of(s);
     const dm_rattle_layout *at = &l->at;
     dm_status status = DM_OK;
-    load(l, state, t, h);
+    load(s, state, t, h);
     for (*done = 0; *done < count && status == DM_OK;) {
         status = step_once(s, l, t + (double)*done * h, h);
         if (status == DM_OK) ++*done;

@@ -19,10 +19,11 @@ typedef struct {
     uint32_t guess;                     /* of lambda */
     uint32_t g;                         /* at q, for the record */
     uint32_t h, half, t0, t;            /* t at the end of the step */
+    uint32_t unit;                      /* 1/h over the square of each row of G at the start */
     /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
     uint32_t y, lambda;
-    /* squares: of the last two changes of y, of y; h^2 times the least pivot of G W G0^T, of two
-     * constraints their determinant */
+    /* squares: of the last two changes of y, of y; of the volume that the rows of G span, det(G W
+     * G0^T) with each row in its unit */
     uint32_t norms;
     uint32_t size;
 } dm_rattle_layout;

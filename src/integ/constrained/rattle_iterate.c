@@ -20,9 +20,10 @@ static dm_node mass(const frame *b, uint32_t c, uint32_t d) {
     return dm_constant(b->f.graph, M[c * (size_t)n + d]);
 }
 
-/* what an iteration works on: y[n], lambda[m], norms[4] are its outputs; B = h W G0^T */
+/* what an iteration works on: y[n], lambda[m], norms[4] are its outputs; B = h W G0^T; units of the
+ * pivots of its matrix: of masses, which come first where a force sees v, there is none */
 typedef struct {
-    dm_node *y, *lambda, *norms, *B, *G0;
+    dm_node *y, *lambda, *norms, *B, *G0, *units;
 } iterate;
 
 /* Room, and B = h W G0^T of the start, which all iterations have. */
@@ -31,17 +32,14 @@ static int begin_iterate(frame *b, iterate *x) {
     x->G0 = dm_rattle_take(b, b->at.nonzeros);
     x->y = dm_rattle_take(b, n + m + 4);
     x->B = dm_rattle_take(b, n * m);
-    if (!x->G0 || !x->y || !x->B) return 0;
+    x->units = dm_rattle_take(b, n + m);
+    if (!x->G0 || !x->y || !x->B || !x->units) return 0;
     x->lambda = x->y + n;
     x->norms = x->lambda + m;
+    dm_rattle_inputs(b, x->units + (b->drag ? n : 0), b->at.unit, b->at.m);
     dm_rattle_inputs(b, x->G0, b->at.G, b->at.nonzeros);
     dm_rattle_spread(b, x->B, x->G0, b->h);
     return 1;
-}
-
-/* J has a factor h: by another one it keeps its sign with steps back in time. */
-static void keep_least(const frame *b, const iterate *x, dm_node least, uint32_t m) {
-    x->norms[3] = m == 2 ? least : dm_mul(b->f.graph, b->h, least);
 }
 
 /* y += B dlambda, where J dlambda = -g(y) */
@@ -56,7 +54,7 @@ static int iteration(frame *b, iterate *x) {
     dm_rattle_evaluate(b, values, roots, count, &(dm_rattle_point){x->y, NULL, b->t});
     dm_rattle_multiply(b, J, values + m, x->B, 0);
     dm_node *minus = values; /* -dlambda */
-    keep_least(b, x, dm_graph_solve(b->f.graph, J, minus, m, 0), m);
+    x->norms[3] = dm_graph_solve(b->f.graph, J, minus, m, 0, x->units);
     for (uint32_t j = 0; j < m; j++) x->lambda[j] = dm_sub(b->f.graph, x->lambda[j], minus[j]);
     for (uint32_t c = 0; c < n; c++) {
         for (uint32_t j = 0; j < m; j++)
@@ -167,7 +165,7 @@ static int iteration_with_drag(frame *b, iterate *x) {
     momentum_defect(b, x, r, f);
     memcpy(r + n, values, m * sizeof *r);
     lay_matrix(b, x, K, f + n, values + m);
-    keep_least(b, x, dm_graph_solve(b->f.graph, K, r, (uint32_t)N, 0), (uint32_t)N);
+    x->norms[3] = dm_graph_solve(b->f.graph, K, r, (uint32_t)N, 0, x->units);
     for (size_t i = 0; i < N; i++)
         if (r[i]) x->y[i] = dm_sub(b->f.graph, x->y[i], r[i]); /* lambda is behind y */
     x->norms[0] = x->norms[1];

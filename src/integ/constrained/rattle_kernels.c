@@ -26,7 +26,8 @@ dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
     at.half = at.h + 1;
     at.t0 = at.h + 2;
     at.t = at.h + 3;
-    at.y = at.h + 4;
+    at.unit = at.h + 4;
+    at.y = at.unit + k;
     at.lambda = at.y + n;
     at.norms = at.lambda + k;
     at.size = at.norms + 4;
@@ -288,7 +289,7 @@ static int tangent(frame *b, dm_node *mu, const dm_node *G, const dm_node *g_t) 
     }
     dm_rattle_spread(b, B, G, 0);
     dm_rattle_multiply(b, A, G, B, 1);
-    dm_graph_solve(b->f.graph, A, mu, m, 1);
+    dm_graph_solve(b->f.graph, A, mu, m, 1, NULL);
     kick(b, G, mu, NULL);
     return 1;
 }

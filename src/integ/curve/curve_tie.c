@@ -341,26 +341,14 @@ size_t dm_curve_tie_crossing_work(const dm_model *m) {
     return c && c->holonomic ? m->n + dm_crossing_work(c) : 0;
 }
 
-/* units[n] in which masses are 1; 0: there are none */
-static int find_mass_units(const dm_curve_tie *c, double *unit) {
-    const size_t n = c->c->n;
-    for (size_t i = 0; i < n; i++) {
-        const double own = fabs(c->mass[n + i * n + i]);
-        if (!(own > 0.0)) return 0;
-        unit[i] = 1.0 / sqrt(own);
-    }
-    return 1;
-}
-
 dm_status dm_curve_tie_look(dm_curve_step *e, double *watched, double t, dm_trouble *trouble) {
     const dm_curve_tie *c = &e->tie;
-    double *unit = e->scratch, *room = unit + e->n;
-    const dm_crossing_way way = {e->state, e->next, unit, t, t + e->h};
+    const dm_crossing_way way = {.q0 = e->state, .q1 = e->next, .t0 = t, .t1 = t + e->h};
     dm_crossing_place place;
     *trouble = (dm_trouble){0};
-    if (!c->k || !find_mass_units(c, unit)) return DM_OK;
-    const double volume = dm_crossing_volume(c->c, c->start, unit, room);
-    if (!dm_crossing_in_step(c->c, watched, volume, &way, &place, room)) return DM_OK;
+    if (!c->k ||
+        !dm_crossing_at_end(c->c, watched, c->start, c->mass + e->n, way, &place, e->scratch))
+        return DM_OK;
     *trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
     return DM_SINGULAR;
 }

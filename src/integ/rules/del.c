@@ -58,27 +58,15 @@ static size_t memory(dm_stepper *s, double **place) {
     return dm_del_memory(s->model);
 }
 
-/* In units of momentum: D1D2 is nearly the mass over h. */
-static int find_units(const dm_del *e, double *unit) {
-    const size_t n = e->n;
-    for (size_t i = 0; i < n; i++) {
-        const double own = fabs(e->out[2 * n + i * n + i]);
-        if (!(own > 0.0)) return 0;
-        unit[i] = 1.0 / sqrt(own);
-    }
-    return 1;
-}
-
-/* Does the step go over a place where holonomic constraints cross? */
+/* Does the step go over a place where holonomic constraints cross? D1D2 is nearly the mass over h.
+ */
 static dm_status look_for_crossing(dm_stepper *s, const dm_del *e, double t, double h) {
-    const dm_constraints *c = s->model->constraints;
-    double *unit = e->scratch, *room = unit + e->n;
-    const dm_crossing_way way = {e->state, e->next, unit, t, t + h};
+    const dm_crossing_way way = {.q0 = e->state, .q1 = e->next, .t0 = t, .t1 = t + h};
+    const double *mass = e->out + 2 * (size_t)e->n;
     dm_crossing_place place;
     s->report.trouble = (dm_trouble){0};
-    if (!e->k || !find_units(e, unit)) return DM_OK;
-    const double volume = dm_crossing_volume(c, e->there, unit, room);
-    if (!dm_crossing_in_step(c, e->memory + DM_DEL_WATCHED, volume, &way, &place, room))
+    if (!e->k || !dm_crossing_at_end(s->model->constraints, e->memory + DM_DEL_WATCHED, e->there,
+                                     mass, way, &place, e->scratch))
         return DM_OK;
     s->report.trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
     return DM_SINGULAR;

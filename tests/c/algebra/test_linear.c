@@ -30,14 +30,19 @@ typedef struct {
     double A[MOST * MOST], b[MOST];
 } problem;
 
-static double reference(const problem *p, double *x) {
+/* x, the determinant, the size of x */
+static double reference(const problem *p, double *x, double *determinant) {
     double A[MOST * MOST], largest = 0.0;
     uint32_t pivot[MOST];
     memcpy(A, p->A, sizeof A);
     memcpy(x, p->b, sizeof p->b);
     CHECK(dm_lu_factor(A, pivot, p->m) == DM_OK);
     dm_lu_solve(x, A, pivot, p->m);
-    for (uint32_t i = 0; i < p->m; i++) largest = fmax(largest, fabs(x[i]));
+    *determinant = 1.0;
+    for (uint32_t i = 0; i < p->m; i++) {
+        largest = fmax(largest, fabs(x[i]));
+        *determinant *= (pivot[i] != i ? -1.0 : 1.0) / A[i * p->m + i];
+    }
     return largest;
 }
 
@@ -45,7 +50,7 @@ static double reference(const problem *p, double *x) {
 static uint32_t compare(const problem *p, int symmetric, double tolerance) {
     const uint32_t m = p->m;
     dm_arena arena;
-    double in[MOST * MOST + MOST], out[MOST], x[MOST];
+    double in[MOST * MOST + MOST], out[MOST], x[MOST], determinant;
     dm_node A[MOST * MOST], b[MOST];
     dm_kernel k;
     dm_arena_init(&arena, from_heap, NULL);
@@ -55,14 +60,14 @@ static uint32_t compare(const problem *p, int symmetric, double tolerance) {
         for (uint32_t j = 0; j < i; j++) A[i * m + j] = 0; /* not to be read */
     for (uint32_t i = 0; i < m; i++) b[i] = dm_input(g, m * m + i);
     dm_graph_verbatim(g, 1);
-    dm_graph_solve(g, A, b, m, symmetric);
+    dm_graph_solve(g, A, b, m, symmetric, NULL);
     const uint32_t operations = dm_operations(g, b, m);
     CHECK(dm_tape_build(&k, g, b, m, &arena) == DM_OK);
     memcpy(in, p->A, m * m * sizeof *in);
     memcpy(in + m * m, p->b, m * sizeof *in);
     dm_kernel_prepare(&k, out);
     dm_kernel_eval(&k, in, out);
-    const double size = reference(p, x);
+    const double size = reference(p, x, &determinant);
     for (uint32_t i = 0; i < m; i++) CHECK_NEAR(out[i], x[i], tolerance * size);
     dm_arena_release(&arena);
     return operations;
@@ -106,6 +111,32 @@ static void solutions(void) {
             compare(&p, 1, 1e-14);
             for (uint32_t i = 0; i < m * m; i += 3) p.A[i] *= 1.25; /* not symmetric */
             compare(&p, 0, 1e-14);
+        }
+}
+
+/* the determinant times all units, whose signs two pivots of other signs do not hide */
+static void volumes(void) {
+    for (uint32_t m = 1; m <= 6; m++)
+        for (int symmetric = 0; symmetric < 2; symmetric++) {
+            problem p;
+            dm_arena arena;
+            double in[MOST * MOST], x[MOST], determinant, volume;
+            dm_node A[MOST * MOST], b[MOST], units[MOST];
+            dm_kernel k;
+            fill(&p, m, everything, 11 + m);
+            for (uint32_t i = 0; i < m * m; i++) p.A[i] = -p.A[i];
+            reference(&p, x, &determinant);
+            dm_arena_init(&arena, from_heap, NULL);
+            dm_graph *g = dm_graph_new(&arena, m * m);
+            for (uint32_t i = 0; i < m * m; i++) A[i] = dm_input(g, i);
+            for (uint32_t i = 0; i < m; i++) b[i] = units[i] = dm_constant(g, -0.5);
+            const dm_node root = dm_graph_solve(g, A, b, m, symmetric, units);
+            CHECK(dm_tape_build(&k, g, &root, 1, &arena) == DM_OK);
+            memcpy(in, p.A, sizeof in);
+            dm_kernel_prepare(&k, &volume);
+            dm_kernel_eval(&k, in, &volume);
+            CHECK_NEAR(volume, determinant * pow(-0.5, m), 1e-12 * fabs(determinant));
+            dm_arena_release(&arena);
         }
 }
 
@@ -204,6 +235,7 @@ static void contracted_differences(void) {
 
 int main(void) {
     RUN(solutions, "solves what dense LU solves, symmetric or not");
+    RUN(volumes, "the product of pivots in units");
     RUN(saddle_points, "zeros on the diagonal call for rows, not for the entries that "
                        "happen to be there");
     RUN(costs, "a chain costs the same for each further unknown, in any order, and so "

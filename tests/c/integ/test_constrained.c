@@ -314,6 +314,43 @@ static void memory_holds_what_a_run_needs(void) {
     }
 }
 
+/* cranks of length 1 that a rod of length 2 couples */
+static void linkage_maker(constrained_draft *d) {
+    const dm_node across[] = {less(d, d->q[2], d->q[0]), less(d, d->q[3], d->q[1])};
+    const dm_node crank[] = {less(d, d->q[2], num(d, 2.0)), d->q[3]};
+    d->L = times(d, 0.5, dot_of(d, d->v, d->v, 4));
+    d->constraint[0] = less(d, dot_of(d, d->q, d->q, 2), num(d, 1.0));
+    d->constraint[1] = less(d, dot_of(d, crank, crank, 2), num(d, 1.0));
+    d->constraint[2] = less(d, dot_of(d, across, across, 2), num(d, 4.0));
+    d->constraints = 3;
+}
+
+/* What rattle compares from step to step (rattle.c: VOLUME of its memory) is of the place alone, so
+ * that steps of compositions, which go back and are of other lengths, are not looked into. */
+static void volumes_are_those_of_the_place(void) {
+    static const double parts[] = {0.01, -0.01, 0.02, -0.015};
+    const start linkage = {linkage_maker,
+                           4,
+                           3,
+                           {0.54030230586813977, 0.8414709848078965, 2.54030230586813977,
+                            0.8414709848078965},
+                           {-0.8414709848078965, 0.54030230586813977, -0.8414709848078965,
+                            0.54030230586813977},
+                           "linkage"};
+    constrained_problem t;
+    open_at(&t, &linkage);
+    for (int i = 0; i < 4; i++) {
+        session x;
+        double *memory;
+        CHECK(session_open(&x, &t.p, "rattle", parts[i]));
+        CHECK(session_run(&x, 1) == DM_OK);
+        CHECK(dm_stepper_memory(&x.s, &memory) > 1);
+        CHECK_NEAR(memory[1], sin(1.0) * sin(1.0), 0.1); /* det G G^T over the squares of rows */
+        session_close(&x);
+    }
+    problem_close(&t.p);
+}
+
 int main(void) {
     RUN(orders_with_constraints, "orders 2s and 2r - 2 with constraints, forces, time");
     RUN(orders_against_angles, "the same against the motion in angles");
@@ -329,5 +366,6 @@ int main(void) {
     RUN(redundant_constraints_are_named, "redundant constraints are named");
     RUN(too_long_a_step_fails, "too long a step fails and leaves the state");
     RUN(memory_holds_what_a_run_needs, "memory holds what a run needs");
+    RUN(volumes_are_those_of_the_place, "volumes of rows are those of the place");
     return check_finish();
 }

@@ -42,6 +42,19 @@ for _, case in ipairs(cases) do
   end
 end
 
+-- light coordinates beside heavy ones, with a force that sees v or without: the volume of the rows counts, not the least
+-- pivot of the matrix that rattle has, which is a mass or another constraint
+for _, m in ipairs { 1e-9, 1e-4, 1, 1e4 } do
+  for _, drag in ipairs { 0, -0.01 } do
+    local force = drag ~= 0 and function(_, v) return { drag * m * v[1], drag * m * v[2], 0, 0, 0 } end or nil
+    local touching = dm.system { Q = dm.R(5), L = function(_, v) return (m * (v[1] ^ 2 + v[2] ^ 2) + v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2) / 2 end,
+      force = force, constraint = function(q) return { q[3] - q[4], q[4] - q[5], q[2] * (q[2] - q[1] ^ 2) } end }
+    local failure = fails(touching, "rattle", 0.0731, { q = { -1, 0, 0, 0, 0 }, v = { 1, 0, 1, 1, 1 }, steps = 60 })
+    ok(failure and failure.constraint == 3 and math.abs(failure.path.t[#failure.path] + 0.04 - 1) <= 0.08,
+      ("rattle: a parabola that touches a line, masses of %g, a drag of %g"):format(m, drag), failure)
+  end
+end
+
 -- the message says which and when
 local across = dm.system(cases[1][2])
 local failure = fails(across, "midpoint", 0.0731, { q = { -1, 0 }, v = { 1.3, 0 }, steps = 100 })
