@@ -65,8 +65,9 @@ static void eliminate_one(const rest *r) {
         for (uint32_t j = r->first + 1; j < i; j++) *at(r, j, i) = *at(r, i, j);
 }
 
-/* the same with the first two rows, whose block [a, b; b, c] has a negative determinant */
-static void eliminate_two(const rest *r) {
+/* the same with the first two rows, whose block [a, b; b, c] has a negative determinant, which is
+ * returned */
+static double eliminate_two(const rest *r) {
     const uint32_t k = r->first;
     const double a = *at(r, k, k), b = *at(r, k + 1, k), c = *at(r, k + 1, k + 1);
     const double det = a * c - b * b;
@@ -76,13 +77,15 @@ static void eliminate_two(const rest *r) {
         for (uint32_t j = k + 2; j < r->n; j++)
             *at(r, i, j) -= u * *at(r, k, j) + v * *at(r, k + 1, j);
     }
+    return det;
 }
 
-uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
+uint32_t dm_negative_values(double *A, uint32_t n, double *least, double *all) {
     static const double SINGLE = 0.6403882032022076; /* (1 + sqrt 17)/8: growth is least */
     rest r = {.A = A, .n = n};
     uint32_t negative = 0;
-    *least = INFINITY;
+    double product = 1.0;
+    *least = INFINITY, *all = 0.0;
     while (r.first < n) {
         const uint32_t diagonal = find_diagonal(&r);
         uint32_t row = r.first, column = r.first;
@@ -94,6 +97,7 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
             exchange(&r, r.first, diagonal);
             negative += *at(&r, r.first, r.first) < 0.0;
             eliminate_one(&r);
+            product *= one;
             r.first++;
             continue;
         }
@@ -102,9 +106,10 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
         exchange(&r, r.first, column); /* column < row, so that row is still in its place */
         exchange(&r, r.first + 1, row == r.first ? column : row);
         negative++; /* one value of each sign */
-        eliminate_two(&r);
+        product *= fabs(eliminate_two(&r));
         r.first += 2;
     }
+    *all = product;
     return negative;
 }
 

@@ -5,9 +5,10 @@
 #include <stdint.h>
 
 /* How many values of A[n*n] are negative, by elimination with symmetric pivots (Bunch & Parlett
- * 1971: Sylvester's law of inertia keeps the signs), and the least size of a pivot, which goes to
- * zero with a value. A is overwritten; values that are zero to round-off may count as either. */
-uint32_t dm_negative_values(double *A, uint32_t n, double *least);
+ * 1971: Sylvester's law of inertia keeps the signs), the least size of a pivot, which goes to zero
+ * with a value, and the size of the product of all. A is overwritten; values that are zero to
+ * round-off may count as either. */
+uint32_t dm_negative_values(double *A, uint32_t n, double *least, double *all);
 
 /* Are all values of A[n*n] positive by far? With the pivots, and the least of them, that
  * dm_negative_values finds for such a matrix. 0 where one is not above `far`. A is overwritten. */

@@ -464,7 +464,10 @@ static dm_status begin(loop *l) {
     }
     if (status == DM_OK && l->plan->control)
         dm_control_begin(l->plan->control, l->s, l->state, from, l->plan->h);
-    if (l->plan->inertia) l->plan->inertia->own = l->own;
+    if (l->plan->inertia) {
+        l->plan->inertia->own = l->own;
+        l->plan->inertia->next = l->plan->control ? &l->plan->control->h : NULL;
+    }
     if (status == DM_OK && l->plan->inertia)
         status = dm_inertia_begin(l->plan->inertia, l->state, time_now(l), l->plan->h);
     if (status == DM_OK && l->plan->events)

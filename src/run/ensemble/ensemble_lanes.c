@@ -326,6 +326,7 @@ int dm_block_is_paced(const dm_block *b) {
 /* Bursts begin short: how long a step takes is not known yet. */
 int dm_block_open(dm_block *b, dm_stepper *s, dm_inertia *inertia) {
     *b = (dm_block){.stepper = s, .burst = FIRST, .inertia = inertia};
+    if (inertia) inertia->next = NULL, inertia->own = (s->rule->method->traits & DM_OWN_TIME) != 0;
     if (!s->engine->widen || !s->engine->widen(s, &b->lanes)) return 0;
     b->mass = inertia ? dm_mass_lanes_open(s->model, &b->lanes) : NULL;
     if (inertia) inertia->wide = b->mass;

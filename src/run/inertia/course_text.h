@@ -185,7 +185,7 @@ INLINE void store_course(kind k, dm_inertia_seen *s, const course *c, long done,
         s->reach = of_lane(c->reach, l), s->fell = of_lane(c->fell, l);
         const long far = (long)s->reach;
         s->due = k.bounded ? done + far : meet(done, far);
-        s->open = 0, s->looked = done, s->at = t[l];
+        s->open = s->told = 0, s->looked = done, s->at = t[l];
     }
 }
 

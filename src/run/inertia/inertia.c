@@ -250,24 +250,23 @@ int dm_inertia_is_far(const dm_inertia *x, double *least, double *all) {
 /* How many are negative of the mass that was found, and the size of the value next to zero. With
  * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
  * that on the velocities they allow; the number is that of the bordered matrix, which has as many
- * more as there are independent constraints. *all: the product of the values, zero where less work
- * did not tell. */
+ * more as there are independent constraints. *all: the size of the product of the values. */
 static uint32_t count(const dm_inertia *x, double *least, double *all) {
     if (dm_inertia_is_far(x, least, all)) return 0;
     const dm_inertia_form f = dm_inertia_place(x);
     uint32_t N = f.n, negative = 0;
     if (f.rows) {
-        double unused;
+        double unused[2];
         place_border(f.border, (size_t)f.n + f.rows, f.A, f.G, f.n);
-        negative = dm_negative_values(f.border, f.n + f.rows, &unused);
+        negative = dm_negative_values(f.border, f.n + f.rows, unused, unused + 1);
         N = dm_restrict(f.A, f.n, f.G, f.rows, f.border);
     }
     memcpy(f.copy, f.A, (size_t)N * N * sizeof *f.A);
+    *all = 1.0;
     const int told = dm_all_positive(f.A, N, DM_INERTIA_FAR, least);
-    *all = told ? 1.0 : 0.0;
     for (size_t i = 0; i < N && told; i++) *all *= f.A[i * N + i];
     if (told) return negative;
-    const uint32_t own = dm_negative_values(f.copy, N, least);
+    const uint32_t own = dm_negative_values(f.copy, N, least, all);
     return f.rows ? negative : own;
 }
 

@@ -12,7 +12,7 @@ typedef struct {
     uint32_t negative; /* at the start */
     int known;         /* is it? a start without a velocity has none */
     double least;      /* size of the value next to zero, when it was looked at last */
-    double all;        /* the product of all values, if they are positive; 0: it is not known */
+    double all;        /* size of the product of all values; 0: it is not known */
     double nearest;    /* `left`, or steps until a value could vanish by how that product moved */
     double fell;       /* 1: it did */
     double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
@@ -30,7 +30,7 @@ typedef struct {
     int told;                     /* do bounds tell how M moves from the last look on? */
     double credit;  /* nodes whose bounds may be found yet: looks cost a part of the steps */
     double at;      /* the time of the last look */
-    double h;       /* of the steps */
+    double h;       /* of the steps, or of the next one */
     int degenerate; /* d2L/dv2 is singular to round-off at the start */
     int open;       /* the next step may go over a place that looks do not see */
 } dm_inertia_seen;
@@ -53,6 +53,7 @@ typedef struct {
     double *aside;              /* states and memories of parts of a step */
     double *end;                /* [state] of who looks into a step that is not its last one */
     int own;                    /* steps choose their length */
+    const double *next;         /* and the next one has this; NULL: nothing is known of it */
     double *boxes;              /* what inertia_step.c works on */
     struct dm_mass_lanes *wide; /* several masses at once; NULL: one by one */
 } dm_inertia;

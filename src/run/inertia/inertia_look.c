@@ -22,6 +22,9 @@ static int is_strange(double before, double now) {
     return now < DM_INERTIA_PART * before || before < DM_INERTIA_PART * now;
 }
 
+/* Of the last step of those that choose their length, how much longer the next one may be. */
+static const double GROW = 4.0;
+
 /* What a value that falls keeps in one step, if it was not thrown back. */
 static const double KEPT = 0.9;
 
@@ -61,6 +64,7 @@ static int judge(dm_inertia *x, const double *state, double t, long done,
     const int touched = found && !changed && sees_line(k, &c, &w) && has_touched(x, state, t, &w);
     const int turned = since == 1.0 && has_turned(k, &c, &w);
     x->before = s->left;
+    if (x->own) s->h = x->next ? *x->next : GROW * (t - s->at) / since;
     note(k, &c, there->least, there->all, &w);
     if (!found) c.reach = 1.0;
     store_course(k, s, &c, done, &t, 1);

@@ -40,9 +40,8 @@ static double largest_of(const double *A, size_t n, int diagonal) {
     return out;
 }
 
-/* The product of the values of the mass that was found last, where they are positive, since there
- * may be smaller ones than the one that vanishes; else the one next to zero. Less than rounding is
- * zero. */
+/* The size of the product of the values of the mass that was found last, since there may be smaller
+ * ones than the one that vanishes. Less than rounding is zero. */
 static double value_found(const dm_inertia *x) {
     static const double ROUNDING = 16 * DBL_EPSILON;
     double least, all;
@@ -50,14 +49,10 @@ static double value_found(const dm_inertia *x) {
     const dm_inertia_form f = dm_inertia_place(x);
     const double across = f.rows ? largest_of(f.A, f.n, 1) : 0.0;
     const size_t n = f.rows ? dm_restrict(f.A, f.n, f.G, f.rows, f.border) : f.n;
-    double out = 1.0;
     memcpy(f.copy, f.A, n * n * sizeof *f.A);
-    const int positive = dm_all_positive(f.A, (uint32_t)n, 0.0, &least);
-    const double beside = positive && least > DM_INERTIA_FAR ? 0.0 : largest_of(f.copy, n, 0);
-    if (!positive) dm_negative_values(f.copy, (uint32_t)n, &least);
-    if (least <= ROUNDING * fmax(across, beside)) return 0.0;
-    for (size_t i = 0; i < n && positive; i++) out *= f.A[i * n + i];
-    return positive ? out : least;
+    dm_negative_values(f.A, (uint32_t)n, &least, &all);
+    const double beside = least > DM_INERTIA_FAR ? 0.0 : largest_of(f.copy, n, 0);
+    return least <= ROUNDING * fmax(across, beside) ? 0.0 : all;
 }
 
 /* The largest of it for velocities v, 0 and -v: of a place that has none for any. Where v is not in

@@ -1,5 +1,6 @@
 /* signs of the values of symmetric matrices, from congruences whose signs are known. */
 #include "check.h"
+#include "linalg/lu.h"
 #include "linalg/signature.h"
 
 #include <math.h>
@@ -26,8 +27,17 @@ static void congruent(double *A, const double *S, const double *D, uint32_t n) {
         }
 }
 
+/* the size of that of S D S^T; S becomes its factors */
+static double determinant(double *S, const double *D, uint32_t n) {
+    uint32_t pivot[MOST];
+    double out = 1.0;
+    CHECK(dm_lu_factor(S, pivot, n) == DM_OK);
+    for (uint32_t i = 0; i < n; i++) out *= fabs(D[i]) / (S[i * n + i] * S[i * n + i]);
+    return out;
+}
+
 static void counts_random_matrices(void) {
-    double A[MOST * MOST], S[MOST * MOST], D[MOST], least;
+    double A[MOST * MOST], S[MOST * MOST], D[MOST], least, all;
     for (uint32_t n = 1; n <= MOST; n++)
         for (int trial = 0; trial < 200; trial++) {
             uint32_t negative = 0;
@@ -38,28 +48,31 @@ static void counts_random_matrices(void) {
                 negative += D[i] < 0.0;
             }
             congruent(A, S, D, n);
+            const double product = determinant(S, D, n);
             memcpy(S, A, sizeof S);
             const int positive = dm_all_positive(S, n, 0.0, &least);
             if (!CHECK(positive == (negative == 0))) return;
             const double least_positive = least;
-            if (!CHECK(dm_negative_values(A, n, &least) == negative)) return;
+            if (!CHECK(dm_negative_values(A, n, &least, &all) == negative)) return;
             if (!CHECK(!positive || least == least_positive)) return;
             if (!CHECK(least > 0.0 && least < INFINITY)) return;
+            if (!CHECK(fabs(all - product) < 1e-10 * product)) return;
         }
 }
 
 /* [0, G^T; G, 0] has k of each sign and zeros, [1, g; g, 0] one of each */
 static void counts_without_a_diagonal(void) {
-    double least;
+    double least, all;
     double swap[] = {0.0, 2.0, 2.0, 0.0}, border[] = {1.0, 3.0, 3.0, 0.0};
     double zero[] = {0.0, 0.0, 0.0, 0.0};
     double two[] = {0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0};
-    CHECK(dm_negative_values(swap, 2, &least) == 1);
+    CHECK(dm_negative_values(swap, 2, &least, &all) == 1);
     CHECK(least == 2.0);
-    CHECK(dm_negative_values(border, 2, &least) == 1);
-    CHECK(dm_negative_values(zero, 2, &least) == 0);
-    CHECK(least == 0.0);
-    CHECK(dm_negative_values(two, 4, &least) == 2);
+    CHECK(all == 4.0);
+    CHECK(dm_negative_values(border, 2, &least, &all) == 1);
+    CHECK(dm_negative_values(zero, 2, &least, &all) == 0);
+    CHECK(least == 0.0 && all == 0.0);
+    CHECK(dm_negative_values(two, 4, &least, &all) == 2);
 }
 
 /* [1, c; c, 1] with the pivots 1 and 1 - c^2 */
@@ -75,20 +88,21 @@ static void knows_positive_ones(void) {
 
 /* The pivot goes to zero with the value. */
 static void tells_how_near(void) {
-    double near = 0.0;
+    double near = 0.0, all;
     for (double e = 1e-2; e > 1e-9; e /= 10.0) {
         double A[] = {2.0, 1.0, 1.0, 0.5 + e};
-        CHECK(dm_negative_values(A, 2, &near) == 0);
+        CHECK(dm_negative_values(A, 2, &near, &all) == 0);
         CHECK(fabs(near - e) < 1e-12);
     }
     double broken[] = {NAN, 1.0, 1.0, 1.0};
-    dm_negative_values(broken, 2, &near); /* ends */
+    dm_negative_values(broken, 2, &near, &all); /* ends */
 }
 
 /* What is told surely positive has no negative value, wherever its entries are within bounds; a
  * matrix of two is positive for all of them where the largest is. */
 static void is_sure_of_bounds(void) {
-    double centre[MOST * MOST], radius[MOST * MOST], A[MOST * MOST], copy[2][MOST * MOST], least;
+    double centre[MOST * MOST], radius[MOST * MOST], A[MOST * MOST], copy[2][MOST * MOST], least,
+        of_all;
     int told[2] = {0, 0}, refused = 0;
     for (int trial = 0; trial < 4000; trial++) {
         const uint32_t n = 1 + (uint32_t)trial % 5;
@@ -113,7 +127,7 @@ static void is_sure_of_bounds(void) {
                     A[i * n + j] = A[j * n + i] =
                         i == j ? centre[i * n + j] * (1.0 + fabs(random_number()))
                                : centre[i * n + j] + radius[i * n + j] * random_number();
-            CHECK(dm_negative_values(A, n, &least) == 0);
+            CHECK(dm_negative_values(A, n, &least, &of_all) == 0);
         }
     }
     CHECK(told[0] > 300 && told[1] > 300 && refused > 300);
@@ -126,7 +140,7 @@ static void is_sure_of_bounds(void) {
 /* A form on the vectors that rows leave at zero has the negative values of the bordered matrix, less
  * one for every row that is independent; a multiple of 1 stays one, with its pivots. */
 static void restricts_forms(void) {
-    double A[MOST * MOST], G[3 * 8 + 8], whole[MOST * MOST], least;
+    double A[MOST * MOST], G[3 * 8 + 8], whole[MOST * MOST], least, all;
     for (int trial = 0; trial < 2000; trial++) {
         const uint32_t n = 4 + (uint32_t)trial % 5, k = 1 + (uint32_t)trial % 3, N = n + k;
         memset(whole, 0, sizeof whole);
@@ -137,7 +151,8 @@ static void restricts_forms(void) {
             for (uint32_t i = 0; i < n; i++)
                 whole[(n + c) * N + i] = whole[i * N + n + c] = G[c * n + i] = random_number();
         CHECK(dm_restrict(A, n, G, k, G + k * n) == n - k);
-        CHECK(dm_negative_values(whole, N, &least) == k + dm_negative_values(A, n - k, &least));
+        CHECK(dm_negative_values(whole, N, &least, &all) ==
+              k + dm_negative_values(A, n - k, &least, &all));
     }
     for (uint32_t i = 0; i < 25; i++) A[i] = i % 6 == 0 ? 0.25 : 0.0;
     const double rows[] = {1, 2, 3, 4, 5, 2, 4, 6, 8, 10, 0, 0, 0, 0, 0};

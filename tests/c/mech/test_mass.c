@@ -124,12 +124,12 @@ static dm_node links(built *b, const double *K, int odd) {
 /* Does the mass have a negative value at a random state, angles anywhere in some turns? */
 static int is_negative_somewhere(const built *b, int tries) {
     enum { N = 4 };
-    double x[2 * N + 1], out[N + N * N], least;
+    double x[2 * N + 1], out[N + N * N], least, all;
     for (int k = 0; k < tries; k++) {
         for (int i = 0; i < 2 * N + 1; i++) x[i] = (i < 2 ? 10.0 : 2.0) * random_number();
         dm_kernel_prepare(&b->model.mass, out);
         dm_kernel_eval(&b->model.mass, x, out);
-        if (dm_negative_values(out + N, N, &least)) return 1;
+        if (dm_negative_values(out + N, N, &least, &all)) return 1;
     }
     return 0;
 }
