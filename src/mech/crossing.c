@@ -121,15 +121,16 @@ static int find_frame(frame *f, const double *G, const double *unit, uint32_t n,
     return isfinite(f->size);
 }
 
-dm_product dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
-                              double *work) {
+dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holonomic,
+                                   const double *unit, double *work) {
     const size_t n = c->n, k = c->holonomic;
     frame f = {.Q = work, .L = work + k * n};
-    dm_product out = DM_PRODUCT_OF_NONE;
-    if (!find_frame(&f, holonomic + k, unit, (uint32_t)n, (uint32_t)k)) return (dm_product){0.0, 0};
+    dm_wide_product out = DM_WIDE_ONE;
+    if (!find_frame(&f, holonomic + k, unit, (uint32_t)n, (uint32_t)k))
+        return (dm_wide_product){0.0, 0};
     for (size_t i = 0; i < k; i++) {
-        out = dm_product_times(out, f.L[i * k + i]);
-        out = dm_product_times(out, f.L[i * k + i]);
+        out = dm_wide_times(out, f.L[i * k + i]);
+        out = dm_wide_times(out, f.L[i * k + i]);
     }
     return out;
 }
@@ -253,12 +254,12 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
     return a < 1.0;
 }
 
-int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_product volume,
+int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_wide_product volume,
                         const dm_crossing_way *way, dm_crossing_place *out, double *work) {
     enum { POWER, BEFORE, COMPARED };
     const int starts = watched[BEFORE] == 0.0 && watched[COMPARED] == 0.0;
     const double power = starts ? (double)volume.power : watched[POWER];
-    const double now = dm_product_over(volume, power);
+    const double now = dm_wide_over(volume, power);
     dm_crossing_watch watch;
     dm_crossing_expect(&watch, watched[COMPARED]);
     if (!dm_crossing_is_far(&watch, now)) {
@@ -277,6 +278,6 @@ int dm_crossing_at_end(const dm_constraints *c, double *watched, const double *h
     double *unit = work, *room = work + n;
     if (!dm_crossing_units(unit, mass, n, n + 1)) return 0;
     way.unit = unit;
-    const dm_product volume = dm_crossing_volume(c, holonomic, unit, room);
+    const dm_wide_product volume = dm_crossing_volume(c, holonomic, unit, room);
     return dm_crossing_in_step(c, watched, volume, &way, out, room);
 }

@@ -4,7 +4,7 @@
 #ifndef DM_CROSSING_H
 #define DM_CROSSING_H
 
-#include "base/product.h"
+#include "base/wide_product.h"
 #include "mech/constraints.h"
 
 /* A step from q0[n] to q1[n]; unit[n]: lengths in which masses are 1. */
@@ -30,8 +30,8 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
                         double *work);
 
 /* The square of the volume that the rows span in these units, of the outputs of the kernel. */
-dm_product dm_crossing_volume(const dm_constraints *c, const double *holonomic, const double *unit,
-                              double *work);
+dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holonomic,
+                                   const double *unit, double *work);
 
 /* The square of the volume falls by a large part in a step that goes over such a place, or in the
  * one before it: these steps, which are rare, are looked into. */
@@ -52,7 +52,7 @@ int dm_crossing_suspects(dm_crossing_watch *w, double before, double now);
 /* All of this for a step with that volume at its end; watched[3]: what the step before left, zeros
  * at a start: a power of two that volumes are divided by, the last one, one to compare with. */
 enum { DM_CROSSING_WATCHED = 3 };
-int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_product volume,
+int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_wide_product volume,
                         const dm_crossing_way *way, dm_crossing_place *out, double *work);
 
 /* The same of a step of h at whose end the kernel gave `holonomic`; mass[n*n].

@@ -147,12 +147,12 @@ static dm_status weigh(dm_constrained *g, double *S, double *push, uint32_t *piv
             S[b * m + c] = sum;
         }
     }
-    dm_product cosines = DM_PRODUCT_OF_NONE, inverse = DM_PRODUCT_OF_NONE;
-    for (uint32_t c = 0; c < m; c++) cosines = dm_product_times(cosines, S[c * m + c]);
+    dm_wide_product cosines = DM_WIDE_ONE, inverse = DM_WIDE_ONE;
+    for (uint32_t c = 0; c < m; c++) cosines = dm_wide_times(cosines, S[c * m + c]);
     const dm_status status = dm_lu_factor(S, pivot, m);
-    for (uint32_t c = 0; c < m; c++) inverse = dm_product_times(inverse, S[c * m + c]); /* 1/U */
-    g->volume = (dm_product){fabs(1.0 / inverse.part), -inverse.power};
-    *sines = dm_product_over(g->volume, (double)cosines.power) / cosines.part;
+    for (uint32_t c = 0; c < m; c++) inverse = dm_wide_times(inverse, S[c * m + c]); /* 1/U */
+    g->volume = (dm_wide_product){fabs(1.0 / inverse.part), -inverse.power};
+    *sines = dm_wide_over(g->volume, (double)cosines.power) / cosines.part;
     return status;
 }
 

@@ -77,9 +77,10 @@ typedef struct {
     double residual;
     /* the constraint that depends on those before it, from 1; 0: none was found */
     uint32_t lost;
-    int crosses;       /* others there, inside of the step (mech/crossing.h), at this time */
-    double at;         /* its time */
-    dm_product volume; /* of the rows at the end; part 0: the hidden constraint did not tell it */
+    int crosses; /* others there, inside of the step (mech/crossing.h), at this time */
+    double at;   /* its time */
+    dm_wide_product
+        volume; /* of the rows at the end; part 0: the hidden constraint did not tell it */
 } dm_constrained;
 
 /* without the call that fmax is */

@@ -64,8 +64,7 @@ typedef struct {
 #define DM_INERTIA_VALLEY 0.5
 #define DM_INERTIA_PART 0.63
 
-/* What is there at a state: how many values are negative, the size of the one next to zero, the
- * product of all, zero where they are not all positive by far. */
+/* At a state: how many values are negative, sizes of the one next to zero and of the product. */
 typedef struct {
     uint32_t negative;
     double least, all;

@@ -1,6 +1,6 @@
-/* product.h - products of many numbers, whose size may be beyond that of any one number. */
-#ifndef DM_PRODUCT_H
-#define DM_PRODUCT_H
+/* wide_product.h - products of many numbers, whose size may be beyond that of any one number. */
+#ifndef DM_WIDE_PRODUCT_H
+#define DM_WIDE_PRODUCT_H
 
 #include <math.h>
 
@@ -8,11 +8,11 @@
 typedef struct {
     double part;
     long power;
-} dm_product;
+} dm_wide_product;
 
-static const dm_product DM_PRODUCT_OF_NONE = {0.5, 1};
+static const dm_wide_product DM_WIDE_ONE = {0.5, 1};
 
-static inline dm_product dm_product_times(dm_product p, double x) {
+static inline dm_wide_product dm_wide_times(dm_wide_product p, double x) {
     int power = 0;
     p.part = frexp(p.part * x, &power);
     p.power += power;
@@ -20,7 +20,7 @@ static inline dm_product dm_product_times(dm_product p, double x) {
 }
 
 /* p / 2^power, as far as there is a number */
-static inline double dm_product_over(dm_product p, double power) {
+static inline double dm_wide_over(dm_wide_product p, double power) {
     return ldexp(p.part, (int)fmax(-4000.0, fmin(4000.0, (double)p.power - power)));
 }
 
