@@ -41,7 +41,7 @@ static void interrupt(lua_State *L, lua_Debug *ar) {
     if (dml_holds_stops()) return;
     const int inside = in_module(L);
     /* until a function of the user goes on */
-    dml_raised = dml_stop || (dml_raised && inside);
+    dml_raised = dml_stop || over || (dml_raised && inside);
     dml_stop = over;
     alarm(was_terminated ? 1 : 0);
     if (dml_raised && inside) lua_pushliteral(L, "interrupted!"), lua_error(L);

@@ -40,8 +40,8 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
     lua_pop(L, 1);
 }
 
-/* member i of the source at `at`, a table of plain tables of n numbers, as most are; 0: it is
- * not */
+/* member i of the source at `at`, a table of plain tables of n finite numbers, as most are; 0: it
+ * is not */
 static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
     if (lua_type(L, at) != LUA_TTABLE) return 0;
     const int row = lua_gettop(L) + 1;
@@ -50,7 +50,8 @@ static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
     for (uint32_t k = 0; plain && k < n; k++) {
         lua_rawgeti(L, row, (lua_Integer)k + 1);
         out[k] = lua_tonumberx(L, -1, &plain);
-        if (lua_type(L, -1) != LUA_TNUMBER) plain = 0; /* texts are for the slow way */
+        if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(out[k]))
+            plain = 0; /* texts are for the slow way, which names what is not finite */
         lua_settop(L, row);
     }
     lua_settop(L, row - 1);
@@ -72,11 +73,15 @@ static void read_member(lua_State *L, dml_starting *s, long i, double *out, uint
     lua_settop(L, at);
 }
 
-/* the entries of a matrix of numbers with a row of n for every member; NULL: the source at `at`
- * is none */
-static const double *entries_of(lua_State *L, int at, uint32_t n) {
+/* those of a part in a matrix of finite numbers with a row of n for every member; NULL: the source
+ * at `at` is none */
+static const double *entries_of(lua_State *L, int at, const dml_part *p) {
+    const size_t n = p->e->n, first = (size_t)p->first * n, end = first + (size_t)p->count * n;
     const dml_array *a = dml_toarray(L, at, 2);
-    return a && a->columns == n ? dml_numbersof(a) : NULL;
+    const double *rows = a && a->columns == n ? dml_numbersof(a) : NULL;
+    for (size_t i = first; rows && i < end; i++)
+        if (!isfinite(rows[i])) return NULL;
+    return rows;
 }
 
 /* where the numbers of field `key` stand in the states */
@@ -106,7 +111,7 @@ static void read_column(lua_State *L, const dml_part *p, const char *key) {
     dml_starting s = {.these = p, .body = read_field, .key = key};
     lua_getfield(L, 2, key);
     s.source = lua_gettop(L);
-    const double *rows = entries_of(L, s.source, n);
+    const double *rows = entries_of(L, s.source, p);
     if (!rows) dml_each_start(L, &s);
     for (long i = p->first; rows && i < p->first + p->count; i++)
         dm_small_copy(place_in(p, key, i), rows + (size_t)i * n, n);

@@ -340,6 +340,13 @@ local function starts_of(of, q, v) return of.ensemble, of, { members = 12, steps
 local function none() return { 0 } end
 raises("'q' of member 3: entry 1 is NaN, but must be finite (4 of 12 members have no start: 3, 6, 9, 12)",
   starts_of(quick, function(i) return { i % 3 == 0 and 0 / 0 or 1 } end, none))
+local rows = {}
+for i = 1, 12 do rows[i] = { i % 3 == 0 and 0 / 0 or 1 } end
+for what, source in pairs { table = rows, matrix = dm.matrix(rows) } do
+  raises("'q' of member 3: entry 1 is NaN, but must be finite (4 of 12 members have no start: 3, 6, 9, 12)", starts_of(quick, source, none))
+  raises("'v' of member 3: entry 1 is NaN", starts_of(quick, none, source))
+  ok(not pcall(starts_of(quick, none, source)), "so of a " .. what)
+end
 raises("'v' of member 5 must have 1 entries (got 2)", starts_of(quick, none, function(i) return i == 5 and { 1, 2 } or { 1 } end))
 raises("my own mistake", starts_of(quick, function(i) if i > 2 then error("my own mistake", 0) end return { 1 } end, none))
 local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return q:dot(q) - 1 end }

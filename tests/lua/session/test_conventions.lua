@@ -75,6 +75,9 @@ ok(interrupted_status(run) == 130, "also in a C loop")
 ok(interrupted_status("while true do end", "TERM") == 143, "143 where it is terminated")
 ok(interrupted_status("while true do pcall(function() while true do end end) end", "TERM") == 143,
   "143 where a pcall in a loop catches that")
+-- the loop in C answers the signal itself, again and again; the script ends for lack of time where nothing else ends it
+ok(interrupted_status("local t = os.time() while os.time() < t + 15 do pcall(function() " .. run .. " end) end", "TERM") == 143,
+  "143 where it catches what ends a C loop")
 ok(interrupted_status("pcall(function() while true do end end) os.exit(3)") == 3, "a script that deals with it ends as it says")
 -- digits, benchmarks
 local dm = require "dm"
