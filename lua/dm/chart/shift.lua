@@ -13,30 +13,55 @@ local abs, max, min, floor = math.abs, math.max, math.min, math.floor
 -- each
 local WINDOWS, FEWER, FEWEST, ROWS = 32, 8, 8, 64
 local NODES = 8               -- rows of the flow that a polynomial goes through
-local TRIES = 8               -- of Gauss and Newton
+local TRIES = 8               -- of Gauss and Newton,
+local FOUND = 1e-9            -- of a window or a turn: increments that change nothing more
 local KNOWN = 0.5             -- of the size of a signal: what a shift must explain to be one
+
+-- 1/prod_{j /= i} (i - j) for i = 0 .. nodes - 1: what Lagrange's polynomials of these nodes have
+-- in front
+local function scales(nodes)
+  local out = {}
+  for i = 0, nodes - 1 do
+    local product = 1
+    for j = 0, nodes - 1 do product = j == i and product or product * (i - j) end
+    out[i] = 1 / product
+  end
+  return out
+end
+
+-- Lagrange's polynomials of the nodes 0, 1, ... at s and their derivatives, to the lists w, slope:
+-- the product of s - j before each node, times that behind it
+local function lagrange(s, scale, w, slope)
+  local product, rate = 1, 0
+  for i = 0, #scale do
+    w[i], slope[i] = product, rate
+    product, rate = product * (s - i), rate * (s - i) + product
+  end
+  product, rate = 1, 0
+  for i = #scale, 0, -1 do
+    w[i], slope[i] = w[i] * product * scale[i],
+      (slope[i] * product + w[i] * rate) * scale[i]
+    product, rate = product * (s - i), rate * (s - i) + product
+  end
+end
 
 --- read(time) -> values, rates of columns whose rows lie at even times t; the last of these.
 function M.reader(t, columns)
   local count, t0 = #t, t[1]
   local dt, nodes = (t[count] - t0) / (count - 1), min(NODES, count)
+  local scale, w, slope = scales(nodes), {}, {}
   return function(time)
     local place = (time - t0) / dt
-    local first = floor(max(0, min(count - nodes, floor(place) - nodes / 2 + 1)))
-    local s, y, rate = place - first, {}, {}
-    for k = 1, #columns do y[k], rate[k] = 0, 0 end
-    for i = 0, nodes - 1 do
-      local w, slope = 1, 0
-      for j = 0, nodes - 1 do
-        if j ~= i then
-          slope = (slope * (s - j) + w) / (i - j)
-          w = w * (s - j) / (i - j)
-        end
-      end
-      for k, list in ipairs(columns) do
+    local first = floor(max(0, min(count - nodes, floor(place) - nodes // 2 + 1)))
+    local y, rate = {}, {}
+    lagrange(place - first, scale, w, slope)
+    for k, list in ipairs(columns) do
+      local value, along = 0, 0
+      for i = 0, nodes - 1 do
         local x = list[first + i + 1]
-        y[k], rate[k] = y[k] + w * x, rate[k] + slope * x / dt
+        value, along = value + w[i] * x, along + slope[i] * x
       end
+      y[k], rate[k] = value, along / dt
     end
     return y, rate
   end, t[count]
@@ -63,11 +88,12 @@ local function window_of(run, from, to)
   return w
 end
 
--- adds the row of one observed number to normal equations S x = r
+-- adds the row of one observed number to normal equations S x = r, to the lower triangle of S
 local function add_row(S, r, slopes, miss)
-  for i, a in ipairs(slopes) do
+  for i = 1, #slopes do
+    local a, row = slopes[i], S[i]
     r[i] = r[i] + a * miss
-    for j, b in ipairs(slopes) do S[i][j] = S[i][j] + a * b end
+    for j = 1, i do row[j] = row[j] + a * slopes[j] end
   end
 end
 
@@ -85,7 +111,7 @@ end
 local function improve(w, flow, at)
   local turns = flow.turns or {}
   local S, r = equations(2 + #turns)
-  local left, all, used = 0, 0, 0
+  local left, all, used, slopes = 0, 0, 0, {}
   for i, t in ipairs(w.t) do
     local x = t - w.middle
     local time = t + at.a + at.b * x
@@ -97,16 +123,30 @@ local function improve(w, flow, at)
       used = used + 1
       for k = 1, #y do
         local size = flow.range[k]
-        local miss, slopes = (w.y[i][k] - y[k]) / size, { rate[k] / size, rate[k] / size * x }
-        for g in ipairs(turns) do slopes[2 + g] = moved[g][k] / size end
+        local miss = (w.y[i][k] - y[k]) / size
+        slopes[1], slopes[2] = rate[k] / size, rate[k] / size * x
+        for g = 1, #turns do slopes[2 + g] = moved[g][k] / size end
         add_row(S, r, slopes, miss)
         left, all = left + miss ^ 2, all + ((w.y[i][k] - w.mean[k]) / size) ^ 2
       end
     end
   end
   if used < 4 then return nil end
+  for i = 1, #r do
+    for j = 1, i - 1 do S[j][i] = S[i][j] end
+  end
   local fine, step = blame.try(function() return core.matrix(S):solve(core.vector(r)) end)
   return fine and step[1] == step[1] and step or nil, left, all
+end
+
+-- has the fit of a window come to its end?
+local function is_found(w, step)
+  local span = w.t[#w.t] - w.t[1]
+  if abs(step[1]) > FOUND * span or abs(step[2]) > FOUND then return false end
+  for g = 3, #step do
+    if abs(step[g]) > FOUND then return false end
+  end
+  return true
 end
 
 -- the shift in a window, from the one before; nothing where there is none
@@ -117,6 +157,7 @@ local function fit(w, flow, at)
     if not step or not (abs(at.b + step[2]) < 2) then return nil end
     at.a, at.b, left, all = at.a + step[1], at.b + step[2], its_left, its_all
     if flow.turns then at.turn = flow.turned(step) end
+    if is_found(w, step) then break end
   end
   return left <= KNOWN * all
 end
@@ -137,10 +178,21 @@ local function swings(flow, horizon)
   return most > 0 and most / 2 or math.huge
 end
 
+-- times and columns as tables, which are read faster than vectors and columns of paths
+local function read_often(run)
+  for k, list in ipairs { run.t, table.unpack(run.columns) } do
+    local copy = {}
+    for i = 1, #list do copy[i] = list[i] end
+    if k == 1 then run.t = copy else run.columns[k - 1] = copy end
+  end
+end
+
 --- How run = { t, columns } is shifted against flow = { t, columns (at even times), range of each,
 -- turns, turned (groups.lua; nil: by no group) } up to the time `horizon`: { shift (by which it is
 -- ahead at the end), largest, turn, largest_turn }, or nothing where no shift explains the run.
 function M.follow(run, flow, horizon)
+  read_often(run)
+  read_often(flow)
   flow.read, flow.last = M.reader(flow.t, flow.columns)
   flow.first = run.t[1]
   local t0, known, at = run.t[1], false, { a = 0, b = 0 }
