@@ -17,11 +17,11 @@ function M.docs()
   for _, doc in pairs(docs) do
     if type(doc) == "string" then found[first_line(doc)] = doc end
   end
-  for line in pairs(found) do  -- the doc of a method that was replaced by one that can do more
-    for other in pairs(found) do
-      if #other > #line and other:sub(1, #line + 3) == line .. "   " then found[line] = nil end
-    end
+  local replaced = {}  -- docs of methods that were replaced by what can do more: "line   or more"
+  for other in pairs(found) do
+    for at in other:gmatch "()   " do replaced[#replaced + 1] = other:sub(1, at - 1) end
   end
+  for _, line in ipairs(replaced) do found[line] = nil end
   return found
 end
 
