@@ -219,6 +219,7 @@ for _, name in ipairs { "semidirect", "discrete_lagrangian" } do
   M.lazy[name] = "dm.group"
 end
 class.function_later("resume", "dm.dec.fields.methods")
+class.function_later("resume", "dm.group")
 -- asked for where an error speaks of a nil: the module puts its own functions here
 local registry = debug.getregistry()
 for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument = "argument" } do

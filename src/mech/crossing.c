@@ -43,6 +43,7 @@ static const double FIRST = 0.25, SHORTEST = 0x1p-40;
 static const double CHANGE = 0.3, NONE = -11.5, FEW = -2.3, TURN = 0.95;
 /* Of q: nearer to a node g is zero to round-off on all sides, since it is quadratic there. */
 static const double BLURRED = 1e-7;
+static const double ANGLE = 1.0; /* of this size are places, of which a chart tells nothing */
 enum { PROJECTIONS = 12 };
 static const double SETTLED = 1e-6; /* a projection, of the length of its part */
 
@@ -86,7 +87,7 @@ static void begin(walk *w, double *work) {
     w->S = take(&work, k * k), w->first = take(&work, k);
     w->pivot = (uint32_t *)(void *)take(&work, k);
     memset(w->x, 0, (2 * n + 1) * sizeof *w->x);
-    dm_kernel_prepare(&w->c->holonomic_kernel, w->out);
+    if (!w->way->chart) dm_kernel_prepare(&w->c->holonomic_kernel, w->out);
 }
 
 static double dot(const double *a, const double *b, size_t n) {
@@ -136,9 +137,14 @@ dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holono
 }
 
 static int look(walk *w, frame *f, const double *q, double t) {
-    memcpy(w->x, q, w->n * sizeof *q);
-    w->x[2 * w->n] = t;
-    dm_kernel_eval(&w->c->holonomic_kernel, w->x, w->out);
+    const dm_crossing_chart *chart = w->way->chart;
+    if (chart) {
+        chart->look(chart->ctx, w->out, w->out + w->k, q, t);
+    } else {
+        memcpy(w->x, q, w->n * sizeof *q);
+        w->x[2 * w->n] = t;
+        dm_kernel_eval(&w->c->holonomic_kernel, w->x, w->out);
+    }
     return find_frame(f, w->out + w->k, w->way->unit, w->n, w->k);
 }
 
@@ -233,14 +239,14 @@ static double walk_on(walk *w) {
 
 int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_crossing_place *out,
                         double *work) {
-    walk w = {.c = c, .way = way, .n = c->n, .k = c->holonomic};
+    walk w = {.c = c, .way = way, .n = way->chart ? way->chart->n : c->n, .k = c->holonomic};
     double squares = 0.0, largest = 0.0;
     if (c->crossings) return 0;
     begin(&w, work);
     for (uint32_t i = 0; i < w.n; i++) {
         const double d = (way->q1[i] - way->q0[i]) / way->unit[i];
         squares += d * d;
-        largest = fmax(largest, fabs(way->q0[i] / way->unit[i]));
+        largest = fmax(largest, (way->chart ? ANGLE : fabs(way->q0[i])) / way->unit[i]);
     }
     w.reach = sqrt(squares);
     w.none = fmin(fmax(NONE, log(BLURRED * largest / w.reach)), FEW);

@@ -7,10 +7,20 @@
 #include "base/wide_product.h"
 #include "mech/constraints.h"
 
-/* A step from q0[n] to q1[n]; unit[n]: lengths in which masses are 1. */
+/* Coordinates y[n] about the start of a step, where it is y = 0, for a step on a group: g[k] and
+ * its derivatives in y [k*n] there. */
+typedef struct {
+    uint32_t n; /* at most that of the constraints */
+    void (*look)(void *ctx, double *g, double *G, const double *y, double t);
+    void *ctx;
+} dm_crossing_chart;
+
+/* A step from q0[n] to q1[n]; unit[n]: lengths in which masses are 1. chart: of what both are
+ * coordinates; NULL: they are q themselves. */
 typedef struct {
     const double *q0, *q1, *unit;
     double t0, t1;
+    const dm_crossing_chart *chart;
 } dm_crossing_way;
 
 /* row: from 1, the one that lost most; when it is reached */
@@ -29,7 +39,8 @@ size_t dm_crossing_work(const dm_constraints *c);
 int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_crossing_place *out,
                         double *work);
 
-/* The square of the volume that the rows span in these units, of the outputs of the kernel. */
+/* The square of the volume that the rows span in these units, of the outputs of the kernel, whose
+ * rows on a group are body covectors with zeros behind them. */
 dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holonomic,
                                    const double *unit, double *work);
 

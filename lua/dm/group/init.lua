@@ -4,6 +4,8 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local kits = require "dm.group.kit"
 
+local got = require "dm.base.options".got
+
 local M = {}
 
 --- The kit of a space: the table of its functions, for elements that are known to be right.
@@ -25,6 +27,15 @@ M.discrete_lagrangian = blame.caller(function(...)
 end)
 put_discrete(M.discrete_lagrangian, discrete_doc .. " On a group elements take the place of q, and "
   .. "momenta are body covectors; of a system rule is lie(s): class dm.group_lagrangian.")
+
+-- a discrete Lagrangian on a group steps a system of its own
+local resume, resume_doc, put_resume = class.wraps("dm.group", "resume")
+put_resume(function(from, model, options)
+  if got(model) == "dm.group_lagrangian" then
+    return resume(from, require "dm.group.discrete".stepped(model, options))
+  end
+  return resume(from, model, options)
+end, resume_doc)
 
 --- The kit of a group; raises for another manifold.
 function M.group(space)

@@ -115,6 +115,7 @@ local function covectors(place, f)
   local own = M.of_velocity(place, f)
   return function(...)
     local rows, out = own(...), {}
+    if type(rows) ~= "number" and kits.is_scalar(rows[1]) then rows = { rows } end
     for i = 1, #rows do out[i] = M.padded(place, rows[i], "a row of what reaction returns") end
     return out
   end

@@ -21,7 +21,7 @@ static void push_crossing(lua_State *L, const dml_failure *f) {
                     " inside of this step, at t = %f: the constraints cross there, more than one "
                     "way leads on, and a step may take any of them; start where it is not met, "
                     "write the way that is meant as constraints of its own, or let steps go over "
-                    "such places by crossings = true of the system",
+                    "such places by crossings = true of the system, or of Ld",
                     f->at);
     lua_concat(L, 2);
 }

@@ -307,9 +307,9 @@ static const dml_row methods[] =
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"stand_in", dml_stand_in_new,
-      "core.stand_in{Q=, L=, name=} -> dm.system\n"
+      "core.stand_in{Q=, L=, name=, constraint=, rolling=, reaction=, crossings=} -> dm.system\n"
       "A system on a group that steps of a discrete Lagrangian are run with: L only says how they "
-      "begin, and paths have no energy and no velocity."},
+      "begin, and paths have no energy and no velocity; starts are on its constraints."},
      {"system", dml_system_new,
       "dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, "
       "coordinates=, units=, params=, derivatives=, crossings=} -> dm.system\n"

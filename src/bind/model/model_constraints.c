@@ -24,7 +24,8 @@ static void check_lengths(lua_State *L, const dml_model *m, int pair) {
         luaL_error(L,
                    "reaction must return %d rows of %d numbers, one row per rolling constraint, "
                    "got %d numbers in all",
-                   (int)l, (int)n, (int)given);
+                   (int)l, (int)m->group.momenta,
+                   (int)(m->placed ? given / n * m->group.momenta : given));
     if (m->constraint[DML_MAP].graph && m->constraint[DML_MAP].outputs != 2 * n + k + l)
         luaL_error(L,
                    "map must return %d numbers, q1, p1 and an impulse for each constraint, got %d",

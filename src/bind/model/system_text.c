@@ -82,11 +82,16 @@ static int model_text(lua_State *L) {
 /* Name, space, and how many constraints; or why its functions fail now, when a global of theirs is
  * gone, say: printing does not raise. */
 int dml_system_tostring(lua_State *L) {
-    luaL_checkudata(L, 1, DML_SYSTEM);
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     dml_systemfield(L, 1, "name");
     const char *name = lua_tostring(L, -1);
     dml_systemfield(L, 1, "Q");
     const char *Q = luaL_tolstring(L, -1, NULL);
+    if (s->stand_in) {
+        lua_pushfstring(L, name ? "discrete Lagrangian '%s' on %s" : "discrete Lagrangian%s on %s",
+                        name ? name : "", Q);
+        return 1;
+    }
     if (name)
         lua_pushfstring(L, "system '%s' on %s: ", name, Q);
     else

@@ -260,7 +260,7 @@ static int is_timed(lua_State *L) {
 static const char *const known[] = {"Q",           "h",     "Ld",      "name",
                                     "coordinates", "units", "params",  "derivatives",
                                     "constraint",  "force", "rolling", "reaction",
-                                    "map",         NULL};
+                                    "map",         "crossings", NULL};
 
 /* core.with_step: the map is that of the unreduced equations, and Ld another road */
 int dml_core_with_step(lua_State *L) {
@@ -325,7 +325,8 @@ static const dml_row methods[] = {
 static const dml_row functions[] =
     {{"discrete_lagrangian", discrete_new,
       "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
-      "constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   "
+      "constraint=, rolling=, reaction=, force=, map=, crossings=} -> dm.discrete_lagrangian   or "
+      "  "
       "dm.discrete_lagrangian(system, {rule=, "
       "h=})\n"
       "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
@@ -335,7 +336,8 @@ static const dml_row functions[] =
       "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
       "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
       "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
-      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. map(q, p): the step "
+      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. crossings: as of "
+      "dm.system. map(q, p): the step "
       "of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each "
       "behind them), where it is known: runs then take it (rule \"map\") in place of solving for "
       "q1. It is compared with Ld and its forces at made-up points here, and at the start of every "

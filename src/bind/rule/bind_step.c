@@ -101,6 +101,8 @@ const dm_method *dml_step_method(lua_State *L, int object, int arg) {
     object = lua_absindex(L, object);
     arg = lua_absindex(L, arg);
     if (dml_checksystem(L, arg)->pair) luaL_error(L, "dm.step steps a dm.system");
+    const dm_step_row *row = dml_torule(L, object)->rule.data;
+    if (row->fixed) return &dm_method_step_tied;
     push_module(L, "is_timed");
     push_options(L, object);
     lua_pushvalue(L, arg);
@@ -204,7 +206,7 @@ static void eval(const dm_kernel *kernel, const double *in, double *out) {
 void dml_step_compare(lua_State *L, int at, const dm_method *method, const double *state, double t,
                       double h) {
     const double aside = 0.01;
-    if (method != &dm_method_step && method != &dm_method_step_timed) return;
+    if (!dm_is_step(method)) return;
     const maker *made = lua_touserdata(L, at);
     const dm_step_kernels *k = &made->k;
     const size_t n = k->n, d = k->d, m = k->m, y = n + d + 1 + k->w;
@@ -243,7 +245,7 @@ static double sum_of(const dm_kernel *kernel, uint64_t which, const double *in, 
 
 double dml_step_sum(lua_State *L, int at, const dm_method *method) {
     enum { POINTS = 24 };
-    if (method != &dm_method_step && method != &dm_method_step_timed) return NAN;
+    if (!dm_is_step(method)) return NAN;
     const dm_step_kernels *k = &((const maker *)lua_touserdata(L, at))->k;
     const size_t y = (size_t)k->n + k->d + 1 + k->w, inputs = y + k->m + 1;
     const size_t outputs = (size_t)k->n + k->d + 2 + k->w + k->m + CONDITIONS;
@@ -270,9 +272,7 @@ static void check_function(lua_State *L, const char *key, int optional) {
 }
 
 /* The options are kept: the functions are traced for every system anew. */
-static int step_new(lua_State *L) {
-    static const char *const known[] = {"name",  "unknowns", "order",  "start", "equation", "next",
-                                        "parts", "begin",    "inside", "scale", "sums",     NULL};
+static int make_step(lua_State *L, const char *const *known, int fixed) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
@@ -288,10 +288,13 @@ static int step_new(lua_State *L) {
     const char *name = luaL_optstring(L, -1, "a step of one's own");
     const char *text = lua_pushfstring(L, "%s (own)", name);
     dm_step_row *row = lua_newuserdatauv(L, sizeof *row, 1);
-    *row = (dm_step_row){.unknowns = (uint32_t)count, .order = (int)order};
+    *row = (dm_step_row){.unknowns = (uint32_t)count, .fixed = fixed, .order = (int)order};
     lua_getfield(L, 1, "sums");
     row->sums = lua_toboolean(L, -1);
-    lua_pop(L, 1);
+    lua_getfield(L, 1, "holonomic");
+    lua_getfield(L, 1, "rolling");
+    row->holonomic = (uint32_t)lua_tointeger(L, -2), row->rolling = (uint32_t)lua_tointeger(L, -1);
+    lua_pop(L, 3);
     push_module(L, "options");
     lua_pushvalue(L, 1);
     lua_call(L, 1, 2);
@@ -302,7 +305,26 @@ static int step_new(lua_State *L) {
     return 1;
 }
 
+#define OPTIONS                                                                                    \
+    "name", "unknowns", "order", "start", "equation", "next", "parts", "begin", "inside", "scale", \
+        "sums"
+
+static int step_new(lua_State *L) {
+    static const char *const known[] = {OPTIONS, NULL};
+    return make_step(L, known, 0);
+}
+
+static int tied_step_new(lua_State *L) {
+    static const char *const known[] = {OPTIONS, "holonomic", "rolling", NULL};
+    return make_step(L, known, 1);
+}
+
 static const dml_row functions[] = {
+    {"tied_step", tied_step_new,
+     "core.tied_step{..., holonomic=, rolling=} -> dm.rule\n"
+     "dm.step{...} of a discrete Lagrangian on a group: the first unknowns are x of q exp(x), the "
+     "last ones impulses of so many constraints, holonomic and rolling (0), which the system has "
+     "too, and the last equations are these constraints at the end of the step."},
     {"step", step_new,
      "dm.step{equation=, next=, start=, unknowns=, order=, name=, parts=, begin=, inside=, "
      "scale=, sums=} -> dm.rule\n"

@@ -200,7 +200,7 @@ static int solver_tostring(lua_State *L) {
     const char *rule = lua_tostring(L, -1);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     const char *system = luaL_tolstring(L, -1, NULL);
-    if (s->pair) /* its order is that of Ld, which Ld:order measures */
+    if (s->alone) /* its order is that of Ld, which Ld:order measures */
         lua_pushfstring(L, "solver '%s', h = %f, for %s", rule, s->h, system);
     else
         push_ordered(L, s, rule, system);

@@ -132,7 +132,8 @@ static int path_worst(lua_State *L) {
                    rolling ? "rolling constraint" : "constraint");
     const double seen = rolling ? p->rolling : p->constraint;
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    if (dml_checksystem(L, -1)->pair) /* del looks in every step */
+    const dml_system *s = dml_checksystem(L, -1);
+    if (s->pair || s->stand_in) /* their rules look in every step */
         return lua_pushnumber(L, seen), 1;
     lua_pushnumber(L, largest(seen, (double[]){worst_of_rows(L, p, rolling)}, 1));
     return 1;

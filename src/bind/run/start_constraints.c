@@ -137,7 +137,7 @@ static void check_position(lua_State *L, dml_stepping *r, const char *who) {
     if (!(d.move <= ON))
         luaL_error(L, "%sno start: it is off the constraints: %s: |g(q)| = %f%s", who,
                    push_name(L, t, d.row), d.distance,
-                   r->solver->pair ? "" : "; project = true moves it to the nearest q on them");
+                   r->solver->alone ? "" : "; project = true moves it to the nearest q on them");
 }
 
 /* dg/dq v + dg/dt and phi(q, v, t); loose: the velocity came out of a momentum. */
@@ -194,13 +194,18 @@ static void take_metric(lua_State *L, dml_stepping *r, const char *who) {
                  who);
 }
 
-void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who) {
-    if (!r->model->model.constraints) return;
-    if (r->solver->pair && wants_projection(L))
+/* there is no metric to do it in */
+static void refuse_projection(lua_State *L, const dml_stepping *r, const char *who) {
+    if (r->solver->alone && wants_projection(L))
         luaL_error(L,
                    "%sno start: a discrete Lagrangian has no mass, and 'project' moves a start in "
                    "its metric: begin on the constraint",
                    who);
+}
+
+void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who) {
+    if (!r->model->model.constraints) return;
+    refuse_projection(L, r, who);
     take_metric(L, r, who);
     check_position(L, r, who);
 }
@@ -258,6 +263,9 @@ void dml_start_on_constraints(lua_State *L, dml_stepping *r, const char *who, in
     const int moves = wants_projection(L);
     if (dml_placed(L, r->system)) check_size(L, r, who);
     if (!r->model->model.constraints) return;
+    refuse_projection(L, r, who);
+    /* rows are looked at where steps begin, at g1 = g0: a stand-in knows no velocity */
+    if (r->solver->alone) memset(r->x + r->solver->n, 0, r->solver->n * sizeof *r->x);
     take_metric(L, r, who);
     if (moves) project(L, r, who);
     check_position(L, r, who);

@@ -197,6 +197,9 @@ static void start_here(lua_State *L, dml_stepping *r) {
         start_on_alpha(L, r);
         return;
     }
+    if (r->solver->alone && (has(L, "v") || !has(L, "p")))
+        luaL_error(L, "a discrete Lagrangian knows no velocity: start it from q and the momentum "
+                      "p, on a group that of two elements is Ld:legendre_minus(g0, g1) at g0");
     if (has(L, "v") == has(L, "p"))
         luaL_error(L,
                    "give the start as q and v, as q and p, or as q0 and q1: one of 'v' (velocity) "

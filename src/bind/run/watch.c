@@ -155,7 +155,7 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, 
         dml_observables_entry(L, o, (uint32_t)entry);
     else if (add_part(L, o, r, name) || add_of_element(L, o, r, name))
         return;
-    else if (strcmp(name, "lambda") == 0 && r->solver->pair)
+    else if (strcmp(name, "lambda") == 0 && r->solver->alone)
         luaL_error(L,
                    "field '%s': a discrete Lagrangian has no equations at a state; the multipliers "
                    "of its steps are record = { \"impulses\" }",

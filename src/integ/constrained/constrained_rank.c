@@ -73,7 +73,7 @@ static int find_volume(dm_constrained *g) {
 
 int dm_constrained_crosses(dm_constrained *g) {
     double *unit = g->scratch;
-    const dm_crossing_way way = {g->state, g->next, unit, g->t, g->t + g->h};
+    const dm_crossing_way way = {g->state, g->next, unit, g->t, g->t + g->h, NULL};
     dm_crossing_place place;
     if (!g->k || !find_volume(g) || !find_units(g, unit)) return 0;
     if (!dm_crossing_in_step(g->constraints, g->memory + DM_CONSTRAINED_VOLUMES, g->volume, &way,

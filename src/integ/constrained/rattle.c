@@ -212,7 +212,7 @@ static double volume_of(const layout *l, const double *buffer) {
  */
 static dm_status look_for_crossing(dm_stepper *s, layout *l, double last) {
     const double *x = l->now;
-    const dm_crossing_way way = {x, l->next, l->unit, x[l->at.t0], x[l->at.t]};
+    const dm_crossing_way way = {x, l->next, l->unit, x[l->at.t0], x[l->at.t], NULL};
     dm_crossing_place place;
     if (!l->looks || !dm_crossing_suspects(&l->watch, last, volume_of(l, x))) return DM_OK;
     if (!dm_crossing_between(s->model->constraints, &way, &place, l->crossing)) return DM_OK;

@@ -37,6 +37,7 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_lie_joints *e = dm_lie_joints_of(s);
     (void)state, (void)t, (void)h;
     e->memory[DM_LIE_AT_COUNT] = e->memory[DM_LIE_AT_MASS] = 0.0;
+    memset(e->memory + DM_LIE_AT_VOLUMES, 0, DM_CROSSING_WATCHED * sizeof *e->memory);
     return DM_OK;
 }
 
@@ -53,17 +54,22 @@ static double unit(double mass, double size) {
 
 /* ---- units: once a run ---- */
 
-/* the largest entry of d2L/dv2 at the start: that of L_rate by the rate where the chart begins */
-static double find_mass(dm_lie_joints *e) {
+/* the largest entry of d2L/dv2 at the start, and its diagonal: that of L_rate by the rate where the
+ * chart begins */
+static double find_mass(dm_lie_joints *e, double *own) {
     const dm_group_entries *f = e->along;
     const uint32_t d = e->d;
     double most = 0.0;
     memset(e->x + e->n, 0, 2 * d * sizeof *e->x);
     e->x[e->n + 2 * d] = e->t;
     dm_group_entries_eval(f, e->x, e->slope, 1);
-    for (uint32_t i = 0; i < f->count; i++)
-        if (f->row[i] >= 2 * d && f->column[i] >= d && f->column[i] < 2 * d)
-            most = fmax(most, fabs(e->slope[f->values + i]));
+    memset(own, 0, d * sizeof *own);
+    for (uint32_t i = 0; i < f->count; i++) {
+        if (!(f->row[i] >= 2 * d && f->column[i] >= d && f->column[i] < 2 * d)) continue;
+        const double entry = fabs(e->slope[f->values + i]);
+        if (f->row[i] - 2 * d == f->column[i] - d) own[f->column[i] - d] = entry;
+        most = fmax(most, entry);
+    }
     return most > 0.0 && most < INFINITY ? most : 1.0;
 }
 
@@ -89,7 +95,7 @@ static void find_sizes(dm_lie_joints *e, double *rows, double *impulses) {
 static void take_units(dm_lie_joints *e) {
     double *rows = e->memory + DM_LIE_AT_UNITS, *impulses = rows + e->m;
     if (!(e->memory[DM_LIE_AT_MASS] > 0.0)) {
-        e->memory[DM_LIE_AT_MASS] = find_mass(e);
+        e->memory[DM_LIE_AT_MASS] = find_mass(e, impulses + e->m);
         if (e->m) find_sizes(e, rows, impulses);
     }
     e->mass = e->memory[DM_LIE_AT_MASS];
@@ -132,7 +138,7 @@ static dm_status guess(dm_lie_joints *e) {
                                                                            {4, -6, 4, -1},
                                                                            {5, -10, 10, -5, 1}};
     const int count = (int)e->memory[DM_LIE_AT_COUNT];
-    const double *kept = e->memory + DM_LIE_AT_UNITS + 2 * (size_t)e->m;
+    const double *kept = e->memory + dm_lie_joints_kept(e);
     if (!count || e->memory[DM_LIE_AT_H] != e->h) return guess_at_rest(e);
     memset(e->z, 0, e->N * sizeof *e->z);
     for (int k = 0; k < count; k++)
@@ -143,7 +149,7 @@ static dm_status guess(dm_lie_joints *e) {
 
 /* Steps of another length tell nothing of the next one. */
 static void keep(dm_lie_joints *e) {
-    double *last = e->memory + DM_LIE_AT_UNITS + 2 * (size_t)e->m;
+    double *last = e->memory + dm_lie_joints_kept(e);
     const int count = e->memory[DM_LIE_AT_H] == e->h ? (int)e->memory[DM_LIE_AT_COUNT] : 0;
     memmove(last + e->N, last, (DM_LIE_JOINTS_KEPT - 1) * (size_t)e->N * sizeof *last);
     memcpy(last, e->z, e->N * sizeof *last);
@@ -267,6 +273,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     s->report.evaluations += e->evaluations;
     s->report.trouble = (dm_trouble){.turn = e->turn, .dependent = (int)e->lost};
     if (status != DM_OK) return status;
+    if (dm_lie_joints_cross(e, &s->report.trouble)) return DM_SINGULAR;
     report_constraints(e, &s->report);
     memcpy(state, e->end, e->n * sizeof *state);
     memcpy(state + e->n, e->end + e->n, e->d * sizeof *state);

@@ -6,7 +6,7 @@
 #include "integ/method/stage_table.h"
 #include "linalg/solve/newton.h"
 #include "linalg/step_matrix.h"
-#include "mech/constraints.h"
+#include "mech/crossing.h"
 
 enum { DM_LIE_JOINTS_KEPT = 5, DM_LIE_JOINTS_TEXT = 128 };
 
@@ -52,9 +52,9 @@ typedef struct {
     double *work;                 /* of Newton's methods, of the Legendre transform */
     double mass;                  /* M, the largest entry of d2L/dv2 */
     double size;                  /* of the terms of the equation where it was last evaluated */
-    /* what steps leave to the next: how many there are, their h, M (0: not known) and the largest
-     * entries of the rows of G and E, and of G and phi_v, z of the last ones, newest first:
-     * [dm_lie_joints_memory_size] */
+    /* what steps leave to the next: how many there are, their h, M (0: not known), volumes of rows
+     * (mech/crossing.h), the largest entries of the rows of G and E, and of G and phi_v, of d2L/dv2
+     * its diagonal [d], z of the last ones, newest first: [dm_lie_joints_memory_size] */
     double *memory;
     long evaluations;
     int iterations, matrices; /* of Newton, in this step */
@@ -65,7 +65,18 @@ typedef struct {
 } dm_lie_joints;
 
 /* where memory keeps what */
-enum { DM_LIE_AT_COUNT, DM_LIE_AT_H, DM_LIE_AT_MASS, DM_LIE_AT_UNITS };
+enum {
+    DM_LIE_AT_COUNT,
+    DM_LIE_AT_H,
+    DM_LIE_AT_MASS,
+    DM_LIE_AT_VOLUMES,
+    DM_LIE_AT_UNITS = DM_LIE_AT_VOLUMES + DM_CROSSING_WATCHED
+};
+
+/* Where z of the last steps begin. */
+static inline size_t dm_lie_joints_kept(const dm_lie_joints *e) {
+    return DM_LIE_AT_UNITS + 2 * (size_t)e->m + e->d;
+}
 
 static inline dm_lie_joints *dm_lie_joints_of(const dm_stepper *s) {
     return (dm_lie_joints *)(void *)s->work;
@@ -84,6 +95,13 @@ dm_status dm_lie_joints_equation(void *joints, double *R, double *J, const doubl
 
 /* Entries that can differ from zero are not zero in J[N*N]. */
 void dm_lie_joints_pattern(dm_lie_joints *e, double *J);
+
+/* ---- lie_joints_crossing.c ---- */
+
+/* Does the step that was finished go over a place where holonomic constraints cross? `trouble` says
+ * where. Doubles of e->work for that. */
+size_t dm_lie_joints_crossing_work(const dm_lie_joints *e);
+int dm_lie_joints_cross(dm_lie_joints *e, dm_trouble *trouble);
 
 /* ---- lie_joints_turning.c: reactions that turn with v ---- */
 

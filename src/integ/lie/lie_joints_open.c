@@ -78,7 +78,7 @@ static dm_lie_joints sizes(const dm_galerkin *g, const dm_model *m) {
 }
 
 size_t dm_lie_joints_memory_size(const dm_lie_joints *e) {
-    return DM_LIE_AT_UNITS + 2 * (size_t)e->m + DM_LIE_JOINTS_KEPT * (size_t)e->N;
+    return dm_lie_joints_kept(e) + DM_LIE_JOINTS_KEPT * (size_t)e->N;
 }
 
 static void lay_out_outputs(dm_lie_joints *e, dm_layout *to) {
@@ -99,8 +99,9 @@ static size_t work(const dm_lie_joints *e) {
     const size_t rank = e->m ? dm_constraints_dependent_work(e->constraints) : 0;
     const size_t newton = dm_larger(dm_newton_work(e->N), dm_newton_work(closing));
     const size_t looking = (size_t)e->N * e->N + 2 * (size_t)e->N;
-    return dm_larger(dm_larger(newton, looking),
-                     dm_larger(dm_legendre_work(e->model) + 4 * (size_t)e->n, rank));
+    const size_t legendre = dm_legendre_work(e->model) + 4 * (size_t)e->n;
+    return dm_larger(dm_larger(dm_larger(newton, looking), dm_larger(legendre, rank)),
+                     dm_lie_joints_crossing_work(e));
 }
 
 /* all arrays of *e, whose sizes are known, `work` last; returns how many doubles that took */

@@ -110,9 +110,6 @@ ok(tostring(of_system):find "energy off by", "that of a system has its own", tos
 
 raises("rule must be lie(s", dm.discrete_lagrangian, heavy, { rule = "gauss(2)", h = 0.1 })
 raises("option 'h' is missing", dm.discrete_lagrangian, { Q = G, Ld = veselov })
-for _, key in ipairs { "constraint", "rolling", "reaction", "force" } do
-  raises(("'%s' is not taken beside an Ld"):format(key), dm.discrete_lagrangian, { Q = G, h = 0.1, Ld = veselov, [key] = veselov })
-end
 raises("option 'Ld' is missing", dm.discrete_lagrangian, { Q = G, h = 0.1 })
 raises("without constraints and forces", dm.discrete_lagrangian, dm.system { Q = G,
   L = function(_, w) return w:dot(w) end, force = function(_, w) return -w end },

@@ -1,11 +1,11 @@
 --- The mechanical connection of an invariant system on S x G (Leok 4.6.4): of the rule lie(s), with
 -- the action S(q0, e, V) of a step from q0 near(e) with the velocities V
--- (group/discrete_action.lua), from (x0, e) to the fibre of x1 with the body momentum 0 along the
+-- (group/discrete/action.lua), from (x0, e) to the fibre of x1 with the body momentum 0 along the
 -- group,
 --   S_(V_j) = h beta_j S1,  h sum_j beta_j V_j = xi, its shape part that of x1,
 --   p0 = dtau^-1(xi)^T S1 - S_e = 0 along G,   A(x0, x1) = tau(xi)^-1.
 -- Coordinates of S are those of the other factors of Q, one after the other.
-local actions = require "dm.group.discrete_action"
+local actions = require "dm.group.discrete.action"
 local bundles = require "dm.connection.bundle"
 local connections = require "dm.connection"
 local core = require "dm.core"

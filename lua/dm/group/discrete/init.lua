@@ -1,10 +1,11 @@
 --- Discrete Lagrangians Ld(g0, g1) on groups: a formula of a script, or the action of lie(s)
 -- between two elements (Leok 5.3). Momenta are body covectors: p0 = -D1 Ld, p1 = D2 Ld along
 -- g exp(e).
-local actions = require "dm.group.discrete_action"
+local actions = require "dm.group.discrete.action"
 local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local formula = require "dm.group.discrete.formula"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
@@ -53,52 +54,6 @@ local function while_same(f, lengths, make)
     text = now
     return made
   end
-end
-
----- a formula ----
-
--- Ld(g0 near(e0), g1 near(e1)) of (q0, e0, q1, e1)
-local function moved(P, f, h)
-  return function(q0, e0, q1, e1)
-    return f(P.element(P.carry(q0, P.near(e0))), P.element(P.carry(q1, P.near(e1))), h)
-  end
-end
-
-local function by_formula(Ld)
-  local P, N, d = Ld.place, Ld.place.size, Ld.place.dimension
-  local zero = core.zeros(d)
-  local f = moved(P, Ld.Ld, Ld.h)
-  local slopes = while_same(function(q0, q1) return f(q0, zero, q1, zero) end, { N, N },
-    function() return core.derivative(f, N, d, N, d) end)
-  local way = {}
-  function way.value(q0, q1) return f(q0, zero, q1, zero) end
-  function way.momenta(q0, q1)
-    local y = slopes()(q0, zero, q1, zero)
-    return -part(y, N, d), part(y, 2 * N + d, d)
-  end
-  -- -D1 D2 Ld
-  function way.two_form(q0, q1)
-    local H = core.trace(f, N, d, N, d):hessian(q0, zero, q1, zero)
-    return linear.fill(d, d, function(i, j) return -H[N + i][2 * N + d + j] end)
-  end
-  return way
-end
-
--- Its step, p0 = -D1 Ld(g0, g0 exp(x)), as a rule. What the root leaves of that has a mean; carried
--- on, p1 = D2 Ld + Ad*(p0 + D1 Ld), it moves no momentum map.
-local function rule_of(Ld)
-  local kit, P, d = kits.of(Ld.Q), Ld.place, Ld.place.dimension
-  local function momenta(g0, g1)
-    return Ld.way.momenta(core.vector(P.flat(g0)), core.vector(P.flat(g1)))
-  end
-  return core.step { name = Ld.name or "del", unknowns = d, order = 1,
-    start = function() return core.zeros(d) end,
-    equation = function(y, x) return (momenta(y.q, kit.compose(y.q, kit.exp(x)))) - y.p end,
-    next = function(y, x)
-      local g1 = kit.compose(y.q, kit.exp(x))
-      local p0, p1 = momenta(y.q, g1)
-      return { q = g1, p = p1 + kit.coAd(kit.exp(-x), y.p - p0) }
-    end }
 end
 
 ---- the action of lie(s) ----
@@ -197,6 +152,20 @@ end, [[
 Ld:momentum(group, g0, g1 [, {side=, action=, t=}]) -> dm.vector
 Noether's momentum at g1, as path:momentum: of the group itself spatial, { side = "right" } body. t:
 the time at g0 (0).]])
+-- of a formula one for all solvers: its order is measured once
+local function own_rule(Ld)
+  Ld.own_rule = Ld.own_rule or formula.rule(Ld)
+  return Ld.own_rule
+end
+
+--- For dm.resume: the system that runs of Ld are of, and its options with their rule.
+function M.stepped(Ld, given)
+  if Ld.system then return Ld.system, given end
+  local out = lists.copy(given or {})
+  out.rule = own_rule(Ld)
+  return Ld.frame, out
+end
+
 method("solver", function(Ld, given)
   given = options.check(given or {}, { "newton", "backend" }, "Ld:solver",
     "{ newton =, backend = }: rule and h are those of Ld")
@@ -205,8 +174,7 @@ method("solver", function(Ld, given)
     out.rule = Ld.rule
     return Ld.system:solver(out)
   end
-  Ld.own_rule = Ld.own_rule or rule_of(Ld) -- one for all solvers: its order is measured once
-  out.rule = Ld.own_rule
+  out.rule = own_rule(Ld)
   return Ld.frame:solver(out)
 end, [[
 Ld:solver{newton=, backend=} -> dm.solver
@@ -220,28 +188,22 @@ local function check_left(Q, given)
   return place.of(Q, { columns = "matrix" })
 end
 
---- What constrains or pushes a discrete Lagrangian on coordinates is not taken on a group.
-local function check_alone(given)
-  for _, key in ipairs { "constraint", "rolling", "reaction", "force" } do
-    if given[key] ~= nil then
-      error(("%s: on a group '%s' is not taken beside an Ld of one's own: give it to "
-        .. "dm.system { Q =, L =, %s = }, which lie(s) steps"):format(WHERE, key, key), 0)
-    end
-  end
-end
+local OWN = { "Q", "h", "Ld", "name", "constraint", "rolling", "reaction", "force",
+  "crossings" }
 
 local function of_formula(given)
-  check_alone(given)
-  options.check(given, { "Q", "h", "Ld", "name" }, WHERE, "{ Q =, h =, Ld = }")
+  options.check(given, OWN, WHERE, "{ Q =, h =, Ld = }")
   options.need(given, "h", WHERE, "the time between two elements")
   options.positive(given, "h", WHERE, "a step")
   options.need(given, "Ld", WHERE, "a function of (g0, g1 [, h])")
   options.callable(given, "Ld", WHERE, "(g0, g1 [, h])")
-  local Ld = setmetatable({ Q = given.Q, h = given.h, Ld = given.Ld, name = given.name,
-    place = check_left(given.Q) }, Class)
-  Ld.frame = core.stand_in { Q = given.Q, name = given.name,
-    L = function(_, xi) return xi:dot(xi) / 2 end }
-  Ld.way = by_formula(Ld)
+  formula.check(given, WHERE)
+  local place = check_left(given.Q)
+  local Ld = setmetatable(lists.copy(given), Class)
+  Ld.place = place
+  Ld.frame = formula.frame(Ld)
+  Ld.way = formula.way(Ld, while_same)
+  if Ld.force then formula.try_forces(Ld) end
   return Ld
 end
 

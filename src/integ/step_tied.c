@@ -1,0 +1,76 @@
+/* step_tied.c - steps that hold constraints: what is left of them, and where they cross. */
+#include "integ/step_inside.h"
+#include "linalg/solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Room beside Newton's method, which is done then. */
+size_t dm_step_scratch(const dm_model *m, size_t unknowns) {
+    const dm_constraints *c = m->constraints;
+    const size_t newton = dm_newton_work((uint32_t)unknowns);
+    const size_t rows = c ? c->holonomic * (m->n + (size_t)2) : 0;
+    const size_t crossing = c ? 4 * (size_t)m->n + 1 + rows + dm_crossing_work(c) : 0;
+    return newton > crossing ? newton : crossing;
+}
+
+/* for dm_crossing_chart: of F about the start of the step, where other unknowns do not matter */
+static void look(void *step, double *g, double *G, const double *y, double t) {
+    dm_made_step *e = step;
+    const size_t m = e->k->m, d = e->k->d, first = m - e->ties, k = e->row->holonomic;
+    (void)t;
+    memcpy(e->in + dm_step_numbers(e), y, d * sizeof *y);
+    dm_kernel_eval(&e->k->tangent, e->in, e->out);
+    memcpy(g, e->out + first, k * sizeof *g);
+    for (size_t c = 0; c < k; c++) memcpy(G + c * d, e->out + m + (first + c) * m, d * sizeof *G);
+}
+
+/* In which masses are 1: the derivative of F is nearly the mass over h. 0: there are none. */
+static int find_units(const dm_made_step *e, double *unit) {
+    const size_t m = e->k->m;
+    for (size_t i = 0; i < e->k->n; i++) {
+        const double own = i < e->k->d ? fabs(e->out[m + i * m + i]) : 1.0;
+        if (!(own > 0.0)) return 0;
+        unit[i] = 1.0 / sqrt(own);
+    }
+    return 1;
+}
+
+/* The square of the volume of the rows at the end. */
+static dm_wide_product find_volume(dm_made_step *e, const dm_constraints *c, const double *unit,
+                                   double t, double *room) {
+    const size_t n = c->n;
+    double *x = room, *rows = x + 2 * n + 1;
+    memset(x, 0, (2 * n + 1) * sizeof *x);
+    memcpy(x, e->reached, n * sizeof *x);
+    x[2 * n] = t;
+    dm_kernel_prepare(&c->holonomic_kernel, rows);
+    dm_kernel_eval(&c->holonomic_kernel, x, rows);
+    return dm_crossing_volume(c, rows, unit, rows + c->holonomic_kernel.outputs);
+}
+
+dm_status dm_step_crosses(dm_made_step *e, dm_stepper *s, double t, double h) {
+    const dm_constraints *c = s->model->constraints;
+    double *unit = e->newton, *here = unit + e->k->n, *room = here + e->k->n;
+    const dm_crossing_chart chart = {e->k->d, look, e};
+    const dm_crossing_way way = {here, e->x, unit, t, t + h, &chart};
+    dm_crossing_place place;
+    if (!e->row->holonomic || !find_units(e, unit)) return DM_OK;
+    memset(here, 0, e->k->n * sizeof *here);
+    const dm_wide_product volume = find_volume(e, c, unit, t + h, room);
+    if (!dm_crossing_in_step(c, e->watched, volume, &way, &place, room)) return DM_OK;
+    s->report.trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
+    return DM_SINGULAR;
+}
+
+void dm_step_report_ties(dm_made_step *e, dm_stepper *s) {
+    const double *held = e->out + (e->k->m - e->ties);
+    memcpy(e->in + dm_step_numbers(e), e->x, e->k->m * sizeof *e->x);
+    dm_kernel_prepare(&e->k->equation, e->out);
+    dm_kernel_eval(&e->k->equation, e->in, e->out);
+    for (uint32_t c = 0; c < e->ties; c++) {
+        double *worst = c < e->row->holonomic ? &s->report.constraint : &s->report.rolling;
+        *worst = fmax(*worst, fabs(held[c]));
+    }
+    dm_kernel_prepare(&e->k->tangent, e->out);
+}
