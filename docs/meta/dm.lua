@@ -1901,13 +1901,15 @@ function dm_function_class:terms() end
 
 ---dm.group_lagrangian: Ld(g0, g1) on a group, made by dm.discrete_lagrangian{Q=, h=, Ld=} or
 ---dm.discrete_lagrangian(system, {rule = "lie(2)", h=})
----fields: Q, h, name, Ld or system and rule; Ld(g0, g1) is its value.
+---fields: Q, h, name, Ld, constraint, rolling, reaction, force, or system and rule; Ld(g0, g1) is its
+---value.
 ---@class dm.group_lagrangian
 local dm_group_lagrangian_class = {}
 
 ---Ld:legendre_minus(g0, g1 [, t]) -> dm.vector of dim G entries
 ---
----The body momentum at g0, -D1 Ld along g0 exp(e). t: the time at g0 (0).
+---The body momentum at g0, -D1 Ld - F1 along g0 exp(e), F1 the discrete force. t: the time at g0
+---(0).
 ---@param g0? any
 ---@param g1? any
 ---@param t? any
@@ -1916,7 +1918,8 @@ function dm_group_lagrangian_class:legendre_minus(g0, g1, t) end
 
 ---Ld:legendre_plus(g0, g1 [, t]) -> dm.vector of dim G entries
 ---
----The body momentum at g1, D2 Ld along g1 exp(e). t: the time at g0 (0).
+---The body momentum at g1, D2 Ld + F2 along g1 exp(e), F2 the discrete force. t: the time at g0
+---(0).
 ---@param g0? any
 ---@param g1? any
 ---@param t? any
@@ -1936,7 +1939,8 @@ function dm_group_lagrangian_class:momentum(group, g0, g1, options) end
 
 ---Ld:solver{newton=, backend=} -> dm.solver
 ---
----Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
+---Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0, with the forces and impulses of constraints that were
+---given (Leok 2.8, 5.3). Runs take q and p (the body momentum). Of a formula
 ---they have no energy and no velocity.
 ---@param options? table
 ---@return dm.solver
@@ -5863,10 +5867,10 @@ function dm.diffeo(K1, K2) end
 ---@return any
 function dm.differential_invariants(options) end
 
----dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, h=})
+---dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, constraint=, rolling=, reaction=, force=, map=, crossings=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, h=})
 ---
 ---The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...), or with "exact": the action of the motion from q0 to q1 itself, by gauss(8) on as many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no motion is found
----Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with record = { "impulses" }); momenta are D2 Ld, as they are. map(q, p): the step of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each behind them), where it is known: runs then take it (rule "map") in place of solving for q1. It is compared with Ld and its forces at made-up points here, and at the start of every run: raises with the point where it is not their step. rolling(q0, q1 [, h [, params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 (Leok 2.8.2). On a group elements take the place of q, and momenta are body covectors; of a system rule is lie(s): class dm.group_lagrangian.
+---Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with record = { "impulses" }); momenta are D2 Ld, as they are. crossings: as of dm.system. map(q, p): the step of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each behind them), where it is known: runs then take it (rule "map") in place of solving for q1. It is compared with Ld and its forces at made-up points here, and at the start of every run: raises with the point where it is not their step. rolling(q0, q1 [, h [, params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 (Leok 2.8.2). On a group elements take the place of q, and covectors (momenta, F1 and F2, rows of reactions) are those of the body, d numbers along g exp(e); of a system rule is lie(s): class dm.group_lagrangian.
 ---@param options? table
 ---@return dm.discrete_lagrangian
 function dm.discrete_lagrangian(options) end

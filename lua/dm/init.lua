@@ -214,12 +214,12 @@ for owner, methods in pairs(WRAPPED) do
     for _, module in ipairs(modules) do class.wrapped_later(owner, name, module) end
   end
 end
-for _, name in ipairs { "semidirect", "discrete_lagrangian" } do
-  class.function_later(name, "dm.group")
-  M.lazy[name] = "dm.group"
+for name, module in pairs { semidirect = "dm.group", discrete_lagrangian = "dm.group.discrete" } do
+  class.function_later(name, module)
+  M.lazy[name] = module
 end
 class.function_later("resume", "dm.dec.fields.methods")
-class.function_later("resume", "dm.group")
+class.function_later("resume", "dm.group.discrete")
 -- asked for where an error speaks of a nil: the module puts its own functions here
 local registry = debug.getregistry()
 for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument = "argument" } do

@@ -24,7 +24,7 @@ floors.src = {
 }
 
 floors.lua = {
-  "base", "group/trivialization", "group", "group/methods", "group/own", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
+  "base", "group/trivialization", "group", "group/methods", "group/own", "group/discrete", "action", "frame", "frame/calculus", "connection", "show", "show/animate", "data",
   "wave", "wave/pictures", "elements",
   "dec/files", "dec", "dec/homology", "dec/equations", "dec/curvature", "dec/fields",
   "dec/flow", "dec/pictures",

@@ -4,8 +4,6 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local kits = require "dm.group.kit"
 
-local got = require "dm.base.options".got
-
 local M = {}
 
 --- The kit of a space: the table of its functions, for elements that are known to be right.
@@ -19,23 +17,6 @@ M.semidirect = blame.caller(function(...)
   return space
 end)
 put_semidirect(M.semidirect, semidirect_doc)
-
--- those on groups without coordinates are another class (group/discrete.lua)
-local discrete, discrete_doc, put_discrete = class.wraps("dm.group", "discrete_lagrangian")
-M.discrete_lagrangian = blame.caller(function(...)
-  return require "dm.group.discrete".new(...) or discrete(...)
-end)
-put_discrete(M.discrete_lagrangian, discrete_doc .. " On a group elements take the place of q, and "
-  .. "momenta are body covectors; of a system rule is lie(s): class dm.group_lagrangian.")
-
--- a discrete Lagrangian on a group steps a system of its own
-local resume, resume_doc, put_resume = class.wraps("dm.group", "resume")
-put_resume(function(from, model, options)
-  if got(model) == "dm.group_lagrangian" then
-    return resume(from, require "dm.group.discrete".stepped(model, options))
-  end
-  return resume(from, model, options)
-end, resume_doc)
 
 --- The kit of a group; raises for another manifold.
 function M.group(space)

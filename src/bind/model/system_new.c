@@ -264,8 +264,9 @@ int dml_system_new(lua_State *L) {
 }
 
 int dml_stand_in_new(lua_State *L) {
-    static const char *const known[] = {"Q",       "L",        "name",     "constraint",
-                                        "rolling", "reaction", "crossings", "stand_in", NULL};
+    static const char *const known[] = {"Q",          "L",        "name",
+                                        "constraint", "rolling",  "reaction",
+                                        "crossings",  "stand_in", NULL};
     luaL_checktype(L, 1, LUA_TTABLE);
     lua_pushboolean(L, 1);
     lua_setfield(L, 1, "stand_in");

@@ -257,9 +257,9 @@ static int is_timed(lua_State *L) {
     return timed;
 }
 
-static const char *const known[] = {"Q",           "h",     "Ld",      "name",
-                                    "coordinates", "units", "params",  "derivatives",
-                                    "constraint",  "force", "rolling", "reaction",
+static const char *const known[] = {"Q",           "h",         "Ld",      "name",
+                                    "coordinates", "units",     "params",  "derivatives",
+                                    "constraint",  "force",     "rolling", "reaction",
                                     "map",         "crossings", NULL};
 
 /* core.with_step: the map is that of the unreduced equations, and Ld another road */

@@ -1,7 +1,7 @@
 -- places where holonomic constraints on groups cross: a step over one ends the run by name, as on R^n
 local tap = require "tap"
 local dm = require "dm"
-local ok, near, raises = tap.ok, tap.near, tap.raises
+local ok, near = tap.ok, tap.near
 
 -- where a run ends, and what it says
 local function ends(f)

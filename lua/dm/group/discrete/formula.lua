@@ -1,4 +1,4 @@
---- A formula Ld(g0, g1) of a script with what acts beside it: its momenta and its step. All covectors
+--- A formula Ld(g0, g1) of a script with what acts beside it: its momenta and step. Covectors
 -- are those of the body: F1 . e0 + F2 . e1 is the work on g0 exp(e0), g1 exp(e1), and rows of G and
 -- E are derivatives along these, too (docs/theory/discrete-forces.md).
 local core = require "dm.core"
@@ -43,8 +43,8 @@ end
 -- check starts.
 function M.frame(Ld)
   return core.stand_in { Q = Ld.Q, name = Ld.name, L = function(_, xi) return xi:dot(xi) / 2 end,
-    constraint = Ld.constraint, crossings = Ld.crossings, rolling = along(Ld, Ld.rolling, "rolling"),
-    reaction = along(Ld, Ld.reaction, "reaction") }
+    constraint = Ld.constraint, crossings = Ld.crossings,
+    rolling = along(Ld, Ld.rolling, "rolling"), reaction = along(Ld, Ld.reaction, "reaction") }
 end
 
 ---- momenta ----

@@ -4,6 +4,7 @@
 local actions = require "dm.group.discrete.action"
 local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local formula = require "dm.group.discrete.formula"
 local kits = require "dm.group.kit"
@@ -20,7 +21,8 @@ local WHERE = "dm.discrete_lagrangian"
 local Class = core.class({ __name = "dm.group_lagrangian" }, [[
 dm.group_lagrangian: Ld(g0, g1) on a group, made by dm.discrete_lagrangian{Q=, h=, Ld=} or
 dm.discrete_lagrangian(system, {rule = "lie(2)", h=})
-fields: Q, h, name, Ld or system and rule; Ld(g0, g1) is its value.]])
+fields: Q, h, name, Ld, constraint, rolling, reaction, force, or system and rule; Ld(g0, g1) is its
+value.]])
 
 function Class.__tostring(Ld)
   local by = Ld.rule and (", by %s"):format(tostring(Ld.rule)) or ""
@@ -133,13 +135,15 @@ method("legendre_minus", function(Ld, g0, g1, t)
   return (Ld.way.momenta(asked(Ld, g0, g1, t)))
 end, [[
 Ld:legendre_minus(g0, g1 [, t]) -> dm.vector of dim G entries
-The body momentum at g0, -D1 Ld along g0 exp(e). t: the time at g0 (0).]])
+The body momentum at g0, -D1 Ld - F1 along g0 exp(e), F1 the discrete force. t: the time at g0
+(0).]])
 method("legendre_plus", function(Ld, g0, g1, t)
   local _, p1 = Ld.way.momenta(asked(Ld, g0, g1, t))
   return p1
 end, [[
 Ld:legendre_plus(g0, g1 [, t]) -> dm.vector of dim G entries
-The body momentum at g1, D2 Ld along g1 exp(e). t: the time at g0 (0).]])
+The body momentum at g1, D2 Ld + F2 along g1 exp(e), F2 the discrete force. t: the time at g0
+(0).]])
 method("two_form", function(Ld, g0, g1, t) return Ld.way.two_form(asked(Ld, g0, g1, t)) end, [[
 Ld:two_form(g0, g1 [, t]) -> dm.matrix, dim G x dim G
 -D1 D2 Ld, row e0, column e1: the discrete symplectic form in the left-invariant frames at g0 and
@@ -158,14 +162,6 @@ local function own_rule(Ld)
   return Ld.own_rule
 end
 
---- For dm.resume: the system that runs of Ld are of, and its options with their rule.
-function M.stepped(Ld, given)
-  if Ld.system then return Ld.system, given end
-  local out = lists.copy(given or {})
-  out.rule = own_rule(Ld)
-  return Ld.frame, out
-end
-
 method("solver", function(Ld, given)
   given = options.check(given or {}, { "newton", "backend" }, "Ld:solver",
     "{ newton =, backend = }: rule and h are those of Ld")
@@ -178,7 +174,8 @@ method("solver", function(Ld, given)
   return Ld.frame:solver(out)
 end, [[
 Ld:solver{newton=, backend=} -> dm.solver
-Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0. Runs take q and p (the body momentum). Of a formula
+Its steps, D2 Ld(g0, g1) + D1 Ld(g1, g2) = 0, with the forces and impulses of constraints that were
+given (Leok 2.8, 5.3). Runs take q and p (the body momentum). Of a formula
 they have no energy and no velocity.]])
 
 local function check_left(Q, given)
@@ -226,11 +223,29 @@ local function is_group(Q)
   return kits.class_of(Q) == "dm.space" and not Q.chart and not kits.of(Q).manifold
 end
 
---- The discrete Lagrangian of these arguments, or nothing where it is none on a group.
-function M.new(first, given)
-  local class = kits.class_of(first)
-  if class == "dm.system" and first.place then return of_system(first, given or {}) end
-  if class == "table" and is_group(first.Q) then return of_formula(first) end
+-- the discrete Lagrangian of these arguments, or nothing where it is none on a group
+local function on_group(first, given)
+  local of = kits.class_of(first)
+  if of == "dm.system" and first.place then return of_system(first, given or {}) end
+  if of == "table" and is_group(first.Q) then return of_formula(first) end
 end
+
+---- functions of the core ----
+
+local plain, plain_doc, put = class.wraps("dm.group.discrete", "discrete_lagrangian")
+M.discrete_lagrangian = blame.caller(function(...) return on_group(...) or plain(...) end)
+put(M.discrete_lagrangian, plain_doc .. " On a group elements take the place of q, and covectors "
+  .. "(momenta, F1 and F2, rows of reactions) are those of the body, d numbers along g exp(e); of "
+  .. "a system rule is lie(s): class dm.group_lagrangian.")
+
+-- runs of a formula are those of a system of its own
+local resume, resume_doc, put_resume = class.wraps("dm.group.discrete", "resume")
+put_resume(function(from, model, given)
+  if options.got(model) ~= "dm.group_lagrangian" then return resume(from, model, given) end
+  if model.system then return resume(from, model.system, given) end
+  local out = lists.copy(given or {})
+  out.rule = own_rule(model)
+  return resume(from, model.frame, out)
+end, resume_doc)
 
 return M

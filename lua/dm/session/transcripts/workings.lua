@@ -109,6 +109,21 @@ M["core.nap"] = [=[
 > dm.clock() - a >= 0.01
 true]=]
 
+M["core.tied_step"] = [=[
+> core = require "dm.core"
+> s = core.stand_in { Q = dm.SE(2), L = function(g, xi) return xi:dot(xi)/2 end,
+>>   constraint = function(g) return g[2] end }
+> rule = core.tied_step { unknowns = 4, order = 1, holonomic = 1, rolling = 0,
+>>   start = function() return { 0, 0, 0, 0 } end,
+>>   equation = function(y, x) return { x[1] - y.p[1], x[2] - y.p[2] + x[4], x[3] - y.p[3],
+>>     dm.SE(2):compose(y.q, dm.SE(2):exp { x[1], x[2], x[3] })[2] } end,
+>>   next = function(y, x)
+>>     return { q = dm.SE(2):compose(y.q, dm.SE(2):exp { x[1], x[2], x[3] }), p = y.p } end }
+> path = s:solver { rule = rule, h = 1 }:run { q = { 0, 0, 0 }, p = { 1, 2, 0 }, steps = 2,
+>>   record = { "impulses" } }
+> path.q[3], path.impulses[2]
+[2, 0, 0]	[2]]=]
+
 M["core.stand_in"] = [=[
 > core = require "dm.core"
 > s = core.stand_in { Q = dm.SO(2), L = function(g, xi) return xi[1]^2/2 end }
