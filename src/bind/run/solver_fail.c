@@ -93,7 +93,8 @@ static dml_failure failure_of(const dml_stepping *r, dm_status status) {
                      .crosses = r->stepper.report.trouble.crosses,
                      .at = r->stepper.report.trouble.at,
                      .status = status,
-                     .fading = fades(r, status)};
+                     .fading = fades(r, status) ||
+                               dml_failure_fades(r->stepper.report.trouble.fading, status)};
     f.root = why_of(r, status, &f.turned);
     return f;
 }

@@ -5,7 +5,6 @@
 #include "integ/constrained/constrained.h"
 #include "linalg/solve/newton.h"
 #include "linalg/step_matrix.h"
-#include "mech/constraints.h"
 #include "mech/crossing.h"
 
 /* The curve at some points: Q = q0 + h sum_j a_kj V_j, Qdot = sum_j d_kj V_j. */

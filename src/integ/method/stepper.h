@@ -23,6 +23,7 @@ typedef struct {
     int outside;   /* Newton's method met the edge of the domain of L */
     int crosses;   /* that one crosses others inside of the step (mech/crossing.h) */
     double at;     /* then the time of that place */
+    int fading;    /* p0 was about to determine no q1 any more */
 } dm_trouble;
 
 /* What is known of the steps made so far. */

@@ -64,7 +64,6 @@ static dm_status look_for_crossing(dm_stepper *s, const dm_del *e, double t, dou
     const dm_crossing_way way = {.q0 = e->state, .q1 = e->next, .t0 = t, .t1 = t + h};
     const double *mass = e->out + 2 * (size_t)e->n;
     dm_crossing_place place;
-    s->report.trouble = (dm_trouble){0};
     if (!e->k || !dm_crossing_at_end(s->model->constraints, e->memory + DM_DEL_WATCHED, e->there,
                                      mass, way, &place, e->scratch))
         return DM_OK;
@@ -77,24 +76,41 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_del e = dm_del_lay_out(s);
     dm_newton_report report = {0};
     e.state = state;
+    s->report.trouble = (dm_trouble){0};
     dm_del_take_roots(&e);
     dm_del_constrain_at(&e, e.here, state);
     int follows;
     dm_status status = dm_del_solve(&e, s, h, &report, &follows);
     if (status == DM_OK) status = dm_del_finish(&e);
     if (status == DM_OK) status = look_for_crossing(s, &e, t, h);
+    if (status == DM_OK) status = dm_del_look(&e);
     s->report.iterations = report.iterations;
     s->report.residual = report.residual;
     s->report.solves++;
     s->report.newton += report.iterations;
     s->report.matrices += report.jacobians;
     s->report.evaluations += e.evaluations;
-    if (status != DM_OK) return status;
+    if (status != DM_OK) {
+        s->report.trouble.fading = dm_del_is_fading(&e);
+        return status;
+    }
     dm_del_keep(&e, follows);
     memcpy(state, e.next, 4 * (size_t)e.n * sizeof *state);
     s->report.constraint = fmax(s->report.constraint, dm_del_norm(e.there, e.k));
     s->report.rolling = fmax(s->report.rolling, dm_del_norm(e.roll, e.l));
     return DM_OK;
+}
+
+static const char *why(dm_stepper *s, const double *state, dm_status status) {
+    (void)state;
+    if (status == DM_INERTIA)
+        return "the determinant of D1 D2 Ld, nearly that of -d2L/dv2 over h, changes its sign "
+               "there: p0 no longer determines q1, and the motion ends";
+    if (s->report.trouble.fading && (status == DM_NO_CONVERGENCE || status == DM_SINGULAR))
+        return "the determinant of D1 D2 Ld, nearly that of -d2L/dv2 over h, goes to zero there, "
+               "behind which p0 determines no q1 near this one: a fold of the momentum, where "
+               "motions end, or a pole of the coordinates";
+    return NULL;
 }
 
 /* the discrete equations put all of it at the start of the step */
@@ -114,6 +130,7 @@ static const dm_engine engine = {
     .start = start,
     .step = step,
     .memory = memory,
+    .why = why,
     .impulses = impulses,
 };
 

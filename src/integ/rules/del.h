@@ -34,13 +34,18 @@ typedef struct {
     double *push;     /* F1, F2, their derivatives in q0 and in q1 */
     double stiffness; /* largest entry of D1D2 */
     double size;
+    double sign, inverse; /* of the determinant at the root: 0 or its sign, of its size */
     long evaluations;
 } dm_del;
 
-/* places of the memory: how many steps there are, volumes of rows of constraints (mech/crossing.h),
- * the state at the end, the last KEPT z */
+/* places of the memory: how many steps there are; of the determinant of a step (del_inertia.c) its
+ * sign, the inverse of its size and by what that grew; volumes of rows of constraints
+ * (mech/crossing.h), the state at the end, the last KEPT z */
 enum {
     DM_DEL_COUNT,
+    DM_DEL_SIGN,
+    DM_DEL_INVERSE,
+    DM_DEL_FALL,
     DM_DEL_WATCHED,
     DM_DEL_END = DM_DEL_WATCHED + DM_CROSSING_WATCHED,
     DM_DEL_KEPT = 4
@@ -100,6 +105,12 @@ dm_status dm_del_finish(dm_del *e);
 /* The root: from the last steps where this one follows them (*follows), else from z = 0 or h p0. */
 dm_status dm_del_solve(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report,
                        int *follows);
+
+/* The determinant of a step whose matrix has these factors. DM_INERTIA: it has another sign than
+ * that of the step before. Was that about to vanish? */
+void dm_del_note(dm_del *e, const double *LU, const uint32_t *pivot);
+dm_status dm_del_look(const dm_del *e);
+int dm_del_is_fading(const dm_del *e);
 
 /* what the step leaves to the next one */
 void dm_del_keep(dm_del *e, int follows);

@@ -262,10 +262,19 @@ static int solve_near(dm_del *e, const dm_stepper *s, dm_newton_report *report) 
                                  dm_newton_small_settled(&wait, &problem, e->z, r));
         for (uint32_t i = 0; i < n; i++) e->z[i] -= r[i];
         report->iterations++;
+        if (done) dm_del_note(e, J, pivot);
         if (done) return 1;
         before = step;
     }
     return 0;
+}
+
+/* What Newton's method does not tell. */
+static void find_determinant(dm_del *e) {
+    double *r = e->scratch, *J = r + e->N;
+    uint32_t *pivot = (uint32_t *)(void *)(J + e->N * (size_t)e->N);
+    if (equation(e, r, J, e->z) == DM_OK && dm_lu_factor(J, pivot, e->N) == DM_OK)
+        dm_del_note(e, J, pivot);
 }
 
 /* from z = h v for a v[n], or from z = 0 */
@@ -314,5 +323,8 @@ static dm_status solve_far(dm_del *e, const dm_stepper *s, double h, dm_newton_r
 dm_status dm_del_solve(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report,
                        int *follows) {
     *follows = continued(e);
-    return *follows && solve_near(e, s, report) ? DM_OK : solve_far(e, s, h, report);
+    if (*follows && solve_near(e, s, report)) return DM_OK;
+    const dm_status status = solve_far(e, s, h, report);
+    if (status == DM_OK) find_determinant(e);
+    return status;
 }

@@ -336,4 +336,35 @@ do
       tostring(why))
   end
 end
+
+---- del: L = v^4/4 - v^2/2 - q^2/2 as an Ld, with weights w of the ends and 1 - w of the middle: the motion of E = 3 v^4/4 - v^2/2 + q^2/2
+-- ends where v^2 = 1/3, in no step from the start on a step of another branch is taken ----
+local function fold(h, w)
+  return dm.discrete_lagrangian { Q = dm.R(1), h = h, Ld = function(a, b)
+    local v = (b[1] - a[1]) / h
+    return h * (v ^ 4 / 4 - v ^ 2 / 2 - w * (a[1] ^ 2 + b[1] ^ 2) / 4 - (1 - w) * ((a[1] + b[1]) / 2) ^ 2 / 2)
+  end }
+end
+local named = 0
+for _, h in ipairs { 0.1, 0.05, 0.02, 0.013 } do
+  for _, w in ipairs { 0, 0.5, 1 } do
+    for _, v in ipairs { 0.2, -0.3 } do
+      local fine, lost = pcall(function() return fold(h, w):solver():run { q = { 1 }, p = { v ^ 3 - v }, steps = math.floor(2 / h) } end)
+      local told = not fine and (lost.code == "inertia" or lost.fading) and lost.message:find("D1 D2 Ld", 1, true)
+      named = named + (told and 1 or 0)
+      if not fine then
+        local q = lost.path.q[#lost.path][1]
+        local s = lost.path.t[#lost.path]
+        tap.ok(s < 0.85 and math.abs(q) < 1.2, ("del ends near to the fold, h = %g, w = %g, v = %g"):format(h, w, v), s)
+      end
+    end
+  end
+end
+-- before: none, and h = 0.1, w = 1, v = -0.3 went on
+tap.ok(named == 24, "del names the place where p0 determines no q1", named)
+local free = dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(a, b)
+  local v = (b - a) / 0.1
+  return 0.1 * ((v[1] ^ 2 - v[2] ^ 2) / 2 - dm.cos(a[1] + b[2]))
+end }
+tap.ok(#free:solver():run { q = { 1, 0 }, p = { 0.3, 0.2 }, steps = 500 } == 501, "a mass that is indefinite all along is none")
 tap.done()
