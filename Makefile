@@ -136,7 +136,7 @@ demo: all
 SAN = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 san:
 	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
-# not the examples: they call nothing in C that no test calls
+# without the examples, which show what the tests try
 sanitized: programs
 	@UNDER=san tests/run $(STATE_TESTS) $(C_TESTS) $(LUA_TESTS)
 TSAN = -O1 -g -fno-omit-frame-pointer -fsanitize=thread

@@ -72,8 +72,7 @@ for _, case in ipairs { { "magnetic field", 12, { "midpoint", "gauss(2)", "gauss
 end
 
 -- rods of length 1 hanging in a plane, unit masses at their ends, pushed at the lowest
-do
-  local RODS = 20
+for _, RODS in ipairs { 20, 80 } do
   local q, v = {}, {}
   for i = 1, RODS do q[2 * i - 1], q[2 * i], v[2 * i - 1], v[2 * i] = 0, -i, 0, 0 end
   v[2 * RODS - 1] = 1
