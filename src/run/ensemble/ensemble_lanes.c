@@ -129,7 +129,7 @@ static int has_crossed(dm_hand *x, long i, long done, int failed) {
     const double t = dm_hand_time(x, i, now, done);
     const int told = !failed && (x->told >> i & 1);
     const int seen = dm_inertia_look(inertia, now, t, done, told ? &x->there[i] : NULL);
-    int over = seen == DM_INERTIA_CHANGED || seen == DM_INERTIA_STRANGE;
+    int over = seen == DM_INERTIA_CHANGED || (seen && !one); /* as a run goes back to see */
     steep |= one && seen == DM_INERTIA_TURNED;
     dm_hand_choose(x, i);
     over = over || ((steep || open) && dm_block_vanishes(x->b, (uint32_t)i, t, steep, open));

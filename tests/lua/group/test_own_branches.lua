@@ -70,4 +70,17 @@ ok(refused == 0, "no element of SU(3) is refused", refused)
 ok(far < 1e-10, "exp(log g) = g", far)
 ok(wrong == 0, "no logarithm is longer than the one it came from", wrong)
 ok(not SU3:valid(complex { { 1, 1, math.cos(0.3), math.sin(0.3) }, { 2, 2, 1, 0 }, { 3, 3, 1, 0 } }), "of determinant exp(0.3 i) it is none")
+
+---- half turns: eigenvalues -1 in pairs have a real logarithm in the algebra, of the size of the turn ----
+local turning = dm.group { name = "turns", basis = { dm.matrix { { 0, 0, 0 }, { 0, 0, -1 }, { 0, 1, 0 } },
+  dm.matrix { { 0, 0, 1 }, { 0, 0, 0 }, { -1, 0, 0 } }, dm.matrix { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } } } }
+local farthest = 0
+for i = 1, 20 do
+  local draw = dm.random(i)
+  local axis = dm.vector { draw:normal(1, 0), draw:normal(2, 0), draw:normal(3, 0) }
+  axis = axis * ((i % 2 == 0 and math.pi or math.pi - 1e-9) / axis:norm())
+  local x = turning:log(turning:exp(axis))
+  farthest = math.max(farthest, math.min((x - axis):norm(), (x + axis):norm()))
+end
+tap.ok(farthest < 3e-9, "half turns of a group of a basis have logarithms", farthest)
 tap.done()

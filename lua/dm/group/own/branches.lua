@@ -16,6 +16,7 @@ local STARTS = 64  -- elements that g is seen from
 local REACH = 16   -- rad, of the farthest of them
 local NEAR = 0.01  -- how far g may be from an element of another branch that it is taken for
 local MOST = { 8, 8, 3, 2, 2, 1, 1, 1 } -- whole turns of a plane, of so many
+local TRIES, ASIDE, ITERATIONS, ROUND_OFF = 8, 0.1, 12, 1e-13
 local SAME = 1e-7  -- how far apart equal eigenvalues may be, beside them
 
 --- |g - h| beside g.
@@ -132,12 +133,30 @@ local function other_branch(kit, g)
   return best and distance(g, kit.exp(best)) <= LOOSE and best or nil
 end
 
+-- Where eigenvalues are -1, in pairs, as of half turns: from the logarithm of an element beside g,
+-- by Newton's method, g = exp(r) exp(x) with exp(x + dexpinv(x, r)) near; nil.
+local function on_cut(kit, g)
+  local stream = core.random(29)
+  for k = 1, TRIES do
+    local aside = kits.normals(stream, k, kit.dimension, 1)
+    aside = aside * (ASIDE / math.max(linear.size(kit.hat(aside)), 1e-300))
+    local x, off = principal(kit, kit.exp(aside) * g)
+    for _ = 1, x and off <= LOOSE and ITERATIONS or 0 do
+      local r = principal(kit, g * kit.exp(-x))
+      local fine, step = blame.try(kit.dexpinv, x, r or x)
+      if not (r and fine) then break end
+      x = x + step
+      if distance(g, kit.exp(x)) <= ROUND_OFF then return x end
+    end
+  end
+end
+
 --- The logarithm of a matrix of numbers; of symbols the principal one.
 function M.log(kit, g)
   if not linear.is_plain(g) then return kit.principal(g) end
   local d, off = principal(kit, g)
   if d and off <= LOOSE then return d end
-  if not d then return kit.principal(g) end -- says why there is none
+  if not d then return on_cut(kit, g) or kit.principal(g) end -- says why there is none
   return other_branch(kit, g) or error("no logarithm of the matrix lies in the algebra", 0)
 end
 
