@@ -1,9 +1,11 @@
 -- scenes.lua [KEY ...] - is the choice of dm.scene the cheapest there is? For each system every model of its ladder is run by every rule with
--- every number of steps of a fine grid, up to a little more than the cost of the choice; what delivers the tolerance at other times is compared in cost.
+-- every number of steps of a fine grid, up to the cost of the choice; what delivers the tolerance, and stands the check of the scene, is compared in cost.
+-- scenes.lua random [COUNT [SEED]] does that with random models (tests/lua/scene/scene_kinds.lua), and asks for a tenth and ten times the tolerance, too.
+package.path = "tests/lua/scene/?.lua;" .. package.path
+local choice = require "dm.scene.choice"
 local core = require "dm.core"
 local dm = require "dm"
 local pilot = require "dm.scene.pilot"
-local profile = require "dm.scene.profile"
 local search = require "dm.scene.search"
 
 local cos, sin, sqrt = math.cos, math.sin, math.sqrt
@@ -57,79 +59,96 @@ local SCENES = {
 }
 
 local RATIO = 1.07   -- from one number of steps to the next
-local DEARER = 1.3   -- times the cost of the choice, where the grid of a rule ends
+local DEARER = 1     -- times the cost of the choice, where the grid of a rule ends
 local MOST = 1 << 17
-local ROUNDS = 15
 local MOST_SECONDS = 2   -- of one run: rules with a time of their own that have run away never end
 
--- errors are taken at times of their own
-local function hold_out(scene)
-  local times = pilot.times(scene.problem, 73, 0.7320508075688772)
-  local given = scene.rungs[1]
-  local path = pilot.reference(given, 20, {}):path(times)
-  return times, pilot.record(scene.problem, path)
-end
+local FEW = 6        -- checks that a rule on a model is given
 
--- every number of steps of a rule that delivers, at less than so many ns
-local function grid(scene, costs, model, rule, times, record, limit, found)
-  local N, failures, tried = 2, 0, 0
+-- every number of steps of a rule that delivers at the times of the pilot runs, at less than so many operations
+local function grid(scene, model, rule, limit, found)
+  local costs, N, failures, tried = scene.profile, 2, 0, 0
   while N < MOST do
     pilot.allow(scene.problem, MOST_SECONDS, 1)
-    local fine, ns = pcall(costs.about, costs, model, rule, N)
-    if fine and ns > limit then break end
-    local run = fine and pilot.run(model, rule, N, times)
-    local err = run and pilot.apart(scene.problem, run, record) or math.huge
+    local fine, work = pcall(costs.about, costs, model, rule, N)
+    if fine and work > limit and N > 64 then break end
+    local run = fine and work <= limit and pilot.run(model, rule, N, scene.search.times)
+    local err = run and pilot.apart(scene.problem, run, scene.search.reference) or math.huge
     failures, tried = fine and failures or failures + 1, tried + 1
-    if failures > 40 or (not fine and pilot.is_refusal(tostring(ns))) then break end
-    if err <= 1 then found[#found + 1] = { model = model, rule = rule, N = N, error = err, ns = ns } end
+    if failures > 20 or (not fine and pilot.is_refusal(tostring(work))) then break end
+    if err <= 1 then found[#found + 1] = { model = model, rule = rule, N = N, error = err, work = work } end
     N = math.max(N + 1, math.floor(N * RATIO))
   end
   return tried
 end
 
--- the cheapest of what was found, timed in turn with the choice
-local function compare(costs, found, choice)
-  table.sort(found, function(a, b) return a.ns < b.ns end)
-  local list = { choice }
-  for i = 1, math.min(12, #found) do list[#list + 1] = found[i] end
-  for _, c in ipairs(list) do c.ns = costs:cost(c.model, c.rule, c.N) end
-  costs:again(list, ROUNDS, 4)
-  local best
-  for _, c in ipairs(list) do
-    c.ns = costs:least(c.model, c.rule, c.N)
-    best = (not best or c.ns < best.ns) and c or best
+-- the cheapest that stands the check, or the choice
+local function cheapest(scene, found)
+  table.sort(found, function(a, b) return a.work < b.work end)
+  local failed, best = {}, scene.best
+  for _, c in ipairs(found) do
+    local key = c.rule .. c.model:words()
+    if c.work >= best.work then break end
+    if (failed[key] or 0) < FEW then
+      pilot.allow(scene.problem, MOST_SECONDS, 1)
+      if choice.check_error(scene, c, c.N) + scene.uncertainty <= 1 then return c end
+      failed[key] = (failed[key] or 0) + 1
+    end
   end
   return best
 end
 
-local function line(scene, tried, best, choice, err)
-  return ("%.1f us | %s, %d steps | %s | %.2f | %.2f | %d of %d | %.1f s"):format(choice.ns / 1e3, choice.rule, choice.N, choice.model:words(),
-    choice.ns / best.ns, err, #scene.rungs, tried, scene.seconds), ("best of the grid: %s, %d steps, %.1f us (%s)"):format(best.rule,
-    best.N, best.ns / 1e3, best.model:words())
+local function scene_of(row, tolerance)
+  local scene = dm.scene { core.system(row[3]), q = row.q, v = row.v, watch = row.watch, tolerance = tolerance or row.tolerance, until_t = row.until_t,
+    seconds = 60 }
+  scene:why()
+  return scene
 end
 
 local function one(row)
-  local scene = dm.scene { core.system(row[3]), q = row.q, v = row.v, watch = row.watch, tolerance = row.tolerance, until_t = row.until_t,
-    seconds = 60 }
-  scene:run()
-  local times, record = hold_out(scene)
-  local costs, found, tried = profile.new(), {}, 0
+  local scene, found, tried = scene_of(row), {}, 0
   local b = scene.best
-  local choice = { model = b.model, rule = b.rule, N = b.N }
-  choice.ns = costs:cost(b.model, b.rule, b.N)
   for _, model in ipairs(scene.rungs) do
-    for _, rule in ipairs(search.rules(nil, model.system)) do
-      tried = tried + grid(scene, costs, model, rule.rule, times, record, DEARER * choice.ns, found)
-    end
+    for _, rule in ipairs(search.rules(nil, model.system)) do tried = tried + grid(scene, model, rule.rule, DEARER * b.work, found) end
   end
+  scene.allowed = scene.allowed + 1e9
+  local best = cheapest(scene, found)
   pilot.allow(scene.problem, nil)
-  local err = pilot.apart(scene.problem, pilot.run(b.model, b.rule, b.N, times), record)
-  local told, other = line(scene, tried, compare(costs, found, choice), choice, err)
-  print(("%s | %s"):format(row[2], told))
-  print("  " .. other)
+  print(("%s | %s, %d steps | %s | %.2f | %d of %d | %.1f s%s"):format(row[2], b.rule, b.N, b.model:words(), b.work / best.work, #scene.rungs, tried,
+    scene.seconds, scene.cut and " (cut)" or ""))
+  if best ~= b then print(("  best of the grid: %s, %d steps, %.3g operations (%s)"):format(best.rule, best.N, best.work, best.model:words())) end
+  io.stdout:flush()
+  return b.work / best.work, scene
 end
 
-print("scene | cost | rule | model | cost / least | error / tolerance | models, runs tried | chosen in")
+-- cost at ten times, a tenth of the tolerance: how many times a larger tolerance costs what a smaller one does, the most
+local function rise(row, scene)
+  local loose, tight = scene_of(row, 10 * row.tolerance), scene_of(row, row.tolerance / 10)
+  local cut = loose.cut or tight.cut or scene.cut
+  return cut and 0 or math.max(loose.best.work / scene.best.work, scene.best.work / tight.best.work, loose.best.work / tight.best.work)
+end
+
+local function random(count, seed)
+  local ratios, most, rises = {}, 0, 0
+  for _, m in ipairs(require "scene_models".make(count, seed)) do
+    local row = { m.kind, ("%s %d"):format(m.kind, #ratios + 1), { Q = dm.R(m.n), L = m.L, force = m.force, constraint = m.constraint }, q = m.q, v = m.v,
+      watch = m.watch or { "q1" }, tolerance = m.tolerance, until_t = m.T }
+    local fine, ratio, scene = pcall(one, row)
+    if fine then
+      local up = rise(row, scene)
+      ratios[#ratios + 1], most = ratio, math.max(most, up)
+      if up > 1 then print(("  a larger tolerance costs %.3f times as much"):format(up)) rises = rises + 1 end
+    else
+      print(row[2], ratio)
+    end
+  end
+  table.sort(ratios)
+  print(("%d models, seed %d: cost / least %.2f in the median, %.2f of 9 in 10, %.2f at most; %d rise with the tolerance, by %.3f at most"):format(#ratios, seed,
+    ratios[(#ratios + 1) // 2], ratios[(9 * #ratios + 9) // 10], ratios[#ratios], rises, most))
+end
+
+print("scene | choice | model | cost / least | models, runs tried | chosen in")
+if arg[1] == "random" then return random(tonumber(arg[2]) or 60, tonumber(arg[3]) or 1) end
 for _, row in ipairs(SCENES) do
   local wanted = #arg == 0
   for _, key in ipairs(arg) do wanted = wanted or key == row[1] end

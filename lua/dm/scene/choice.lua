@@ -4,7 +4,10 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
+local profile = require "dm.scene.profile"
 local report = require "dm.scene.report"
+local scan = require "dm.scene.scan"
+local search = require "dm.scene.search"
 
 local M = {}
 
@@ -81,21 +84,58 @@ local function check_error(scene, c, N)
 end
 M.check_error = check_error
 
-local TRIES = 6
+local TRIES, FARTHER = 6, 1.25  -- a candidate is checked so often, with so many times the steps
 
--- more steps until the candidate stands the check; what it then errs by
-local function make_sure(scene, c, tried)
+-- The next number of steps of a candidate that errs by so much where it is checked: one that was
+-- enough before; else as its order says, but in small parts, since errors of steps that are long
+-- beside what is fast do not follow it.
+local function next_number(scene, c, err)
+  if #c.enough > 0 then return table.remove(c.enough) end
+  local by_order = err < math.huge and (err + scene.uncertainty) ^ (1 / c.order) * 1.02 or FARTHER
+  local N = c.N
   for _ = 1, TRIES do
-    local err = check_error(scene, c, c.N)
-    if err + scene.uncertainty <= 1 then return err end
-    tried[#tried + 1] = ("%s with %d steps misses it where it is checked: error %s")
-      :format(c.rule, c.N, report.error(scene, err))
-    if core.cpu() > scene.began + scene.allowed then break end
-    local more = err < math.huge and (err + scene.uncertainty) ^ (1 / c.order) * 1.05 or 1.5
-    c.N = math.ceil(max(1.1, min(4, more)) * c.N)
-    c.h = scene.problem.T / c.N
+    N = math.ceil(max(1.03, min(FARTHER, by_order)) * N)
+    if scan.at_rows(scene.search, c.model, c.rule, N) <= 1 then break end
+    by_order = FARTHER
   end
-  c.failed = "dropped: " .. (tried[#tried] or "")
+  return N
+end
+
+local function more_steps(scene, c, err)
+  c.N = next_number(scene, c, err)
+  c.h = scene.problem.T / c.N
+  local fine, cost = blame.try(scene.profile.cost, scene.profile, c.model, c.rule, c.N)
+  c.cost = fine and cost or math.huge
+end
+
+-- what a candidate errs by where it is checked; nil: too much, and it has more steps now, or failed
+local function stands(scene, c, tried)
+  local err = check_error(scene, c, c.N)
+  if err + scene.uncertainty <= 1 then return err end
+  tried[#tried + 1] = ("%s with %d steps misses it where it is checked: error %s")
+    :format(c.rule, c.N, report.error(scene, err))
+  c.checks = (c.checks or 0) + 1
+  if c.checks >= TRIES and #c.enough == 0 then
+    c.failed = "dropped: " .. tried[#tried]
+  else
+    more_steps(scene, c, err)
+  end
+end
+
+--- The dimension of the choice, its counted work and its time, without set-up.
+function M.describe(scene)
+  local c = scene.best
+  c.n = c.model:size()
+  c.cost = scene.profile:cost(c.model, c.rule, c.N)
+  c.work = scene.profile.counts and c.cost or nil
+  c.ns = scene.profile.counts and profile.time(c.model, c.rule, c.N) or c.cost
+end
+
+-- the choice has so many steps from now on, and errs by so much
+local function take(scene, N, err)
+  local c = scene.best
+  c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
+  M.describe(scene)
 end
 
 --- More steps of the choice until so much of the tolerance is left for what comes after it.
@@ -106,11 +146,8 @@ function M.leave(scene, part)
     if total <= 1 - part then return end
     local N = math.ceil(max(1.05, (total / (1 - 1.5 * part)) ^ (1 / c.order)) * c.N)
     local err = check_error(scene, c, N)
-    if err <= scene.checked_error then
-      c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
-    else
-      return
-    end
+    if not (err <= scene.checked_error) then return end
+    take(scene, N, err)
   end
 end
 
@@ -124,7 +161,7 @@ function M.finer(scene)
   local N = math.ceil(FINER * c.N)
   local err = check_error(scene, c, N)
   if err + scene.uncertainty > 1 then return false end
-  c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
+  take(scene, N, err)
   return true
 end
 
@@ -137,17 +174,29 @@ local function in_few_words(list)
     .. (more > 0 and (", and %d more"):format(more) or "")
 end
 
---- Sets best and checked_error of a scene: the cheapest finalist that stands the check; a few more
--- steps are allowed to it. Raises what was tried where there is none.
+-- the cheapest that has not failed
+local function cheapest(list)
+  local best
+  for _, c in ipairs(list) do
+    if not c.failed and (not best or search.is_better(c, best)) then best = c end
+  end
+  return best
+end
+
+--- Sets best and checked_error of a scene: the cheapest finalist that stands the check. One that
+-- does not has more steps, and waits until nothing else costs less. Raises what was tried where
+-- there is none.
 function M.choose(scene)
   local tried = {}
-  for _, c in ipairs(scene.finalists) do
-    local err = make_sure(scene, c, tried)
+  while true do
+    local c = cheapest(scene.finalists)
+    local err = c and stands(scene, c, tried)
     if err then
       scene.best, scene.checked_error = c, err
+      table.sort(scene.finalists, search.is_better)
       return
     end
-    if core.cpu() > scene.began + scene.allowed then break end
+    if not c or core.cpu() > scene.began + scene.allowed then break end
   end
   local words = {}
   for _, c in ipairs(#tried == 0 and scene.search.candidates or {}) do

@@ -10,11 +10,11 @@ local linear = require "dm.scene.linear"
 local model = require "dm.scene.model"
 local narrow = require "dm.scene.narrow"
 local pilot = require "dm.scene.pilot"
-local profile = require "dm.scene.profile"
 local reduce = require "dm.scene.reduce"
 local references = require "dm.scene.reference"
 local relative = require "dm.scene.relative"
 local report = require "dm.scene.report"
+local scan = require "dm.scene.scan"
 local search = require "dm.scene.search"
 local whole = require "dm.scene.whole"
 
@@ -52,14 +52,13 @@ local function named_rules(scene)
   return out
 end
 
--- the times of two lists, each once
-local function merged(a, b)
-  local out, i, k = {}, 1, 1
-  while a[i] or b[k] do
-    local t = min(a[i] or b[k], b[k] or a[i])
-    out[#out + 1] = t
-    if a[i] == t then i = i + 1 end
-    if b[k] == t then k = k + 1 end
+-- the times of lists, each once
+local function merged(lists)
+  local all, out = {}, {}
+  for _, list in ipairs(lists) do table.move(list, 1, #list, #all + 1, all) end
+  table.sort(all)
+  for _, t in ipairs(all) do
+    if t ~= out[#out] then out[#out + 1] = t end
   end
   return out
 end
@@ -79,16 +78,28 @@ local function rows_at(record, all, times)
   return out
 end
 
--- what is watched along the reference, at the times of both lists, by one run
-local function known_at(scene, reference, a, b)
-  local times = merged(a, b)
+-- what is watched along the reference, at the times of each list, by one run
+local function known_at(scene, reference, lists)
+  local times, out = merged(lists), {}
   local fine, path = blame.try(reference.path, reference, times)
   if not fine then
     fail("the tolerance cannot be promised: the reference was known at %d times, but not at %d "
       .. "more: %s; give more seconds", #reference.at, #times, pilot.first_line(path))
   end
   local record = pilot.record(scene.problem, path)
-  return rows_at(record, times, a), rows_at(record, times, b)
+  for i, list in ipairs(lists) do out[i] = rows_at(record, times, list) end
+  return out
+end
+
+-- what pilot runs are compared with: the reference at its times and at ends of steps
+local function known_of(scene, reference, times)
+  local ends, lists = {}, {}
+  if not scene.options.frame then ends, lists = scan.ends(scene.problem) end
+  lists[#lists + 1], lists[#lists + 2] = scene.check_times, times
+  local records = known_at(scene, reference, lists)
+  for _, known in pairs(ends) do known.reference = records[known.list] end
+  scene.checked = records[#records - 1]
+  return records[#records], ends
 end
 
 local function start_search(scene, given)
@@ -96,17 +107,15 @@ local function start_search(scene, given)
     scene.options.frame and (scene.tolerant and "best" or "best, or any"))
   local times, problem = mesh(reference, PILOT_TIMES), scene.problem
   scene.check_times, scene.reference = mesh(reference, CHECK_TIMES), reference
-  local known
-  scene.checked, known = known_at(scene, reference, scene.check_times, times)
+  local known, ends = known_of(scene, reference, times)
   scene.uncertainty = 2 * (scene.options.frame and reference.noise or reference.distance)
     + pilot.round_off(problem, scene.checked)
   scene.reference_text = ("%s agree to %.1e of the tolerance"):format(reference.text,
     reference.distance)
-  return search.prepare({ times = times, reference = known,
+  return scan.prepare({ times = times, reference = known, ends = ends,
     profile = scene.profile, bound = math.huge, pilots = 0, candidates = {}, models = {},
-    resolved = #reference.times,
-    fewest = narrow.present(given) and narrow.fewest(problem, reference.times, scene.check_times)
-      or 1,
+    resolved = #reference.times, steps = reference.times, check_times = scene.check_times,
+    looks = narrow.present(given) and {} or nil,
     rules = search.rules(scene.options.rules, scene.system, { [reference.rule] = true }),
     seconds = scene.allowed, half_time = scene.began + MODELS_TIME * scene.allowed,
     deadline = scene.began + RULES_TIME * scene.allowed }, problem)
@@ -120,14 +129,6 @@ local function note_cut(scene)
   if #out == 0 then return end
   scene.cut = ("the %g seconds were over before everything was looked at: %s are left out")
     :format(scene.allowed, table.concat(out, " and "))
-end
-
--- the dimension and the counted work of the choice, without set-up
-local function describe(scene, c)
-  c.n = c.model:size()
-  c.cost = scene.profile:cost(c.model, c.rule, c.N)
-  c.work = scene.profile.counts and c.cost or nil
-  c.ns = scene.profile.counts and profile.time(c.model, c.rule, c.N) or c.cost
 end
 
 -- what was found, in words
@@ -193,7 +194,7 @@ local function look_for_choice(scene)
   allow(1, 1)
   choice.choose(scene)
   pilot.allow(scene.problem, nil)
-  describe(scene, scene.best)
+  choice.describe(scene)
   note_cut(scene)
   return conclude(scene)
 end

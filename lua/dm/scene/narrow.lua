@@ -7,7 +7,7 @@ local forces = require "dm.reference.forces"
 
 local M = {}
 
-local min, max, ceil, floor, huge = math.min, math.max, math.ceil, math.floor, math.huge
+local min, max, ceil, huge = math.min, math.max, math.ceil, math.huge
 
 local UNEVEN = 8     -- times that steps of the reference inside of a step may differ
 local FINER = 0.25   -- of the shortest one: what times must be apart to show what it resolves
@@ -70,20 +70,10 @@ function M.even(problem, N)
   return function(i) return problem.t0 + problem.T * i / N end
 end
 
---- The least number of even steps that can be looked at, or more than it is worth to look for, as
--- where a force jumps.
-function M.fewest(problem, steps, known)
-  local N = 1
-  while not M.times(steps, known, M.even(problem, N), N) do
-    N = 2 * N
-    if N > LONGEST then return N end
-  end
-  local low = N // 2
-  while N - low > 1 and N > 1.05 * low do
-    local middle = floor((low + N) / 2)
-    if M.times(steps, known, M.even(problem, middle), middle) then N = middle else low = middle end
-  end
-  return N
+--- Can N even steps be looked at? More than it is worth to look for, as where a force jumps, are
+-- left to the check.
+function M.can_look(problem, steps, known, N)
+  return N > LONGEST or M.times(steps, known, M.even(problem, N), N) ~= nil
 end
 
 return M

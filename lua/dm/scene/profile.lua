@@ -131,6 +131,14 @@ function M:about(model, rule, N)
   return few[N] * N
 end
 
+--- What a run of some of N steps tells about all of them, where operations are counted.
+function M:told(model, rule, N, report, steps)
+  if not (self.measures and self.counts) then return end
+  local key = key_of(model, rule)
+  self.few[key] = self.few[key] or {}
+  self.few[key][N] = self.few[key][N] or weights.work(report, model, rule) / steps
+end
+
 local doc_save = [[
 profile:save(file) -> file name
 Write the measured costs, a line each: model, steps, ns, least ns, operations, rule.

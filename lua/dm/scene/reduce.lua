@@ -121,9 +121,10 @@ end
 -- less.
 function M.measure(search, model)
   model:ready()
-  local early = error_of(search, model, COARSE, search.early_times, search.early_reference)
+  local times = search.early.times
+  local early = error_of(search, model, COARSE, times, search.early.reference)
   if early > LOST and early < math.huge then
-    return early, ("already at t = %.3g"):format(search.early_times[#search.early_times])
+    return early, ("already at t = %.3g"):format(times[#times])
   end
   local err, why = error_of(search, model, FINE, search.times, search.reference)
   return err, why and why:gsub(";.*$", "")

@@ -94,7 +94,7 @@ end
 function M.choice(scene)
   local b, next_best = scene.best, nil
   for _, c in ipairs(scene.finalists) do
-    if c ~= b and not next_best then next_best = c end
+    if c ~= b and not c.failed and not next_best then next_best = c end
   end
   local how = b.model.is_solved and b.rule or ("%s with h = %.4g (%d steps)")
     :format(b.rule, b.h, b.N)
