@@ -131,13 +131,6 @@ function M.describe(scene)
   c.ns = scene.profile.counts and profile.time(c.model, c.rule, c.N) or c.cost
 end
 
--- the choice has so many steps from now on, and errs by so much
-local function take(scene, N, err)
-  local c = scene.best
-  c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
-  M.describe(scene)
-end
-
 --- More steps of the choice until so much of the tolerance is left for what comes after it.
 function M.leave(scene, part)
   local c = scene.best
@@ -147,7 +140,7 @@ function M.leave(scene, part)
     local N = math.ceil(max(1.05, (total / (1 - 1.5 * part)) ^ (1 / c.order)) * c.N)
     local err = check_error(scene, c, N)
     if not (err <= scene.checked_error) then return end
-    take(scene, N, err)
+    c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
   end
 end
 
@@ -161,7 +154,7 @@ function M.finer(scene)
   local N = math.ceil(FINER * c.N)
   local err = check_error(scene, c, N)
   if err + scene.uncertainty > 1 then return false end
-  take(scene, N, err)
+  c.N, c.h, scene.checked_error = N, scene.problem.T / N, err
   return true
 end
 

@@ -99,7 +99,13 @@ local function path_of(scene, options, tries)
   return path_of(scene, options, tries - 1)
 end
 
---- The run of a scene that has chosen, with the rows that are asked for.
-function M.run(scene, options) return path_of(scene, options, TRIES) end
+--- The run of a scene that has chosen, with the rows that are asked for. Lines between these may
+-- need more steps, which cost more.
+function M.run(scene, options)
+  local N = scene.best.N
+  local path = path_of(scene, options, TRIES)
+  if scene.best.N ~= N and not scene.best.per_frame then choice.describe(scene) end
+  return path
+end
 
 return M

@@ -32,8 +32,8 @@ end
 -- passages between the frames: errors are largest there, and rules are chosen as exactly as they are known
 local at = {}
 for k = 1, 4000 do at[k] = T * k / 4000 end
-for _, tolerance in ipairs { false, 1e-2 } do
-  local scene = scene_of(tolerance or nil)
+local free, kept = scene_of(), scene_of(1e-2)
+for _, scene in ipairs { free, kept } do
   local run = scene:run { at = at }
   local worst = worst_of(run)
   ok(worst <= run.error_estimate and run.error_estimate < 1e-10, "the estimate holds between frames", worst / run.error_estimate)
@@ -41,8 +41,7 @@ end
 
 -- with a tolerance straight lines between the rows of a plain run keep it, and each frame has a row
 do
-  local scene = scene_of(1e-2)
-  local run, worst, i = scene:run(), 0, 1
+  local run, worst, i = kept:run(), 0, 1
   local t, x = run.t, run:column "q1"
   for _, time in ipairs(at) do
     while i + 1 < #t and t[i + 1] < time do i = i + 1 end
@@ -51,7 +50,7 @@ do
   end
   ok(worst <= run.error_estimate and run.error_estimate <= 1e-2, "lines between rows", worst)
   ok((#t - 1) % 120 == 0, "rows in each of 120 frames", #t)
-  ok(#scene_of():run() == 121, "without a tolerance one a frame")
+  ok(#free:run() == 121, "without a tolerance one a frame")
 end
 
 -- steps as long as a frame run away, shorter ones do not
