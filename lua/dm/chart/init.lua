@@ -300,7 +300,7 @@ local function find_reference(chart)
       .. "shorter t, or reference = { rule =, h = }", ref, chart.options.seconds)
   end
   if not fine then raise(chart, ref) end
-  chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
+  chart.reference, chart.floor, chart.reference_text = ref, apart, text
   chart.reach = measures.reach(chart.system, chart.what, ref)
 end
 
@@ -315,11 +315,12 @@ local function new_chart(system, options, known)
   local by_steps = not needs_reference and not options.samples
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {},
     rules = names_of(entries), measure = what_measure, what = what,
-    times = rows.times(options, dense, by_steps), load = core.load_average(), floor = 1e-15,
+    times = rows.times(options, dense, by_steps), load = core.load_average(),
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed",
     clock = clock, dense = dense, by_steps = by_steps, batches = options.repeats or BATCHES,
     entries = entries }, Chart)
-  if needs_reference and not known then find_reference(chart) end
+  if not known and needs_reference then find_reference(chart) end
+  if not known and not needs_reference then chart.floor = reference.own_floor(chart) end
   if known then
     chart.floor, chart.reference_text, chart.load = known.floor, known.text, known.load
     chart.lacks_reference = needs_reference

@@ -6,33 +6,35 @@ local turn = require "dm.chart.turn"
 
 local M = {}
 
-local abs = math.abs
+local abs, max = math.abs, math.max
 
 local fail = option.failing "dm.chart"
 
 -- the larger one, NaN where one is
 local function worse(worst, x) return (x ~= x or x > worst) and x or worst end
 
--- largest entry of |q - q_ref| over all samples; of elements of a group their distance, of
--- rotations an angle
+-- largest entry of |q - q_ref| over all samples, and of |q_ref|; of elements of a group their
+-- distance, of rotations an angle
 local function position_error(path, ref)
-  local worst, system = 0, path.system
+  local worst, size, system = 0, 0, path.system
   for i = 1, system.place and #path or 0 do
     worst = worse(worst, system.Q:distance(path.q[i], ref.q[i]))
   end
   if system.place then return worst end
   for i = 1, #path do
     local q, r = path.q[i], ref.q[i]
-    for k = 1, #q do worst = worse(worst, abs(q[k] - r[k])) end
+    for k = 1, #q do worst, size = worse(worst, abs(q[k] - r[k])), max(size, abs(r[k])) end
   end
-  return worst
+  return worst, size
 end
 
--- the largest change of one number along the path
+-- the largest change of one number along the path, and its size
 local function change(values)
-  local worst = 0
-  for i = 1, #values do worst = worse(worst, abs(values[i] - values[1])) end
-  return worst
+  local worst, size = 0, 0
+  for i = 1, #values do
+    worst, size = worse(worst, abs(values[i] - values[1])), max(size, abs(values[i]))
+  end
+  return worst, size
 end
 
 -- change of the momenta of coordinates that L does not depend on
@@ -51,22 +53,27 @@ local function cyclic_momenta(system)
       .. "is, error = dm.SO(2), or { f }")
   end
   return function(path)
-    local worst = 0
-    for _, k in ipairs(cyclic) do worst = worse(worst, change(path:column("p" .. k))) end
-    return worst
+    local worst, size = 0, 0
+    for _, k in ipairs(cyclic) do
+      local err, of_it = change(path:column("p" .. k))
+      worst, size = worse(worst, err), max(size, of_it)
+    end
+    return worst, size
   end
 end
 
 -- change of Noether's momentum of a group
 local function group_momentum(group)
   return function(path)
-    local J, worst = path:momentum(group), 0
+    local J, worst, size = path:momentum(group), 0, 0
     for i = 1, #path do
       local now, first = J[i], J[1]
       if type(now) == "number" then now, first = { now }, { first } end
-      for k = 1, #now do worst = worse(worst, abs(now[k] - first[k])) end
+      for k = 1, #now do
+        worst, size = worse(worst, abs(now[k] - first[k])), max(size, abs(now[k]))
+      end
     end
-    return worst
+    return worst, size
   end
 end
 
@@ -113,7 +120,8 @@ local function shift_error(system, options, what)
     if not found then
       error("no shift in time explains this run: its motion is another one", 0)
     end
-    return fresh and found.largest_turn or found.largest
+    if fresh then return found.largest_turn end
+    return found.largest, options.t
   end
 end
 
@@ -122,8 +130,8 @@ M.NO_NUMBER = "option 'error' must return"
 
 local function numeric(f) return option.numeric(f, "option 'error'") end
 
---- measure(path, reference), its name, whether a reference is needed, what is to be watched, and
--- whether rows must be dense.
+--- measure(path, reference) -> error[, size of what it is of, where that has a unit]; its name,
+-- whether a reference is needed, what is to be watched, and whether rows must be dense.
 function M.make(system, what, options)
   what = what or "position"
   if what == "position" then return position_error, "position", true end
@@ -152,9 +160,9 @@ function M.make(system, what, options)
       .. "reference, or { f } for the change of f along the run (got %s)", tostring(what))
   end
   return function(path, ref)
-    local worst, x, y = 0, path:column "watched", ref:column "watched"
-    for i = 1, #path do worst = worse(worst, abs(x[i] - y[i])) end
-    return worst
+    local worst, size, x, y = 0, 0, path:column "watched", ref:column "watched"
+    for i = 1, #path do worst, size = worse(worst, abs(x[i] - y[i])), max(size, abs(y[i])) end
+    return worst, size
   end, "what is watched", true, numeric(what)
 end
 
@@ -165,7 +173,7 @@ function M.reach(system, what, ref)
     or what == "what is watched" and { ref:column "watched" }
   local most = 0
   for _, range in ipairs(columns and ranges_of(columns) or {}) do
-    if range < math.huge then most = math.max(most, range) end
+    if range < math.huge then most = max(most, range) end
   end
   return most > 0 and most or nil
 end

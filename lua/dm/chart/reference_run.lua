@@ -1,5 +1,6 @@
 --- The reference of a chart: two unlike methods that agree (dm.reference.engine), or a run that
 -- was given.
+local blame = require "dm.base.blame"
 local engine = require "dm.reference.engine"
 local option = require "dm.base.options"
 local fail = option.failing "dm.chart"
@@ -28,14 +29,14 @@ local function given_run(chart, given)
   return chart.system:solver({ rule = given.rule, h = o.t / steps }):run(options)
 end
 
--- largest difference of two paths at the same times, relative to 1 + the largest entry
+-- largest difference of two paths at the same times, relative to the largest entry, and itself
 local function apart(a, b)
-  local worst, size = 0, 1
+  local worst, size = 0, 0
   for _, name in ipairs(a.columns) do
     local x, y = a:column(name), b:column(name)
     for i = 1, #x do worst, size = worse(worst, abs(x[i] - y[i])), max(size, abs(x[i])) end
   end
-  return worst / size, worst
+  return size > 0 and worst / size or worst, worst
 end
 
 local TRUSTED = 1e-7  -- two references further apart than this are none
@@ -55,7 +56,29 @@ local function find(chart)
     except = measured(chart), seconds = seconds_of(chart) }
 end
 
---- The reference of a chart: path, what the methods differ by in the measured error, a sentence.
+local LEAST = 1e-15  -- of the size of what is measured: errors below it are round-off
+
+-- the unit of errors of what has this size: 1 where that is not known, or nothing moves
+local function unit_of(size) return size and size > 0 and size < math.huge and size or 1 end
+
+--- The floor of errors that need no reference, by a step of one of the rules.
+function M.own_floor(chart)
+  local o, size = chart.options, nil
+  for _, entry in ipairs(chart.entries) do
+    local fine = blame.try(function()
+      local options = start_of(o)
+      options.t0, options.steps, options.watch, options.gaps = o.t0, 1, chart.watch,
+        chart.watch and true
+      local solver = chart.system:solver { rule = entry.rule, h = o.h[#o.h] }
+      size = select(2, chart.measure(solver:run(options)))
+    end)
+    if fine then break end
+  end
+  return LEAST * unit_of(size)
+end
+
+--- The reference of a chart: path, what the methods differ by in the measured error with what is
+-- rounded, a sentence.
 function M.find(chart)
   local o = chart.options
   if o.reference ~= nil then
@@ -65,7 +88,9 @@ function M.find(chart)
         tostring(given))
     end
     option.positive(given, "h", "dm.chart: reference", "a step")
-    return given_run(chart, given), 0, ("reference: %s, h = %g, taken as given")
+    local path = given_run(chart, given)
+    local _, size = chart.measure(path, path)
+    return path, LEAST * unit_of(size), ("reference: %s, h = %g, taken as given")
       :format(tostring(given.rule), given.h)
   end
   local found, why = find(chart)
@@ -78,8 +103,8 @@ function M.find(chart)
       .. "reference = { rule =, h = }", found.first, found.rule, found.distance)
   end
   -- in what is measured
-  local floor = chart.measure(found.paths[1], found.paths[2])
-  return found.paths[2], floor + ROUND_OFF,
+  local floor, size = chart.measure(found.paths[1], found.paths[2])
+  return found.paths[2], floor + ROUND_OFF * unit_of(size),
     ("references %s and %s, with controlled steps, agree to %.1e"):format(found.first, found.rule,
       floor)
 end

@@ -270,4 +270,13 @@ do
   tap.ok(math.abs(error_of() / worst - 1) < 1e-9, "the largest change of the energy", error_of() / worst)
   tap.ok(error_of(32) < 0.9 * worst, "which 32 times in step with the motion do not show", error_of(32) / worst)
 end
+-- floors go by the size of what is measured: orders are the same in any unit
+for _, unit in ipairs { 1, 1e-15, 1e12 } do
+  local pair = dm.system { Q = dm.R(2), L = function(q, v) return (v:dot(v) - (q[1] - q[2]) ^ 2) / 2 * unit end }
+  local energies = dm.chart { pair, q = { 1, 0 }, v = { 0, 0.3 }, t = 10, error = "energy", rules = { "verlet" }, h = { 0.2, 0.1, 0.05 }, rivals = false }
+  local places = dm.chart { pair, q = { unit, 0 }, v = { 0, 0.3 * unit }, t = 10, rules = { "verlet", "gauss(2)" }, h = { 0.2, 0.1, 0.05 }, rivals = false }
+  tap.near(energies:order "verlet" or 0, 2, 0.1, ("energy in units of %g"):format(unit))
+  tap.near(places:order "verlet" or 0, 2, 0.1, ("lengths in units of %g"):format(unit))
+  tap.near(places:order "gauss(2)" or 0, 4, 0.2, ("lengths in units of %g, a finer rule"):format(unit))
+end
 tap.done()
