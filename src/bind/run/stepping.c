@@ -137,13 +137,13 @@ static void numbers(lua_State *L, const dml_stepping *r, const char *key, double
     dml_start_numbers(L, r->system, 2, key, out, r->solver->n);
 }
 
+#define NO_ROW ", or is a row of the constraints, which alone make d2L/dv2 regular, zero there"
 /* Where d2L/dv2 is singular there is no p for v, or no v for p. */
 static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
+    const unsigned structure = r->model->model.structure;
     dml_rethrow(L, r->model);
-    if (status != DM_OK && r->model->model.structure & DM_HAMILTONIAN)
-        luaL_error(L,
-                   "no start: no momentum has this velocity, dH/dp = v (%s): give 'p' instead of "
-                   "'v'",
+    if (status != DM_OK && structure & DM_HAMILTONIAN)
+        luaL_error(L, "no start: no momentum has this velocity, dH/dp = v (%s): give 'p', not 'v'",
                    dm_status_text(status));
     if (status == DM_SINGULAR)
         luaL_error(L, "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
@@ -151,8 +151,9 @@ static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     if (status != DM_OK)
         luaL_error(L,
                    "no start: %s in the Legendre transform at the given q; is it inside the domain "
-                   "of L?%s",
-                   dm_status_text(status), dml_modeltrouble(L, r->model));
+                   "of L%s?%s",
+                   dm_status_text(status), structure & DM_SADDLE ? NO_ROW : "",
+                   dml_modeltrouble(L, r->model));
 }
 
 /* L = alpha(q) . v - H: p = alpha(q) whatever v is; a p that is given must be it */

@@ -155,4 +155,10 @@ raises("degenerate", function()
   dm.system { Q = dm.R(2), L = function(_, v) return v[1] ^ 2 / 2 end, constraint = function(q) return q[1] end }
     :solver({ rule = "midpoint", h = 0.1 }):run { q = { 0, 0 }, v = { 0, 0 }, steps = 1 }
 end)
+
+-- a row that vanishes at the start leaves a massless coordinate without a mass: that is said
+local vanishing = dm.system { Q = dm.R(3), L = function(_, v) return (v[1] ^ 2 + v[2] ^ 2) / 2 end, rolling = function(q, v) return q[1] * v[3] end }
+tap.raises("a row of the constraints, which alone make d2L/dv2 regular, zero there", function()
+  vanishing:solver { rule = "midpoint", h = 0.05 }:run { q = { 0, 0, 0 }, v = { 0.5, 1, 0 }, steps = 5 }
+end)
 tap.done()
