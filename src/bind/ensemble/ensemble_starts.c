@@ -11,14 +11,21 @@
 #include <math.h>
 #include <string.h>
 
-void dml_push_source(lua_State *L, int arg, const char *key, long i) {
-    if (lua_getfield(L, arg, key) == LUA_TFUNCTION) {
-        lua_pushinteger(L, i + 1);
-        dml_callone(L, 1, key);
-    } else {
-        lua_geti(L, -1, i + 1);
-        lua_remove(L, -2);
+/* of member i, from the source at `at`, field `key` of the options */
+static void push_member(lua_State *L, int at, const char *key, long i) {
+    if (lua_type(L, at) != LUA_TFUNCTION) {
+        lua_geti(L, at, i + 1);
+        return;
     }
+    lua_pushvalue(L, at);
+    lua_pushinteger(L, i + 1);
+    dml_callone(L, 1, key);
+}
+
+void dml_push_source(lua_State *L, int arg, const char *key, long i) {
+    lua_getfield(L, arg, key);
+    push_member(L, lua_gettop(L), key, i);
+    lua_remove(L, -2);
 }
 
 void dml_check_source(lua_State *L, int arg, const char *key, long members) {
@@ -40,48 +47,46 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
     lua_pop(L, 1);
 }
 
-/* member i of the source at `at`, a table of plain tables of n finite numbers, as most are; 0: it
- * is not */
-static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
-    if (lua_type(L, at) != LUA_TTABLE) return 0;
-    const int row = lua_gettop(L) + 1;
-    int plain =
-        lua_geti(L, at, i + 1) == LUA_TTABLE && !lua_getmetatable(L, -1) && lua_rawlen(L, -1) == n;
-    for (uint32_t k = 0; plain && k < n; k++) {
-        lua_rawgeti(L, row, (lua_Integer)k + 1);
-        out[k] = lua_tonumberx(L, -1, &plain);
-        if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(out[k]))
-            plain = 0; /* texts are for the slow way, which names what is not finite */
-        lua_settop(L, row);
-    }
-    lua_settop(L, row - 1);
-    return plain;
+/* the n numbers of the plain table or vector at `row`, as most are; 0: it is none */
+static int read_plain(lua_State *L, int row, double *out, uint32_t n) {
+    return dml_length(L, row) == (long)n && dml_readplain(L, row, out, n) == n;
+}
+
+/* the same in any other form that a system takes, with what is wrong named */
+static void read_any(lua_State *L, const char *key, long i, double *out, uint32_t n) {
+    const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    if (!dml_unfield(L, -1, -3, key) && dml_is_named(L, -3)) dml_unname(L, -1, -3, name);
+    lua_pop(L, 1);
+    dml_vectorarg(L, -2, name, out, n);
+}
+
+/* the entries of a matrix of numbers with a row of n for every member; NULL: the source at `at`
+ * is none */
+static const double *entries_of(lua_State *L, int at, uint32_t n) {
+    const dml_array *a = dml_toarray(L, at, 2);
+    return a && a->columns == n ? dml_numbersof(a) : NULL;
+}
+
+/* row i of those; 0: it has an entry that is not finite */
+static int copy_row(double *out, const double *rows, long i, uint32_t n) {
+    double none = 0.0;
+    rows += (size_t)i * n;
+    dm_small_copy(out, rows, n);
+    for (uint32_t k = 0; k < n; k++) none += rows[k] - rows[k];
+    return none == 0.0;
 }
 
 /* n numbers for member i from the source at s->source, field s->key of the options */
 static void read_member(lua_State *L, dml_starting *s, long i, double *out, uint32_t n) {
-    const int at = lua_gettop(L);
-    if (read_plain(L, s->source, i, out, n)) return;
+    const int top = lua_gettop(L);
+    const double *rows = entries_of(L, s->source, n);
+    if (rows && copy_row(out, rows, i, n)) return;
     s->theirs = 1;
-    dml_push_source(L, 2, s->key, i);
+    push_member(L, s->source, s->key, i);
     s->theirs = 0;
-    const char *name = lua_pushfstring(L, "'%s' of member %d", s->key, (int)i + 1);
-    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    if (!dml_unfield(L, -1, -3, s->key) && dml_is_named(L, -3)) dml_unname(L, -1, -3, name);
-    lua_pop(L, 1);
-    dml_vectorarg(L, -2, name, out, n);
-    lua_settop(L, at);
-}
-
-/* those of a part in a matrix of finite numbers with a row of n for every member; NULL: the source
- * at `at` is none */
-static const double *entries_of(lua_State *L, int at, const dml_part *p) {
-    const size_t n = p->e->n, first = (size_t)p->first * n, end = first + (size_t)p->count * n;
-    const dml_array *a = dml_toarray(L, at, 2);
-    const double *rows = a && a->columns == n ? dml_numbersof(a) : NULL;
-    for (size_t i = first; rows && i < end; i++)
-        if (!isfinite(rows[i])) return NULL;
-    return rows;
+    if (!read_plain(L, top + 1, out, n)) read_any(L, s->key, i, out, n);
+    lua_settop(L, top);
 }
 
 /* where the numbers of field `key` stand in the states */
@@ -107,14 +112,13 @@ static void read_both(lua_State *L, dml_starting *s) {
 
 /* field `key` for all members of a part */
 static void read_column(lua_State *L, const dml_part *p, const char *key) {
-    const uint32_t n = p->e->n;
     dml_starting s = {.these = p, .body = read_field, .key = key};
     lua_getfield(L, 2, key);
     s.source = lua_gettop(L);
-    const double *rows = entries_of(L, s.source, p);
-    if (!rows) dml_each_start(L, &s);
-    for (long i = p->first; rows && i < p->first + p->count; i++)
-        dm_small_copy(place_in(p, key, i), rows + (size_t)i * n, n);
+    const double *rows = entries_of(L, s.source, p->e->n);
+    long i = p->first;
+    while (rows && i < p->first + p->count && copy_row(place_in(p, key, i), rows, i, p->e->n)) i++;
+    if (i < p->first + p->count) dml_each_start(L, &s);
     lua_pop(L, 1);
 }
 
@@ -163,8 +167,8 @@ static void refuse_starts(lua_State *L) {
 
 int dml_check_starts(lua_State *L, const dml_solver *solver, long members) {
     const int velocity = has(L, "v"), momentum = has(L, "p");
-    if (velocity ? momentum : !momentum && solver->alone) refuse_starts(L);
-    if (velocity && solver->alone)
+    if (velocity ? momentum : !momentum && solver->pair) refuse_starts(L);
+    if (velocity && solver->pair)
         luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
     dml_check_source(L, 2, "q", members);
     if (!velocity && !momentum) return DML_PLACES_ALONE;
@@ -269,7 +273,7 @@ static void start_member(lua_State *L, dml_starting *s) {
     const int linear = (r->model->model.structure & DM_LINEAR_IN_V) != 0;
     if (linear && !these->velocity) check_alpha(L, these, r, s->next);
     s->inside += !these->velocity || find_momentum(L, these, r, s->next, s->v, s->room);
-    if (r->model->model.constraints || dml_placed(L, r->system))
+    if (r->model->model.constraints || r->model->placed)
         start_on_constraints(L, these, r, s->next, these->velocity ? s->v : NULL);
 }
 

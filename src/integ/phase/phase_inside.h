@@ -29,7 +29,7 @@ typedef struct {
     double *base;     /* [2n][width] low-order parts of the start, then with `lacking` */
     double *none;     /* [2n][width] zeros */
     double *ones;     /* [2n] */
-    double *unit;     /* [2n] by which moves of q and p count, where that is not all one */
+    double *unit;     /* [2n] by which squares of moves count, where that is not all one */
     dm_parts b, line; /* [width] h b; zeros */
     dm_sweep_end end;
     /* Newton's method: displacements Z[r][2n] of the stages, the field and its derivatives there

@@ -27,7 +27,7 @@ struct dm_phase_lanes {
     double *x, *u; /* [r][2n + 1], [r][2n] arguments and results of the field */
     double *base;  /* [r][2n] low-order parts of the start, then what coefficients lack */
     double *end;   /* [r][2n] u of the lanes that have ended */
-    double *unit;  /* [2n] by which moves count */
+    double *unit;  /* [2n] by which squares of moves count */
     double *next;  /* [4n] */
 };
 

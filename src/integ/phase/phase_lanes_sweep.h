@@ -87,10 +87,10 @@ INLINE V measure_size(phase_sweeps *it, int p) {
     }
     const I apart = WHERE(DM_SWEEP_APART * least < size);
     it->has_units[p] = some(apart);
+    const V mean = size / (double)it->n, zero = DM_SWEEP_ZERO * size;
     for (uint32_t k = 0; k < it->n && it->has_units[p]; k++) {
         const V own = square_at(it, &a, k);
-        for (uint32_t l = 0; l < W; l++)
-            unit[k * W + l] = apart[l] ? dm_sweep_unit(size[l], own[l]) : 1.0;
+        store(unit + k * W, pick(apart & WHERE(own > zero), mean / own, same(1.0)));
     }
     return size;
 }

@@ -20,7 +20,7 @@ typedef struct {
     double *x;
     const double *base, *column, *u, *start; /* start NULL: zero */
     size_t x_stage, u_row, u_stage;
-    const double *unit; /* [n] by which moves count; NULL: all are 1 */
+    const double *unit; /* [n] by which squares of moves count; NULL: all are 1 */
 } phase_walk;
 
 /* where coefficients of the stepper's stand for the steps of the lanes */
@@ -60,9 +60,8 @@ INLINE V walk_rows(const phase_sweeps *it, const phase_walk *a, const I *where, 
             double *x = at.x + i * at.x_stage + k * W;
             const V base = load(at.base + (i * 2 * n + k) * W), old = load(x);
             const V now = start + weigh_stages(at.column + i * W, width, u, base, r);
-            V d = now - old;
-            if (at.unit) d *= load(at.unit + k * W);
-            moved[i] = madd(d, d, moved[i], fused);
+            const V d = now - old, counts = at.unit ? d * load(at.unit + k * W) : d;
+            moved[i] = madd(counts, d, moved[i], fused);
             store(x, where ? pick(*where, now, old) : now);
         }
     }

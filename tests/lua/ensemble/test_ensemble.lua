@@ -345,6 +345,7 @@ for i = 1, 12 do rows[i] = { i % 3 == 0 and 0 / 0 or 1 } end
 for what, source in pairs { table = rows, matrix = dm.matrix(rows) } do
   raises("'q' of member 3: entry 1 is NaN, but must be finite (4 of 12 members have no start: 3, 6, 9, 12)", starts_of(quick, source, none))
   raises("'v' of member 3: entry 1 is NaN", starts_of(quick, none, source))
+  raises("'q' of member 3: entry 1 is NaN", starts_of(quick, source, dm.zeros(12, 1)))
   ok(not pcall(starts_of(quick, none, source)), "so of a " .. what)
 end
 raises("'v' of member 5 must have 1 entries (got 2)", starts_of(quick, none, function(i) return i == 5 and { 1, 2 } or { 1 } end))

@@ -28,7 +28,7 @@ typedef struct {
     double *v0, *drift;          /* [n] v and h v at the start */
     double *end_u, *end_f;       /* [r][n] u and L_q of the lanes that have ended */
     double *zeros;               /* [r][n] */
-    double *unit;                /* [2][n] by which moves of positions and momenta count */
+    double *unit; /* [2][n] by which squares of moves of positions and momenta count */
 } dm_lanes_sweeps;
 
 /* Newton's method, m = s n unknowns, beside dm_stage_newton. */

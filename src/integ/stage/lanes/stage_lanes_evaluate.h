@@ -146,10 +146,10 @@ INLINE V measure(const lanes_sweeps *it, const lanes_walk *a, double *units, int
     }
     const I apart = WHERE(DM_SWEEP_APART * least < size);
     *has_units = some(apart);
+    const V mean = size / (double)it->n, zero = DM_SWEEP_ZERO * size;
     for (uint32_t k = 0; k < it->n && *has_units; k++) {
         const V own = square_of(it, a, k);
-        for (uint32_t l = 0; l < W; l++)
-            units[k * W + l] = apart[l] ? dm_sweep_unit(size[l], own[l]) : 1.0;
+        store(units + k * W, pick(apart & WHERE(own > zero), mean / own, same(1.0)));
     }
     return size;
 }

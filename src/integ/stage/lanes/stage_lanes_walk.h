@@ -12,7 +12,7 @@
 typedef struct {
     double *x;
     const double *base, *column, *u, *factor, *start; /* start [rows][W] */
-    const double *unit; /* [rows][W] by which moves count; NULL: all are 1 */
+    const double *unit; /* [rows][W] by which squares of moves count; NULL: all are 1 */
     size_t x_stage, u_stage, u_row;
 } lanes_walk;
 
@@ -62,9 +62,9 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, in
             if (at.factor) sum = madd(same(at.factor[k]), sum, base, fused);
             const V now = start + sum;
             if (measured) {
-                V d = now - load(x);
-                if (measured > 1) d *= load(at.unit + k * W);
-                moved[i] = madd(d, d, moved[i], fused);
+                const V d = now - load(x);
+                const V counts = measured > 1 ? d * load(at.unit + k * W) : d;
+                moved[i] = madd(counts, d, moved[i], fused);
             }
             store(x, where ? pick(*where, now, load(x)) : now);
         }

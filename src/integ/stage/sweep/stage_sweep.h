@@ -47,7 +47,7 @@ typedef struct dm_stage_sweeps {
     double *none;             /* [max(n, width)][width] zeros */
     double *share;            /* [2n] factors of q's increments, ones for p */
     double *drift;            /* [2n] h v0 in the separable form, else zero */
-    double *unit;             /* [2n] by which moves of q and p count, where that is not all one */
+    double *unit;             /* [2n] by which squares of moves count, where that is not all one */
     dm_sweep_end end;
     double *memory;  /* what is kept from step to step, as follows */
     double heaviest; /* largest entry of M, where it is constant */

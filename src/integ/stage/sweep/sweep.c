@@ -4,6 +4,7 @@
 #include "numbers/compensated.h"
 #include "numbers/processor.h"
 
+#include <math.h>
 #include <stddef.h>
 #ifdef __x86_64__
 #include <immintrin.h>
@@ -22,8 +23,8 @@ DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows, const double *
     for (uint32_t k = 0; k < rows; k++) {
         const double factor = a->factor ? a->factor[k] : 1.0;
         const double sum = a->base[k] + factor * (a->column[0] * a->u[k]);
-        const double x = a->start[k] + sum, d = (x - a->x[k]) * (units ? units[k] : 1.0);
-        moved += d * d;
+        const double x = a->start[k] + sum, d = x - a->x[k];
+        moved += (units ? d * units[k] : d) * d;
         a->x[k] = x;
     }
     return moved;
@@ -255,12 +256,10 @@ const dm_sweep_row *dm_sweep_find(uint32_t stages) {
 
 typedef long long i2 __attribute__((vector_size(16)));
 
-/* roots of a, and the lesser of two, NaN for neither */
+/* the lesser of two, NaN for neither */
 #ifdef __x86_64__
-#define ROOTS(a) ((v2)_mm_sqrt_pd((__m128d)(a)))
 #define LESSER(a, b) ((v2)_mm_min_pd((__m128d)(a), (__m128d)(b)))
 #else
-#define ROOTS(a) ((v2){sqrt((a)[0]), sqrt((a)[1])})
 #define LESSER(a, b) ((v2){(a)[0] < (b)[0] ? (a)[0] : (b)[0], (a)[1] < (b)[1] ? (a)[1] : (b)[1]})
 #endif
 
@@ -274,11 +273,11 @@ static inline v2 squares(const dm_sweep *a, uint32_t k, size_t width) {
 
 /* What is as good as zero has no size of its own. */
 static void find_units(dm_sweep *a, double *unit, uint32_t width, double size) {
-    const double zero = DM_SWEEP_ZERO * size;
+    const double zero = DM_SWEEP_ZERO * size, mean = size / a->rows;
     for (uint32_t k = 0; k < a->rows; k += 2) {
-        const v2 own = squares(a, k, width), root = ROOTS(size / own);
-        unit[k] = own[0] > zero ? root[0] : 1.0;
-        if (k + 1 < a->rows) unit[k + 1] = own[1] > zero ? root[1] : 1.0;
+        const v2 own = squares(a, k, width), times = mean / own;
+        unit[k] = own[0] > zero ? times[0] : 1.0;
+        if (k + 1 < a->rows) unit[k + 1] = own[1] > zero ? times[1] : 1.0;
     }
     a->unit = unit;
 }

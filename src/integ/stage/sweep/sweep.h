@@ -27,7 +27,7 @@ typedef struct {
     const double *column;         /* [columns][width] */
     const double *u;              /* [rows][width] */
     const double *factor, *start; /* [rows]; factors NULL: all are 1 */
-    const double *unit;           /* [rows] by which moves of x count; NULL: all are 1 */
+    const double *unit;           /* [rows] by which squares of moves count; NULL: all are 1 */
 } dm_sweep;
 
 /* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with
@@ -43,7 +43,7 @@ typedef struct {
 typedef struct {
     uint32_t width;
     void (*put)(const dm_sweep *a);
-    /* put; returns the sum of squares of what x moved by, in units */
+    /* put; returns the sum of squares of what x moved by, times units */
     double (*move)(const dm_sweep *a);
     /* base[rows][width] = low[rows] + c v[rows] */
     void (*line)(double *base, const double *low, const double *v, const dm_parts *c,
@@ -55,8 +55,8 @@ typedef struct {
 } dm_sweep_row;
 
 /* The sum over all rows of the squares of the start and of the last stage, which moves are compared
- * with. Where some row is much smaller than that and not zero, and not `by_all`, moves count in
- * units [rows] that make all rows as large. */
+ * with. Where some row is much smaller than that and not zero, and not `by_all`, units [rows] make
+ * all rows as large as their mean. */
 double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all);
 
 typedef double dm_pair __attribute__((vector_size(16), aligned(8), may_alias));

@@ -53,8 +53,8 @@ HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
         if (at.factor) sum = MADD(SAME(at.factor[k]), sum, base);
         sum = at.start[k] + sum;
         if (measured) {
-            const V d = measured > 1 ? (sum - *x) * at.unit[k] : sum - *x;
-            moved = MADD(d, d, moved);
+            const V d = sum - *x, counts = d * (measured > 1 ? at.unit[k] : 1.0);
+            moved = MADD(counts, d, moved);
         }
         *x = sum;
     }

@@ -3,8 +3,6 @@
 #ifndef DM_STAGE_LIMITS_H
 #define DM_STAGE_LIMITS_H
 
-#include <math.h>
-
 /* error left in the sums, relative to the state, for the usual tolerance 4e-15: 1e-19 */
 static const double DM_SWEEP_LEFT = 2.5e-5;
 /* squares: of changes of the sums, relative, and of their contraction */
@@ -12,15 +10,11 @@ static const double DM_SWEEP_CLEAN = 1e-28;      /* mostly rounding: foretold, n
 static const double DM_SWEEP_SETTLED = 1e-8;     /* u serves for the rest of a coefficient */
 static const double DM_SWEEP_SLOW = 0.35 * 0.35; /* calls for Newton's method */
 static const double DM_SWEEP_LEAST = 1e-4;       /* taken for granted before it is measured */
-/* sizes that far apart are not compared with the largest, if they are not as good as zero */
+/* rows that far apart count by their own size, if they are not as good as zero: their moves,
+ * squared, times the mean of all over it */
 static const double DM_SWEEP_APART = 0x1p20, DM_SWEEP_ZERO = 0x1p-200;
 /* pivots of M: determinants of up to three rows, which must have all their digits */
 static const double DM_PIVOT_LEAST = 1e-290, DM_PIVOT_MOST = 1e290;
-
-/* by how much a move counts of what has this size, squared as that of all is */
-static inline double dm_sweep_unit(double all, double own) {
-    return own > DM_SWEEP_ZERO * all ? sqrt(all / own) : 1.0;
-}
 
 enum {
     DM_STAGE_SWEEPS = 60, /* at most */
