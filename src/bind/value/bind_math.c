@@ -181,10 +181,15 @@ int dml_inmax(lua_State *L) {
     return compared = 1;
 }
 
-/* the argument itself is the result, an integer or not */
+/* The argument itself is the result, an integer or not. Two numbers ask nobody and have no nil.
+ * Speed: people, math.max. */
 static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
     const int n = lua_gettop(L);
     int best = 1, results;
+    if (n == 2 && lua_type(L, 1) == LUA_TNUMBER && lua_type(L, 2) == LUA_TNUMBER) {
+        if (!lua_compare(L, largest ? 1 : 2, largest ? 2 : 1, LUA_OPLT)) lua_pushvalue(L, 1);
+        return 1; /* what is on top */
+    }
     luaL_argcheck(L, n >= 1, 1, "value expected");
     for (int k = 1; k <= n && n > 1; k++) refuse_nil(L, k); /* Lua raises too, without a name */
     for (int k = 2; k <= n; k++)
