@@ -81,6 +81,7 @@ typedef struct dml_starting {
     int theirs;       /* a function of the user runs: what it raises is no member's alone */
     const char *key;  /* of the options, for all members */
     int source;       /* its stack index */
+    int field;        /* of a field, which may move its starts */
     double *v, *room; /* of one member */
     long inside;      /* members that start in the domain of L */
 } dml_starting;

@@ -80,13 +80,20 @@ static int copy_row(double *out, const double *rows, long i, uint32_t n) {
 /* n numbers for member i from the source at s->source, field s->key of the options */
 static void read_member(lua_State *L, dml_starting *s, long i, double *out, uint32_t n) {
     const int top = lua_gettop(L);
-    const double *rows = entries_of(L, s->source, n);
+    const double *rows = s->field ? NULL : entries_of(L, s->source, n);
     if (rows && copy_row(out, rows, i, n)) return;
     s->theirs = 1;
     push_member(L, s->source, s->key, i);
     s->theirs = 0;
-    if (!read_plain(L, top + 1, out, n)) read_any(L, s->key, i, out, n);
+    if (s->field || !read_plain(L, top + 1, out, n)) read_any(L, s->key, i, out, n);
     lua_settop(L, top);
+}
+
+static int is_field(lua_State *L) {
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    const int is = dml_checksystem(L, -1)->field != 0;
+    lua_pop(L, 1);
+    return is;
 }
 
 /* where the numbers of field `key` stand in the states */
@@ -112,7 +119,7 @@ static void read_both(lua_State *L, dml_starting *s) {
 
 /* field `key` for all members of a part */
 static void read_column(lua_State *L, const dml_part *p, const char *key) {
-    dml_starting s = {.these = p, .body = read_field, .key = key};
+    dml_starting s = {.these = p, .body = read_field, .key = key, .field = is_field(L)};
     lua_getfield(L, 2, key);
     s.source = lua_gettop(L);
     const double *rows = entries_of(L, s.source, p->e->n);
@@ -137,7 +144,7 @@ void dml_read_places(lua_State *L, const dml_part *p) {
         if (!alone) read_column(L, p, second);
         return;
     }
-    dml_each_start(L, &(dml_starting){.these = p, .body = read_both});
+    dml_each_start(L, &(dml_starting){.these = p, .body = read_both, .field = is_field(L)});
 }
 
 /* the trace is checked at the first member, which may be outside of the domain where others are
