@@ -135,16 +135,16 @@ static int is_function(lua_State *L, const char *key) {
     return is;
 }
 
-/* q, and v or p; functions are called member by member */
+/* q, and v or p; functions are called member by member, and a field reads v beside its q */
 void dml_read_places(lua_State *L, const dml_part *p) {
     const char *second = p->velocity ? "v" : "p";
-    const int alone = p->velocity == DML_PLACES_ALONE;
-    if (alone || (!is_function(L, "q") && !is_function(L, second))) {
+    const int alone = p->velocity == DML_PLACES_ALONE, field = is_field(L);
+    if (alone || (!field && !is_function(L, "q") && !is_function(L, second))) {
         read_column(L, p, "q");
         if (!alone) read_column(L, p, second);
         return;
     }
-    dml_each_start(L, &(dml_starting){.these = p, .body = read_both, .field = is_field(L)});
+    dml_each_start(L, &(dml_starting){.these = p, .body = read_both, .field = field});
 }
 
 /* the trace is checked at the first member, which may be outside of the domain where others are

@@ -86,4 +86,22 @@ for name, force in pairs(forces) do
     ok(math.abs(found - order) < 0.05 and fine < 1e-3, ("%s: order of %s"):format(name, rule), found)
   end
 end
+
+-- members that start from lists in tables are moved to the sphere as runs are, each v beside its q
+local chain = K:field { values = 3, on = dm.S(2), L = L }:solver { rule = "rattle", h = 0.01 }
+local function flat(rows, times)
+  local out = {}
+  for i = 1, N do for c = 1, 3 do out[#out + 1] = times * rows[i][c] end end
+  return out
+end
+local turned, rates = {}, {}
+for i = 1, N do turned[i], rates[i] = { -q[i][2], q[i][1], q[i][3] }, { -v[i][2], v[i][1], v[i][3] } end
+local starts, speeds = { flat(q, 1 + 1e-9), flat(turned, 1 - 1e-9) }, { flat(v, 1), flat(rates, 1) }
+for kind, s in pairs { tables = { starts, speeds }, matrices = { dm.matrix(starts), dm.matrix(speeds) } } do
+  local cloud = chain:ensemble { members = 2, steps = 5, q = s[1], v = s[2] }
+  for i = 1, 2 do
+    local run = chain:run { q = starts[i], v = speeds[i], steps = 5, every = 5 }
+    ok(cloud.q[i] == run.q[2] and cloud.p[i] == run.p[2], ("member %d from %s is its run"):format(i, kind))
+  end
+end
 tap.done()
