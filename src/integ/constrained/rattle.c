@@ -171,16 +171,13 @@ static dm_status iterate(dm_stepper *s, layout *l, const double *norms) {
     return DM_OK;
 }
 
-/* Are all coordinates near the largest in size, as their places at the end or, which is what the
- * step before has told, at the start say? Speed: steps, rattle: every second step looks at none. */
+/* Are all near the largest, as y or what the step before told of q says? Speed: steps, rattle. */
 static int are_alike(layout *l, double size) {
     const double *y = l->now + l->at.y;
-    double least = l->least;
-    l->least = 0.0;
-    if (least * 0x1p19 > size) return 1;
-    least = size;
+    if (l->least * 0x1p19 > size) return l->least = 0.0, 1;
+    double least = size;
     for (uint32_t c = 0; c < l->at.n; c++) least = y[c] * y[c] < least ? y[c] * y[c] : least;
-    if (!l->at.drags) l->least = least; /* else y is a velocity */
+    l->least = l->at.drags ? 0.0 : least; /* then y is a velocity */
     return least * 0x1p19 > size;
 }
 
