@@ -49,6 +49,9 @@ size_t dm_step_scratch(const dm_model *m, size_t unknowns);
  * cross? Then DM_SINGULAR, and the report says where. */
 dm_status dm_step_crosses(dm_made_step *e, dm_stepper *s, double t, double h);
 
+/* The same of a step that was not solved, from where Newton's method ended; else `status`. */
+dm_status dm_step_stuck(dm_made_step *e, dm_stepper *s, double t, double h, dm_status status);
+
 /* What is left of the constraints at the root. */
 void dm_step_report_ties(dm_made_step *e, dm_stepper *s);
 

@@ -257,12 +257,13 @@ static uint32_t first_broken(dm_made_step *e) {
 /* the root of a step, behind (q, p, t) in e->in */
 static dm_status solve(dm_made_step *e, dm_stepper *s) {
     dm_newton_report report;
+    static const double angle = 1.0; /* of this size are displacements in a chart */
     const dm_newton_problem problem = {.m = e->k->m,
                                        .equation = equation,
                                        .ctx = e,
                                        .size = &e->size,
-                                       .place = e->scale,
-                                       .places = e->k->m,
+                                       .place = e->ties ? &angle : e->scale,
+                                       .places = e->ties ? 1 : e->k->m,
                                        .shared = e->ties,
                                        .over = 1.0,
                                        .tolerance = s->tolerance,
@@ -329,7 +330,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     s->report.trouble = (dm_trouble){0};
     place(s, state, t, h);
     dm_status status = solve(e, s);
-    if (status != DM_OK) return status;
+    if (status != DM_OK) return dm_step_stuck(e, s, t, h, status);
     dm_kernel_eval(&e->k->next, e->in, e->after);
     status = check_next(e, is_timed(s), t, h);
     if (status != DM_OK) return status;

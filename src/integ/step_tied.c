@@ -49,18 +49,47 @@ static dm_wide_product find_volume(dm_made_step *e, const dm_constraints *c, con
     return dm_crossing_volume(c, rows, unit, rows + c->holonomic_kernel.outputs);
 }
 
+/* From the start of the step to e->x; q0 is where the chart begins. */
+typedef struct {
+    dm_crossing_chart chart;
+    dm_crossing_way way;
+    double *room;
+} walk;
+
+/* 0: there is nothing to look for */
+static int begin(walk *w, dm_made_step *e, double t, double h) {
+    double *unit = e->newton, *here = unit + e->k->n;
+    if (!e->row->holonomic || !find_units(e, unit)) return 0;
+    memset(here, 0, e->k->n * sizeof *here);
+    w->chart = (dm_crossing_chart){e->k->d, look, e};
+    w->way = (dm_crossing_way){here, e->x, unit, t, t + h, &w->chart};
+    w->room = here + e->k->n;
+    return 1;
+}
+
+static dm_status end_at(dm_stepper *s, const dm_crossing_place *place) {
+    s->report.trouble = (dm_trouble){.dependent = (int)place->row, .crosses = 1, .at = place->t};
+    return DM_SINGULAR;
+}
+
 dm_status dm_step_crosses(dm_made_step *e, dm_stepper *s, double t, double h) {
     const dm_constraints *c = s->model->constraints;
-    double *unit = e->newton, *here = unit + e->k->n, *room = here + e->k->n;
-    const dm_crossing_chart chart = {e->k->d, look, e};
-    const dm_crossing_way way = {here, e->x, unit, t, t + h, &chart};
     dm_crossing_place place;
-    if (!e->row->holonomic || !find_units(e, unit)) return DM_OK;
-    memset(here, 0, e->k->n * sizeof *here);
-    const dm_wide_product volume = find_volume(e, c, unit, t + h, room);
-    if (!dm_crossing_in_step(c, e->watched, volume, &way, &place, room)) return DM_OK;
-    s->report.trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};
-    return DM_SINGULAR;
+    walk w;
+    if (!begin(&w, e, t, h)) return DM_OK;
+    const dm_wide_product volume = find_volume(e, c, w.way.unit, t + h, w.room);
+    const int crosses = dm_crossing_in_step(c, e->watched, volume, &w.way, &place, w.room);
+    return crosses ? end_at(s, &place) : DM_OK;
+}
+
+dm_status dm_step_stuck(dm_made_step *e, dm_stepper *s, double t, double h, dm_status status) {
+    static const double NEAR = 1e-6; /* of the size of the terms: x nearly is a root */
+    dm_crossing_place place;
+    walk w;
+    if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
+    if (!(s->report.residual <= NEAR * e->first) || !begin(&w, e, t, h)) return status;
+    const int crosses = dm_crossing_between(s->model->constraints, &w.way, &place, w.room);
+    return crosses ? end_at(s, &place) : status;
 }
 
 void dm_step_report_ties(dm_made_step *e, dm_stepper *s) {
