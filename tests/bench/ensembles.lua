@@ -1,4 +1,4 @@
--- dmlua tests/bench/ensembles.lua: ns a step of a member of an ensemble of implicit rules on one core, beside a step of a run alone; best of a few runs that
+-- dmlua tests/bench/ensembles.lua: ns a step of a member of an ensemble on one core, beside a step of a run alone; best of a few runs that
 -- take turns. Members start a little apart, so that their iterations differ as they do in use. Last: what starting and ending a member costs.
 local dm = require "dm"
 local sin, cos = math.sin, math.cos
@@ -19,7 +19,7 @@ local models = {
     local T = (x1 * x1 + y1 * y1 + z1 * z1) / 2 + ((x1 + x2) ^ 2 + (y1 + y2) ^ 2 + (z1 + z2) ^ 2) / 2
     return T + 9.81 * (2 * cos(q[1]) + cos(q[3]))
   end },
-  { "Kepler", h = 0.05, q = { 0.4, 0 }, v = { 0, 2 }, rules = { "midpoint", "gauss(3)", "gauss(6)" },
+  { "Kepler", h = 0.05, q = { 0.4, 0 }, v = { 0, 2 }, rules = { "midpoint", "gauss(3)", "gauss(6)", "verlet", "symplectic-euler", "blanes-moan(6)" },
     L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end },
   { "chain of 12, magnetic field", h = 0.8, q = {}, v = {}, rules = { "midpoint", "lobatto(3)" }, L = function(x, u)
     local L = u:dot(u) / 2 - x[1] ^ 2 / 2 - x[12] ^ 2 / 2
@@ -38,7 +38,7 @@ end
 
 local only, turns = arg[1], tonumber(arg[2]) -- turns: to count instructions, of small ensembles
 if turns then MEMBERS, STEPS, ALONE, TURNS = 16, 200, 1000, turns end
-print "model                      rule          alone ns  member ns  ratio  lanes"
+print "model                      rule              alone ns  member ns  ratio  lanes"
 for _, model in ipairs(models) do
   local q, v = {}, {}
   for i = 1, MEMBERS do
@@ -56,7 +56,7 @@ for _, model in ipairs(models) do
       end) / (MEMBERS * STEPS))
     end
     if lanes > 0 then
-      print(("%-26s %-12s %9.0f  %9.1f  %5.2f  %5d"):format(model[1], rule, alone * 1e9, member * 1e9, member / alone, lanes))
+      print(("%-26s %-16s %9.1f  %9.2f  %5.2f  %5d"):format(model[1], rule, alone * 1e9, member * 1e9, member / alone, lanes))
     end
   end
 end

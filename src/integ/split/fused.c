@@ -9,7 +9,6 @@
 #include "algebra/derive.h"
 #include "code/native/jit.h"
 #include "graph/analyse.h"
-#include "numbers/fma.h"
 
 #include <string.h>
 
@@ -138,7 +137,8 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
     *b = (dm_fusion){.model = m, .kicks = k, .size = size};
     b->graph = dm_graph_new(s->arena, size + MOST_COEFFICIENTS + m->params);
     b->state = dm_arena_take(s->arena, (size + (size_t)inputs) * sizeof *b->state);
-    if (!b->graph || !b->state) return 0;
+    b->late = dm_arena_take(s->arena, 2 * (size_t)n * sizeof *b->late);
+    if (!b->graph || !b->state || !b->late) return 0;
     b->q = b->state;
     b->p = b->q + n;
     b->low_q = b->p + n;
@@ -253,29 +253,26 @@ dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_n
     return coordinate < 0 ? (dm_product){hb, f} : (dm_product){f, b->q[coordinate]};
 }
 
-/* low = y + (high - sum), which is what the rounding of the sum lost, and high = sum */
-static void leave(dm_fusion *b, dm_node *high, dm_node *low, dm_node sum, dm_node y) {
-    *low = dm_add(b->graph, y, dm_sub(b->graph, *high, sum));
+/* *high = sum, made of high, x and perhaps low. Nobody waits for its low part: it is made later, in
+ * the time that a force takes. */
+void dm_fusion_leave(dm_fusion *b, dm_node *high, dm_node *low, dm_node sum, dm_product x) {
+    if (!b->plain)
+        b->late[b->late_count++] = (dm_remainder){.high = *high, .sum = sum, .low = low, .x = x};
     *high = sum;
 }
 
 /* The sum is rounded from low + high and the product at once: it waits for one operation after the
  * last of x is known. */
 void dm_fusion_add_product(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
-    if (b->plain) {
-        *high = dm_multiply_add(b->graph, x.a, x.b, *high);
-        return;
-    }
-    const dm_node before = dm_add(b->graph, *high, *low);
-    const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
-    const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
-    leave(b, high, low, sum, y);
+    const dm_node before = b->plain ? *high : dm_add(b->graph, *high, *low);
+    dm_fusion_leave(b, high, low, dm_multiply_add(b->graph, x.a, x.b, before), x);
 }
 
 /* y has the old low part in it; what the rounding of the sum lost is the new one. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y) {
     const dm_node sum = dm_add(b->graph, *high, y);
-    leave(b, high, low, sum, y);
+    *low = dm_add(b->graph, y, dm_sub(b->graph, *high, sum));
+    *high = sum;
 }
 
 /* As for numbers: y = low + x first. */
@@ -321,40 +318,47 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
     }
 }
 
-/* high + low += a (v + rest). The low part is in what is rounded, so that roundings have no mean:
- * a v alone lies at few places between two doubles where h is a ratio of small numbers. The product
- * is exact in the low part where the processor rounds a b + c once. */
-static void drift_by(dm_fusion *b, dm_node *high, dm_node *low, dm_product x, dm_node rest) {
-    if (b->plain) {
-        *high = dm_multiply_add(b->graph, x.a, x.b, *high);
-        return;
-    }
-    const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
-    const dm_node sum = dm_add(b->graph, *high, y), lost = dm_sub(b->graph, *high, sum);
-    const dm_node left = dm_fma_is_fused()
-                             ? dm_add(b->graph, *low, dm_multiply_add(b->graph, x.a, x.b, lost))
-                             : dm_add(b->graph, y, lost);
-    *low = dm_multiply_add(b->graph, x.a, rest, left);
-    *high = sum;
+/* what coordinate i drifts by: a v, or where p are low parts, which have no shift, a rest */
+static dm_product drift_of(dm_fusion *b, uint32_t i, dm_node ha, const dm_node *p,
+                           const double *shift) {
+    const dm_model *m = b->model;
+    const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
+    const double *row = m->inverse_mass + (diagonal ? i : i * (size_t)m->n);
+    if (diagonal) return (dm_product){times(b, *row, ha), p[i]};
+    return (dm_product){ha, combine(b, row, p, shift)};
 }
 
+/* The low part is in what is rounded, so that roundings have no mean: a v alone lies at few places
+ * between two doubles where h is a ratio of small numbers. */
 void dm_fusion_drift(dm_fusion *b, dm_node ha) {
-    const dm_model *m = b->model;
-    const uint32_t n = m->n;
-    const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
-    for (uint32_t i = 0; i < n; i++) {
-        const double *row = m->inverse_mass + (diagonal ? i : i * (size_t)n);
-        const dm_node v = diagonal ? b->p[i] : combine(b, row, b->p, m->momentum_shift);
-        const dm_node rest = b->plain   ? 0
-                             : diagonal ? b->low_p[i]
-                                        : combine(b, row, b->low_p, NULL);
-        const dm_node a = diagonal ? times(b, *row, ha) : ha;
-        drift_by(b, b->q + i, b->low_q + i, (dm_product){a, v}, rest);
+    for (uint32_t i = 0; i < b->model->n; i++) {
+        const dm_product x = drift_of(b, i, ha, b->p, b->model->momentum_shift);
+        dm_node *q = b->q + i, *low = b->low_q + i;
+        const dm_node y = dm_multiply_add(b->graph, x.a, x.b, b->plain ? *q : *low);
+        dm_fusion_leave(b, q, low, b->plain ? y : dm_add(b->graph, *q, y), x);
     }
+    b->drifted = b->plain ? 0 : ha;
+}
+
+/* low += x + (high - sum), of which the bracket is exact and the product not rounded where the
+ * processor rounds a b + c once; those of p first, which a drift did not see. */
+void dm_fusion_settle(dm_fusion *b) {
+    for (uint32_t k = 0; k < b->late_count; k++) {
+        const dm_remainder *r = b->late + k;
+        const dm_node lost = dm_sub(b->graph, r->high, r->sum);
+        *r->low = dm_add(b->graph, *r->low, dm_multiply_add(b->graph, r->x.a, r->x.b, lost));
+    }
+    for (uint32_t i = 0; b->drifted && i < b->model->n; i++) {
+        const dm_product x = drift_of(b, i, b->drifted, b->low_p, NULL);
+        b->low_q[i] = dm_multiply_add(b->graph, x.a, x.b, b->low_q[i]);
+    }
+    b->late_count = 0;
+    b->drifted = 0;
 }
 
 /* What is carried out of a part is the state as it is by now. */
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {
+    dm_fusion_settle(b);
     *out = (dm_loop_part){b->graph, b->state, b->coefficients, b->model->params > 0};
     return !b->failed && dm_graph_status(b->graph) == DM_OK;
 }

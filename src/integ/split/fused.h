@@ -4,11 +4,10 @@
  * same bits.
  *
  * Carried: q[n], p[n], the low parts of both, then what a part adds. A kick is high' = (high + low)
- * + a b, low' = (low + a b) + (high - high'), each a b added with one rounding, so that the next
- * force waits for one operation. A drift is y = low + a b, high' = high + y, low' = low + (a b +
- * (high - high')) + a rest, where the last a b is not rounded, and the rest of the momentum is what
- * b, which is about a double, does not have: by a decimal h roundings of a b alone have a mean.
- * (Where a b is rounded before it is added low' = y + (high - high') + a rest.)
+ * + a b, with one rounding of a b and the bracket, so that the next force waits for one operation. A
+ * drift is high' = high + (low + a b). Of both low' = low + (a b + (high - high')), where a b is not
+ * rounded: by a decimal h roundings of a b, alone or with low, have a mean. A drift adds a rest,
+ * which is what p has beside b, to the low part of q.
  *
  * Where a force is a coordinate times a factor, as in -q/r^3, it is the factor that is multiplied
  * by h b, as early as can be: one product for all coordinates, and none of them waits for it. */
@@ -40,6 +39,17 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, in
 /* Products in the factors are added at once (algebra/contract.h). 0 without memory. */
 int dm_kicks_contract(dm_kicks *k);
 
+/* a * b, what is added to a momentum or a position. */
+typedef struct {
+    dm_node a, b;
+} dm_product;
+
+/* A low part that is still to be made. */
+typedef struct {
+    dm_node high, sum, *low;
+    dm_product x;
+} dm_remainder;
+
 /* A part under construction, made as it stands. */
 typedef struct {
     dm_graph *graph;
@@ -50,8 +60,11 @@ typedef struct {
     dm_node *q, *p, *low_q, *low_p, *more; /* inside of state */
     dm_node *with;                         /* [inputs of L] what stands for q, v, t */
     uint32_t coefficients;                 /* asked for so far */
-    int failed;                            /* memory was refused */
-    int plain; /* sums without low parts: the state's stay as they are */
+    dm_remainder *late;                    /* [2n] */
+    uint32_t late_count;
+    dm_node drifted; /* ha of a drift whose q lack the low parts of p; 0: none */
+    int failed;      /* memory was refused */
+    int plain;       /* sums without low parts: the state's stay as they are */
 } dm_fusion;
 
 /* 0 without memory. */
@@ -66,11 +79,6 @@ void dm_fusion_params(dm_fusion *b);
 /* factors[kicks->count] at b->q and time t, those of coordinates times hb; minus = -hb. */
 void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb, dm_node minus);
 
-/* a * b, what is added to a momentum or a position. */
-typedef struct {
-    dm_node a, b;
-} dm_product;
-
 /* to + hb times the constant of expression i. */
 dm_node dm_fusion_constant(dm_fusion *b, uint32_t i, dm_node hb, dm_node to);
 
@@ -78,8 +86,11 @@ dm_node dm_fusion_constant(dm_fusion *b, uint32_t i, dm_node hb, dm_node to);
 dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb);
 
 /* high + low += x; low may have other increments in it already. What waits for the last of x
- * waits for one operation. */
+ * waits for one operation. The low part is made by dm_fusion_settle. */
 void dm_fusion_add_product(dm_fusion *b, dm_node *high, dm_node *low, dm_product x);
+
+/* The same, *high being `sum`. */
+void dm_fusion_leave(dm_fusion *b, dm_node *high, dm_node *low, dm_node sum, dm_product x);
 
 /* high + low += y - low, where y has the old low part in it. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y);
@@ -90,8 +101,11 @@ void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x);
 /* v[n] = M^-1 (p - shift), and the shifted moved[n] = p - shift (may be NULL). */
 void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node *p);
 
-/* q += ha M^-1 (p - shift), and the low parts of p in the low parts of q. */
+/* q += ha M^-1 (p - shift), and the low parts of p in the low parts of q, by dm_fusion_settle. */
 void dm_fusion_drift(dm_fusion *b, dm_node ha);
+
+/* Make the low parts of all sums so far; dm_fusion_end does it too. */
+void dm_fusion_settle(dm_fusion *b);
 
 /* What dm_loop_native takes; 0: no memory. */
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out);

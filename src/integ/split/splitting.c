@@ -95,21 +95,46 @@ static uint32_t evaluations(const dm_splitting *table) {
     return (uint32_t)(table->stages - drifts);
 }
 
+/* A loop makes the force where it kicks, so that kick, drift needs no drift of length zero before
+ * it, by which other roads have the force of the end of the step before. */
+static dm_splitting for_loop(const dm_splitting *table) {
+    dm_splitting out = *table;
+    if (table->b[0] != 0.0 || table->a[0] != 0.0) return out;
+    out.stages--;
+    memmove(out.b, table->b + 1, sizeof out.b - sizeof *out.b);
+    memmove(out.a, table->a + 1, sizeof out.a - sizeof *out.a);
+    return out;
+}
+
+/* times of kicks */
+static void set_times(layout *l) {
+    for (int k = 0; k < l->table.stages; k++) l->c[k + 1] = l->c[k] + l->table.a[k];
+    l->c[l->table.stages] = 1.0;
+}
+
+/* The loop of the table, which is then the one that it goes by. */
+static void open_loop(layout *l, const dm_stepper *s) {
+    const dm_splitting table = for_loop(&l->table);
+    l->loop = dm_splitting_loop_open(s->model, &table, s->plain);
+    if (!l->loop) return;
+    l->table = table;
+    set_times(l);
+}
+
 static dm_status open(dm_stepper *s) {
     const dm_model *m = s->model;
     layout *l = (layout *)(void *)s->work;
     *l = (layout){.loop = NULL};
     s->rule->method->splitting(&l->table, s->rule);
     const dm_splitting *table = &l->table;
-    for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
-    l->c[table->stages] = 1.0;
+    set_times(l);
     /* without them the loop below serves */
     if (m->structure & DM_CELLS)
         l->cells = dm_cells_split_open(m, table, s->plain, s->threads, s->work + layout_size());
     else if (m->structure & DM_LOOPS)
         l->chain = dm_chain_open(m, table, s->plain, loop_work(s));
     else
-        l->loop = dm_splitting_loop_open(m, table, s->plain);
+        open_loop(l, s);
     if (m->structure & DM_LOOPS && !l->cells && !l->chain && s->threads > 1 &&
         dm_loops_lend(&m->force, NULL))
         l->team = dm_team_open(team_work(s), s->threads);

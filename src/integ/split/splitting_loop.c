@@ -33,6 +33,7 @@ static void fuse_force(dm_fusion *b, int kicks) {
                   minus = dm_fusion_coefficient(b);
     dm_fusion_params(b);
     dm_fusion_factors(b, b->more, t, hb, minus);
+    dm_fusion_settle(b);
     for (uint32_t i = 0; kicks && i < b->model->n; i++) {
         dm_node *to = b->plain ? b->p + i : b->low_p + i;
         *to = dm_fusion_constant(b, i, hb, *to);
@@ -45,13 +46,11 @@ static void fuse_head(dm_fusion *b) {
     const dm_node hb = dm_fusion_coefficient(b);
     for (uint32_t i = 0; i < b->model->n; i++) {
         const dm_product x = dm_fusion_kick(b, b->more, i, hb);
-        const dm_node p = b->p[i], moved = dm_fusion_constant(b, i, hb, p);
-        b->p[i] = dm_multiply_add(b->graph, x.a, x.b, moved);
-        if (b->plain) continue;
+        dm_node *p = b->p + i, *low = b->plain ? p : b->low_p + i;
+        const dm_node before = dm_fusion_constant(b, i, hb, *p);
         /* not by way of the low part, for which the drift would wait */
-        const dm_node low = dm_fusion_constant(b, i, hb, b->low_p[i]);
-        const dm_node y = dm_multiply_add(b->graph, x.a, x.b, low);
-        b->low_p[i] = dm_add(b->graph, y, dm_sub(b->graph, p, b->p[i]));
+        dm_fusion_leave(b, p, low, dm_multiply_add(b->graph, x.a, x.b, before), x);
+        *low = b->plain ? *low : dm_fusion_constant(b, i, hb, *low);
     }
     dm_fusion_drift(b, dm_fusion_coefficient(b));
     fuse_force(b, 1);

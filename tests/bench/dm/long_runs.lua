@@ -65,6 +65,37 @@ local function tied_to_origin(random)
   return q, v
 end
 
+-- bodies of the plane about these places with about these speeds, all turned by one angle
+local function near(places, apart, speeds, faster)
+  return function(random)
+    local q, v, angle = {}, {}, 2 * math.pi * random()
+    for i = 1, #places, 2 do
+      q[i], q[i + 1] = turn(places[i] + apart * (random() - 0.5), places[i + 1] + apart * (random() - 0.5), angle)
+      v[i], v[i + 1] = turn(speeds[i] + faster * (random() - 0.5), speeds[i + 1] + faster * (random() - 0.5), angle)
+    end
+    return q, v
+  end
+end
+
+-- the same in the frame in which bodies of these masses have no momentum together
+local function at_rest(start, masses)
+  return function(random)
+    local q, v = start(random)
+    for k = 0, 1 do
+      local p, all = 0, 0
+      for i, m in ipairs(masses) do p, all = p + m * v[2 * i - 1 + k], all + m end
+      for i = 1, #masses do v[2 * i - 1 + k] = v[2 * i - 1 + k] - p / all end
+    end
+    return q, v
+  end
+end
+
+local function nearly_round(random)
+  local x, y = turn(1, 0, 6 * random())
+  local speed = 0.9 + 0.2 * random()
+  return { x, y, 0.2 * random() }, { -y * speed, x * speed, 0.4 * random() }
+end
+
 -- a top's axis anywhere, turning
 local SO3 = dm.SO(3)
 local function turning(random)
@@ -94,6 +125,8 @@ local function impulse(q)
 end
 
 local few = { "verlet", "symplectic-euler", "yoshida(4)", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "gauss(6)", "lobatto(3)" }
+local more = { "verlet", "symplectic-euler", "yoshida(4)", "blanes-moan(6)", "midpoint", "gauss(2)", "gauss(3)", "gauss(6)",
+  "lobatto(3)", "lobatto(4)", "trapezoidal", "del", "galerkin(2, gauss(3))" }
 local explicit = { "verlet", "symplectic-euler", "yoshida(4)", "yoshida(6)", "suzuki(4)", "mclachlan(4)", "kahan-li(6)",
   "kahan-li(8)", "suzuki-umeno(8)", "sofroniou-spaletta(10)", "blanes-moan(4)", "blanes-moan(6)" }
 local implicit = { "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "gauss(6)", "gauss(8)", "lobatto(3)", "lobatto(4)",
@@ -156,6 +189,24 @@ local systems = {
     local xx, xy, yy = q[1] ^ 2 + q[2] ^ 2, q[1] * q[3] + q[2] * q[4], q[3] ^ 2 + q[4] ^ 2
     return v:dot(v) / 2 - xx / 2 - 0.75 * yy / 2 - 0.25 * xy - 0.125 * yy ^ 2
   end } },
+  { name = "weighted", h = 0.05, start = at_rest(near({ -0.7, 0, 0.3, 0 }, 0.4, { 0, -0.6, 0, 0.3 }, 0.3), { 0.7, 2.7 }),
+    J = angular_of_two, rules = more, system = dm.system { Q = dm.R(4), L = function(q, v)
+      local x, y, u, w = q:slice(1, 2), q:slice(3, 4), v:slice(1, 2), v:slice(3, 4)
+      return 0.7 * u:dot(u) / 2 + 2.7 * w:dot(w) / 2 - 0.9 * ((x - y):norm() - 1.1) ^ 2
+    end } },
+  { name = "coupled", h = 0.05, start = near({ -0.7, 0, 0.3, 0.2 }, 0.4, { 0, -0.6, 0.2, 0.3 }, 0.3), J = angular_of_two,
+    rules = more, system = dm.system { Q = dm.R(4), L = function(q, v)
+      local x, y, u, w = q:slice(1, 2), q:slice(3, 4), v:slice(1, 2), v:slice(3, 4)
+      return u:dot(u) / 2 + 1.7 * w:dot(w) / 2 + 0.3 * u:dot(w) - x:dot(x) / 2 - 0.7 * y:dot(y) / 2 - 0.3 * x:dot(y) - 0.1 * y:dot(y) ^ 2
+    end } },
+  { name = "J2", h = 0.05, start = nearly_round, J = angular, rules = more, system = dm.system { Q = dm.R(3), L = function(q, v)
+    local r = q:norm()
+    return v:dot(v) / 2 + 1 / r - 0.013 * (3 * q[3] ^ 2 / r ^ 5 - 1 / r ^ 3) / 2
+  end } },
+  { name = "exp", h = 0.05, start = near({ 0.8, 0 }, 0.5, { 0, 0.8 }, 0.5), J = angular,
+    rules = { "midpoint", "gauss(2)", "gauss(3)", "lobatto(3)" }, system = dm.system { Q = dm.R(2), L = function(q, v)
+      return v:dot(v) * dm.exp(-0.3 * q:dot(q)) / 2 + 0.9 * dm.exp(-q:dot(q) / 1.7) - 0.1 * q:dot(q) ^ 2 + 0.2 * (q[1] * v[2] - q[2] * v[1])
+    end } },
   { name = "vortices", h = 0.05, start = vortices, J = impulse, rules = { "degenerate(1)", "degenerate(2)" },
     system = dm.system { Q = dm.R(6), L = function(q, v)
       local sum = 0
