@@ -36,8 +36,8 @@ local function seconds(f)
   return os.clock() - t
 end
 
-local only, turns = arg[1], tonumber(arg[2]) -- turns: to count instructions, of small ensembles
-if turns then MEMBERS, STEPS, ALONE, TURNS = 16, 200, 1000, turns end
+local only, turns, steps = arg[1], tonumber(arg[2]), tonumber(arg[3]) -- turns: to count instructions, of small ensembles
+if turns then MEMBERS, STEPS, ALONE, TURNS = steps and 64 or 16, steps or 200, steps or 1000, turns end
 print "model                      rule              alone ns  member ns  ratio  lanes"
 for _, model in ipairs(models) do
   local q, v = {}, {}

@@ -4,10 +4,10 @@
  * same bits.
  *
  * Carried: q[n], p[n], the low parts of both, then what a part adds. A kick is high' = (high + low)
- * + a b, with one rounding of a b and the bracket, so that the next force waits for one operation. A
- * drift is high' = high + (low + a b). Of both low' = low + (a b + (high - high')), where a b is not
- * rounded: by a decimal h roundings of a b, alone or with low, have a mean. A drift adds a rest,
- * which is what p has beside b, to the low part of q.
+ * + a b, where a b is added with one rounding, so that the next force waits for one operation; a
+ * drift is high' = high + (low + a b). Of both low' = low + (a b + (high - high')), in which a b is
+ * not rounded where the processor rounds a b + c once: by a decimal h roundings of a b, alone or
+ * with low, have a mean. A drift adds a rest, which is what p has beside b, to the low part of q.
  *
  * Where a force is a coordinate times a factor, as in -q/r^3, it is the factor that is multiplied
  * by h b, as early as can be: one product for all coordinates, and none of them waits for it. */
