@@ -190,7 +190,9 @@ local function grow(search, model, row, from)
     failing = err == huge and failing + 1 or 0
     local idle = err < huge and not (err < 0.5 * last)
     stuck = idle and N >= search.resolved and stuck + 1 or 0
-    if stuck > STUCK or failing > FAILING or costs_more(search, model, row.rule, N) then break end
+    -- a run that failed tells no cost: it would only be made again
+    local more_dear = err < huge and costs_more(search, model, row.rule, N)
+    if stuck > STUCK or failing > FAILING or more_dear then break end
     last = err
     local more = err < huge and (err / M.TARGET) ^ (1 / row.order) * 1.05 or 2
     -- few steps that the motion outruns err by its size, however many they are
