@@ -143,9 +143,7 @@ static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     const unsigned structure = r->model->model.structure;
     dml_rethrow(L, r->model);
     if (status != DM_OK && structure & DM_HAMILTONIAN)
-        luaL_error(L,
-                   "no start: no momentum has this velocity, dH/dp = v (%s): give 'p' instead of "
-                   "'v'",
+        luaL_error(L, "no start: no momentum has dH/dp = v (%s): give 'p' instead of 'v'",
                    dm_status_text(status));
     if (status == DM_SINGULAR)
         luaL_error(L, "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
