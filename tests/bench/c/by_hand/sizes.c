@@ -1,11 +1,11 @@
 /* sizes - what it costs sweeps by hand that they end by every coordinate's own size: the outer
- * solar system (P3), 100 days a step, by midpoint and gauss(2) to round-off from the polynomial of
+ * solar system (P3), 100 days a step, by gauss(1) = midpoint to gauss(8) to round-off from the polynomial of
  * the step before, sums compensated; W = 4: members side by side, W = 1: one alone. Moves are
  * judged by the size of all coordinates; by their own where these differ by 2^10, as dmlua does
  * (src/integ/stage/sweep), in the mean of squares or in their sum. Arguments: stages, policy
  * 0 to 2, steps: one of these, to count its instructions (callgrind, --toggle-collect=run).
  *   cc -O2 -mavx2 -mfma -DW=4 -o sizes tests/bench/c/by_hand/sizes.c -lm */
-#define _POSIX_C_SOURCE 199309L
+#define _DEFAULT_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 #ifndef W
 #define W 4
 #endif
-enum { BODIES = 6, N = 3 * BODIES, MOST = 2, TURNS = 40, SWEEPS = 60 };
+enum { BODIES = 6, N = 3 * BODIES, MOST = 8, TURNS = 40, SWEEPS = 60 };
 typedef double V __attribute__((vector_size(8 * W)));
 typedef long long I __attribute__((vector_size(8 * W)));
 
@@ -62,19 +62,49 @@ static inline V root(V x) {
     return r;
 }
 
-static table table_of(int stages) {
-    const double h = STEP, z = sqrt(3.0) / 6.0;
-    table t = {.c = {0.5}, .AA = {{0.25 * h * h}}, .bA = {0.5 * h * h}, .b = {h}, .ahead = {{1.0}}};
-    if (stages == 1) return t;
-    const double A[2][2] = {{0.25, 0.25 - z}, {0.25 + z, 0.25}};
-    for (int i = 0; i < 2; i++) {
-        t.c[i] = A[i][0] + A[i][1], t.b[i] = 0.5 * h;
-        t.bA[i] = 0.5 * h * h * (A[0][i] + A[1][i]);
-        for (int j = 0; j < 2; j++) t.AA[i][j] = h * h * (A[i][0] * A[0][j] + A[i][1] * A[1][j]);
+/* nodes and weights of Gauss on [0, 1] */
+static void gauss(int s, double *c, double *b) {
+    for (int i = 0; i < s; i++) {
+        double x = cos(M_PI * (i + 0.75) / (s + 0.5)), slope = 1.0;
+        for (int n = 0; n < 100; n++) {
+            double p = 1.0, before = 0.0;
+            for (int k = 0; k < s; k++) {
+                const double next = ((2 * k + 1) * x * p - k * before) / (k + 1);
+                before = p, p = next;
+            }
+            slope = s * (before - x * p) / (1.0 - x * x);
+            x -= p / slope;
+        }
+        c[s - 1 - i] = 0.5 + 0.5 * x;
+        b[s - 1 - i] = 1.0 / ((1.0 - x * x) * slope * slope);
     }
-    for (int i = 0; i < 2; i++) {
-        t.ahead[i][1] = (1.0 + t.c[i] - t.c[0]) / (t.c[1] - t.c[0]);
-        t.ahead[i][0] = 1.0 - t.ahead[i][1];
+}
+
+/* Lagrange's polynomial j of the nodes at x */
+static double lagrange(int s, const double *c, int j, double x) {
+    double out = 1.0;
+    for (int i = 0; i < s; i++)
+        if (i != j) out *= (x - c[i]) / (c[j] - c[i]);
+    return out;
+}
+
+static table table_of(int s) {
+    const double h = STEP;
+    double A[MOST][MOST] = {{0}}, b[MOST];
+    table t = {.c = {0}};
+    gauss(s, t.c, b);
+    for (int i = 0; i < s; i++)
+        for (int j = 0; j < s; j++) {
+            t.ahead[i][j] = lagrange(s, t.c, j, 1.0 + t.c[i]);
+            for (int k = 0; k < s; k++)
+                A[i][j] += t.c[i] * b[k] * lagrange(s, t.c, j, t.c[i] * t.c[k]);
+        }
+    for (int i = 0; i < s; i++) {
+        t.b[i] = h * b[i];
+        for (int k = 0; k < s; k++) {
+            t.bA[i] += h * h * b[k] * A[k][i];
+            for (int j = 0; j < s; j++) t.AA[i][j] += h * h * A[i][k] * A[k][j];
+        }
     }
     return t;
 }
@@ -110,13 +140,13 @@ static inline V measure(const group *g, const V *x, V *unit, int *apart, policy 
 }
 
 /* new places of the stages; the sum of squares of the moves */
-static inline V move(const group *g, const table *t, V x[][N], V base[][N], int stages,
-                     const V *unit) {
+static inline __attribute__((always_inline)) V move(const group *g, const table *t, V x[][N],
+                                                    V base[][N], int stages, const V *unit) {
     V moved = {0};
     for (int k = 0; k < N; k++)
         for (int i = 0; i < stages; i++) {
-            V sum = base[i][k] + t->AA[i][0] * g->u[0][k];
-            if (stages > 1) sum += t->AA[i][1] * g->u[1][k];
+            V sum = base[i][k];
+            for (int j = 0; j < stages; j++) sum += t->AA[i][j] * g->u[j][k];
             const V now = g->q[k] + sum, d = now - x[i][k];
             moved += unit ? d * unit[k] * d : d * d;
             x[i][k] = now;
@@ -125,14 +155,14 @@ static inline V move(const group *g, const table *t, V x[][N], V base[][N], int 
 }
 
 /* the first stages, by the forces of the step before */
-static inline void set_off(const group *g, const table *t, V x[][N], V base[][N], int stages,
-                           int warm) {
+static inline __attribute__((always_inline)) void set_off(const group *g, const table *t, V x[][N],
+                                                          V base[][N], int stages, int warm) {
     for (int i = 0; i < stages; i++)
         for (int k = 0; k < N; k++) {
             V sum = base[i][k] = g->q_low[k] + STEP * t->c[i] * g->v[k];
             for (int j = 0; j < stages && warm; j++) {
-                V u = t->ahead[j][0] * g->u[0][k];
-                if (stages > 1) u += t->ahead[j][1] * g->u[1][k];
+                V u = {0};
+                for (int m = 0; m < stages; m++) u += t->ahead[j][m] * g->u[m][k];
                 sum += t->AA[i][j] * u;
             }
             x[i][k] = g->q[k] + sum;
@@ -140,7 +170,8 @@ static inline void set_off(const group *g, const table *t, V x[][N], V base[][N]
 }
 
 /* sweeps until what the last one leaves is round-off in all members */
-static inline int iterate(group *g, const table *t, int stages, policy how, int warm) {
+static inline __attribute__((always_inline)) int iterate(group *g, const table *t, int stages,
+                                                         policy how, int warm) {
     V x[MOST][N], base[MOST][N], unit[N], change = same(1.0);
     I open = ~(I){0}, rated = {0};
     int apart;
@@ -170,11 +201,12 @@ static inline void add(V *high, V *low, V d) {
     *low = e + (old - *high);
 }
 
-static inline int step(group *g, const table *t, int stages, policy how, int warm) {
+static inline __attribute__((always_inline)) int step(group *g, const table *t, int stages,
+                                                      policy how, int warm) {
     if (!iterate(g, t, stages, how, warm)) return 0;
     for (int k = 0; k < N; k++) {
-        V dq = STEP * g->v[k] + t->bA[0] * g->u[0][k], dv = t->b[0] * g->u[0][k];
-        if (stages > 1) dq += t->bA[1] * g->u[1][k], dv += t->b[1] * g->u[1][k];
+        V dq = STEP * g->v[k], dv = {0};
+        for (int j = 0; j < stages; j++) dq += t->bA[j] * g->u[j][k], dv += t->b[j] * g->u[j][k];
         add(g->q + k, g->q_low + k, dq);
         add(g->v + k, g->v_low + k, dv);
     }
@@ -182,7 +214,8 @@ static inline int step(group *g, const table *t, int stages, policy how, int war
 }
 
 /* from its start, members 1e-3 of Jupiter's place apart */
-static inline double steps_of(group *g, int stages, policy how, long steps) {
+static inline __attribute__((always_inline)) double steps_of(group *g, int stages, policy how,
+                                                             long steps) {
     const table t = table_of(stages);
     *g = (group){.rate = same(0.01)};
     for (int k = 0; k < N; k++) g->q[k] = same(place[k]), g->v[k] = same(speed[k]);
@@ -193,7 +226,20 @@ static inline double steps_of(group *g, int stages, policy how, long steps) {
 }
 
 __attribute__((noinline)) static double run(group *g, int stages, policy how, long steps) {
-    return stages == 1 ? steps_of(g, 1, how, steps) : steps_of(g, 2, how, steps);
+    switch (stages) { /* a copy of the code for each */
+    case 1:
+        return steps_of(g, 1, how, steps);
+    case 2:
+        return steps_of(g, 2, how, steps);
+    case 3:
+        return steps_of(g, 3, how, steps);
+    case 4:
+        return steps_of(g, 4, how, steps);
+    case 6:
+        return steps_of(g, 6, how, steps);
+    default:
+        return steps_of(g, 8, how, steps);
+    }
 }
 
 static double now(void) {
@@ -208,7 +254,9 @@ int main(int count, char **argument) {
         printf("%.17g\n", run(g, atoi(argument[1]), (policy)atoi(argument[2]), atol(argument[3])));
         return 0;
     }
-    for (int stages = 1; stages <= 2; stages++) {
+    static const int all[] = {1, 2, 3, 4, 6, 8};
+    for (int a = 0; a < 6; a++) {
+        const int stages = all[a];
         const long steps = 400;
         double best[POLICIES] = {INFINITY, INFINITY, INFINITY};
         for (int turn = 0; turn < TURNS; turn++)
