@@ -106,9 +106,10 @@ dm_status dm_del_finish(dm_del *e);
 dm_status dm_del_solve(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report,
                        int *follows);
 
-/* The determinant of a step whose matrix has these factors. DM_INERTIA: it has another sign than
- * that of the step before. Was that about to vanish? */
+/* The determinant of a step whose matrix has these factors. Has it another sign than that of the
+ * step before? Then DM_INERTIA. Was that about to vanish? */
 void dm_del_note(dm_del *e, const double *LU, const uint32_t *pivot);
+int dm_del_has_turned(const dm_del *e);
 dm_status dm_del_look(const dm_del *e);
 int dm_del_is_fading(const dm_del *e);
 

@@ -15,11 +15,19 @@ void dm_del_note(dm_del *e, const double *LU, const uint32_t *pivot) {
 }
 
 /* Rows of rolling constraints turn, and those that may cross change signs as they do. */
-dm_status dm_del_look(const dm_del *e) {
+static int is_told(const dm_del *e) {
     const dm_constraints *c = e->m->constraints;
+    return !e->l && !(c && c->crossings) && e->sign != 0.0;
+}
+
+int dm_del_has_turned(const dm_del *e) {
+    return is_told(e) && e->memory[DM_DEL_SIGN] == -e->sign;
+}
+
+dm_status dm_del_look(const dm_del *e) {
     double *memory = e->memory;
-    if (e->l || (c && c->crossings) || e->sign == 0.0) return DM_OK;
-    if (memory[DM_DEL_SIGN] == -e->sign) return DM_INERTIA;
+    if (dm_del_has_turned(e)) return DM_INERTIA;
+    if (!is_told(e)) return DM_OK;
     memory[DM_DEL_FALL] = memory[DM_DEL_SIGN] == 0.0 ? 1.0 : e->inverse / memory[DM_DEL_INVERSE];
     memory[DM_DEL_SIGN] = e->sign, memory[DM_DEL_INVERSE] = e->inverse;
     return DM_OK;

@@ -273,6 +273,7 @@ static int solve_near(dm_del *e, const dm_stepper *s, dm_newton_report *report) 
 static void find_determinant(dm_del *e) {
     double *r = e->scratch, *J = r + e->N;
     uint32_t *pivot = (uint32_t *)(void *)(J + e->N * (size_t)e->N);
+    e->sign = 0.0;
     if (equation(e, r, J, e->z) == DM_OK && dm_lu_factor(J, pivot, e->N) == DM_OK)
         dm_del_note(e, J, pivot);
 }
@@ -320,11 +321,16 @@ static dm_status solve_far(dm_del *e, const dm_stepper *s, double h, dm_newton_r
     return first == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;
 }
 
+/* Near the z that steps before foretell, or a root that may be far from it: where that one is on
+ * another branch, as the determinant tells, the one from z = 0, if there is one. */
 dm_status dm_del_solve(dm_del *e, const dm_stepper *s, double h, dm_newton_report *report,
                        int *follows) {
     *follows = continued(e);
-    if (*follows && solve_near(e, s, report)) return DM_OK;
+    const int near = *follows && solve_near(e, s, report);
+    if (near && !dm_del_has_turned(e)) return DM_OK;
     const dm_status status = solve_far(e, s, h, report);
     if (status == DM_OK) find_determinant(e);
-    return status;
+    if (status == DM_OK || !near) return status;
+    continued(e);
+    return solve_near(e, s, report) ? DM_OK : status;
 }
