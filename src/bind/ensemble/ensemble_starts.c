@@ -174,8 +174,8 @@ static void refuse_starts(lua_State *L) {
 
 int dml_check_starts(lua_State *L, const dml_solver *solver, long members) {
     const int velocity = has(L, "v"), momentum = has(L, "p");
-    if (velocity ? momentum : !momentum && solver->pair) refuse_starts(L);
-    if (velocity && solver->pair)
+    if (velocity ? momentum : !momentum && solver->alone) refuse_starts(L);
+    if (velocity && solver->alone)
         luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
     dml_check_source(L, 2, "q", members);
     if (!velocity && !momentum) return DML_PLACES_ALONE;

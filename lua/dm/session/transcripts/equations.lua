@@ -144,7 +144,7 @@ M["scene.why"] = [=[
 > scene = dm.scene { system = s, q = {1}, v = {0}, watch = { "q1" }, tolerance = 1e-3,
 >>   until_t = 5, rules = { "verlet" } }
 > scene:why():match "choice: ([^:]*)"
-linear about an equilibrium, 1 of 1 modes, verlet with h = 0.06494 (77 steps)]=]
+linear about an equilibrium, 1 of 1 modes, verlet with h = 0.06329 (79 steps)]=]
 
 M["sparse.all_eigenpairs"] = [=[
 > A = dm.mesh { simplices = { {1, 2}, {2, 3} }, points = { {0}, {1}, {2} } }:incidence(0)
