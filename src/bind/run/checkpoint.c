@@ -315,6 +315,12 @@ static int is_own(lua_State *L, int options) {
     return own;
 }
 
+/* the name of the rule on top of the stack, which is left there; an object is "rule NAME" */
+static const char *push_rule_name(lua_State *L) {
+    const char *name = luaL_tolstring(L, -1, NULL);
+    return strncmp(name, "rule ", 5) == 0 ? name + 5 : name;
+}
+
 /* rule and backend of the options at 3: the rule as an object, where the file has only its name */
 static void override(lua_State *L, int options) {
     static const char *const known[] = {"rule", "backend", NULL};
@@ -322,7 +328,7 @@ static void override(lua_State *L, int options) {
     if (!lua_isnil(L, 3)) dml_options(L, 3, known);
     const int given = !lua_isnil(L, 3) && lua_getfield(L, 3, "rule") != LUA_TNIL;
     lua_getfield(L, options, "rule");
-    const char *rule = luaL_tolstring(L, -1, NULL);
+    const char *rule = push_rule_name(L);
     if (own && !given)
         luaL_error(L,
                    "the checkpoint is of '%s', a rule that a file does not hold: dm.resume(file, "
@@ -330,8 +336,7 @@ static void override(lua_State *L, int options) {
                    rule);
     if (given) {
         lua_getfield(L, 3, "rule");
-        const char *now = luaL_tolstring(L, -1, NULL);
-        if (strncmp(now, "rule ", 5) == 0) now += 5;
+        const char *now = push_rule_name(L);
         if (strcmp(now, rule) != 0)
             luaL_error(L,
                        "the checkpoint is of rule '%s', not '%s': with another rule start a new "

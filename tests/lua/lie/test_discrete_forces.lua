@@ -125,6 +125,11 @@ local file = os.tmpname()
 solver:run { q = q, p = I * w, steps = 40 }:checkpoint(file)
 ok(dm.resume(file, Ld):run { steps = 60 }.p[61] == path.p[101], "a run goes on bit for bit")
 ok(dm.resume(file, forced(0.05)):run { steps = 60 }.p[61] == path.p[101], "with an Ld that was made again, too")
+local short = solver:run { q = q, p = I * w, steps = 40 }
+ok(dm.resume(short, Ld):run { steps = 60 }.p[61] == path.p[101], "from a path and its Ld, too")
+for _, from in ipairs { short, file } do
+  raises("of rule 'del (own)', not 'midpoint'", dm.resume, from, Ld, { rule = "midpoint" })
+end
 raises("not the one of the checkpoint", function()
   return dm.resume(file, forced(0.05, { force = function() return { { 0, 0, 0 }, { 0, 0, 0 } } end })):run { steps = 2 }
 end)

@@ -244,7 +244,7 @@ put_resume(function(from, model, given)
   if options.got(model) ~= "dm.group_lagrangian" then return resume(from, model, given) end
   if model.system then return resume(from, model.system, given) end
   local out = lists.copy(given or {})
-  out.rule = own_rule(model)
+  out.rule = out.rule or own_rule(model) -- another one is refused by its name
   return resume(from, model.frame, out)
 end, resume_doc)
 
