@@ -91,7 +91,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     s->report.matrices += report.jacobians;
     s->report.evaluations += e.evaluations;
     if (status != DM_OK) {
-        s->report.trouble.fading = dm_del_is_fading(&e);
+        /* where constraints cross the determinant vanishes by them */
+        s->report.trouble.fading = !s->report.trouble.crosses && dm_del_is_fading(&e);
         return status;
     }
     dm_del_keep(&e, follows);

@@ -81,6 +81,15 @@ local pairs_of = dm.discrete_lagrangian { Q = dm.R(2), h = h, constraint = funct
   Ld = function(a, b) local d = b - a return d:dot(d) / (2 * h) end }
 local fine, stopped = pcall(function() return pairs_of:solver():run { q = { -1, 0 }, p = { 1.3, 0 }, steps = 100 } end)
 ok(not fine and stopped.constraint == 1 and #stopped.path <= 12, "del: is told", stopped)
+-- in words of their own, though the determinant of the step goes to zero there, too
+for _, more in ipairs { {}, { function(q) return q[3] - q[1] end } } do
+  local crossed = select(2, pcall(function()
+    return dm.discrete_lagrangian { Q = dm.R(3), h = 0.07, Ld = function(a, b) return (b - a):dot(b - a) / 0.14 end,
+      constraint = function(q) return { q[1] * q[2], more[1] and more[1](q) or q[3] } end }
+      :solver():run { q = { -1, 0, more[1] and -1 or 0 }, p = { 1, 0, more[1] and 1 or 0 }, steps = 40 }
+  end))
+  ok(tostring(crossed):find("the constraints cross there", 1, true) and not crossed.fading, "del: names the crossing, not a fold", crossed)
+end
 
 -- where it is said that steps may: straight on, since nothing turns the motion
 local straight = { Q = dm.R(2), L = free, crossings = true, constraint = cases[1][2].constraint }
