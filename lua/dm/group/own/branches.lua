@@ -133,8 +133,8 @@ local function other_branch(kit, g)
   return best and distance(g, kit.exp(best)) <= LOOSE and best or nil
 end
 
--- Where eigenvalues are -1, in pairs, as of half turns: from the logarithm of an element beside g,
--- by Newton's method, g = exp(r) exp(x) with exp(x + dexpinv(x, r)) near; nil.
+-- Where eigenvalues are -1, in pairs, as of half turns, or nearly so: from the logarithm of an
+-- element beside g, by Newton's method, g = exp(r) exp(x) with exp(x + dexpinv(x, r)) near; nil.
 local function on_cut(kit, g)
   local stream = core.random(29)
   for k = 1, TRIES do
@@ -157,7 +157,8 @@ function M.log(kit, g)
   local d, off = principal(kit, g)
   if d and off <= LOOSE then return d end
   if not d then return on_cut(kit, g) or kit.principal(g) end -- says why there is none
-  return other_branch(kit, g) or error("no logarithm of the matrix lies in the algebra", 0)
+  return other_branch(kit, g) or on_cut(kit, g)
+    or error("no logarithm of the matrix lies in the algebra", 0)
 end
 
 --- How far g is from the group, by its principal logarithm, or its square's, where it has one.
