@@ -164,6 +164,16 @@ local many = steady:ensemble { members = 4, q = function() return lean end,
   p = function(i) return same.p[1] * i end, steps = 30 }
 ok(many.p[4] == steady:run { q = lean, p = same.p[1] * 4, steps = 30 }.p[31], "and so do members")
 
+-- what a constraint takes from outside may change: its rows are then others, too
+local part = 1
+local function mixed() return forced(0.05, { constraint = function(g) return part * (g[3][3] - lean[3][3]) + (1 - part) * (g[3][1] - lean[3][1]) end }) end
+local tilted = mixed()
+local again = { q = lean, p = same.p[1], steps = 20 }
+local before = tilted:solver():run(again)
+part = 0.5
+local after = tilted:solver():run(again)
+ok(after.p[21] == mixed():solver():run(again).p[21] and after.p[21] ~= before.p[21], "rows follow what a constraint takes from outside")
+
 ---- rolling: Suslov's body, w3 = 0, with gravity ----
 
 local function no_spin(g0, g1, h) return step_of(g0, g1)[3] / h end

@@ -121,12 +121,14 @@ local function combined(rows, x, first, d)
 end
 
 -- g of (q1), and its rows at q0
-local function holonomic_of(Ld)
+local function holonomic_of(Ld, keep)
   local P, N, d = Ld.place, Ld.place.size, Ld.place.dimension
   local function g(q) return lists.entries(Ld.constraint(P.element(q))) end
-  local slopes = core.derivative(function(q, e) return g(P.carry(q, P.near(e))) end, N, d)
+  local slopes = keep(g, { N }, function()
+    return core.derivative(function(q, e) return g(P.carry(q, P.near(e))) end, N, d)
+  end)
   local function rows(q, count)
-    local J, out = slopes(q, core.zeros(d)), {}
+    local J, out = slopes()(q, core.zeros(d)), {}
     for c = 1, count do out[c] = part(J[c], N, d) end
     return out
   end
@@ -144,11 +146,11 @@ end
 
 -- what the impulses x[d + 1 ...] are to p0, and what shall be zero at the end, of (q0, q1, x); how
 -- many there are
-local function ties_of(Ld)
+local function ties_of(Ld, keep)
   local d, facts = Ld.place.dimension, Ld.frame:structure()
   local k, l = facts.constraints or 0, facts.rolling or 0
   local g, rows, phi, E
-  if k > 0 then g, rows = holonomic_of(Ld) end
+  if k > 0 then g, rows = holonomic_of(Ld, keep) end
   if l > 0 then phi, E = of_pair(Ld, Ld.rolling), reactions_of(Ld) end
   local function pull(q0, q1, x)
     local sum = g and combined(rows(q0, k), x, d, d) or core.zeros(d)
@@ -164,10 +166,10 @@ end
 --- The step of Ld as a rule,
 --   p0 = -D1 Ld - F1 - G^T lambda - E^T mu,  g(g1) = 0,  phi(g0, g1) = 0,  p1 = D2 Ld + F2,
 -- g1 = g0 exp(x). What the root leaves of the first has a mean; carried on to p1 by the coadjoint
--- action it moves no momentum map.
-function M.rule(Ld)
+-- action it moves no momentum map. keep: as for M.way.
+function M.rule(Ld, keep)
   local kit, P, d = kits.of(Ld.Q), Ld.place, Ld.place.dimension
-  local pull, held, k, l = ties_of(Ld)
+  local pull, held, k, l = ties_of(Ld, keep)
   local ties = k + l
   -- g1; what is left of p0; p1
   local function ends(y, x)

@@ -158,7 +158,7 @@ Noether's momentum at g1, as path:momentum: of the group itself spatial, { side 
 the time at g0 (0).]])
 -- of a formula one for all solvers: its order is measured once
 local function own_rule(Ld)
-  Ld.own_rule = Ld.own_rule or formula.rule(Ld)
+  Ld.own_rule = Ld.own_rule or formula.rule(Ld, while_same)
   return Ld.own_rule
 end
 
