@@ -130,6 +130,7 @@ ok(dm.resume(short, Ld):run { steps = 60 }.p[61] == path.p[101], "from a path an
 for _, from in ipairs { short, file } do
   raises("of rule 'del (own)', not 'midpoint'", dm.resume, from, Ld, { rule = "midpoint" })
 end
+raises("dm.resume", dm.resume, short, Ld, "midpoint")
 raises("not the one of the checkpoint", function()
   return dm.resume(file, forced(0.05, { force = function() return { { 0, 0, 0 }, { 0, 0, 0 } } end })):run { steps = 2 }
 end)

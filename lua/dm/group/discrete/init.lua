@@ -243,7 +243,8 @@ local resume, resume_doc, put_resume = class.wraps("dm.group.discrete", "resume"
 put_resume(function(from, model, given)
   if options.got(model) ~= "dm.group_lagrangian" then return resume(from, model, given) end
   if model.system then return resume(from, model.system, given) end
-  local out = lists.copy(given or {})
+  local out = lists.copy(options.check(given or {}, { "rule", "backend" }, "dm.resume",
+    "{ rule =, backend = }"))
   out.rule = out.rule or own_rule(model) -- another one is refused by its name
   return resume(from, model.frame, out)
 end, resume_doc)
