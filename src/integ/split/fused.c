@@ -162,7 +162,11 @@ void dm_fusion_params(dm_fusion *b) {
     for (uint32_t j = 0; j < b->model->params; j++) b->with[first + j] = dm_fusion_coefficient(b);
 }
 
-/* about the cycles from the inputs to every node */
+enum { AFTER_DRIFT = 16 }; /* cycles */
+
+/* About the cycles from the inputs to every node. Coordinates come after a drift, also where a part
+ * begins with them, so that all parts scale a factor in one way: bits do not depend on where bursts
+ * begin. */
 static uint16_t *measure_depth(const dm_fusion *b) {
     static const uint8_t cycles[DM_OP_COUNT] =
         {[DM_OP_NEG] = 1,  [DM_OP_ABS] = 1,   [DM_OP_ADD] = 3,  [DM_OP_SUB] = 3,
@@ -170,8 +174,12 @@ static uint16_t *measure_depth(const dm_fusion *b) {
          [DM_OP_DIV] = 14, [DM_OP_SQRT] = 14, [DM_OP_WHERE] = 3};
     const uint32_t size = dm_graph_size(b->graph);
     uint16_t *depth = dm_arena_take(b->model->source.arena, size * sizeof *depth);
-    for (dm_node i = 0; depth && i < size; i++) {
+    if (!depth) return NULL;
+    memset(depth, 0, size * sizeof *depth);
+    for (uint32_t i = 0; i < b->model->n; i++) depth[b->q[i]] = AFTER_DRIFT;
+    for (dm_node i = 0; i < size; i++) {
         const dm_expr *x = dm_graph_at(b->graph, i);
+        if (depth[i]) continue; /* a coordinate */
         uint32_t most = 0;
         const int count = dm_op_operands(x->op);
         for (int k = 0; k < count; k++)
@@ -182,10 +190,20 @@ static uint16_t *measure_depth(const dm_fusion *b) {
     return depth;
 }
 
-/* h b and -h b */
+static uint8_t *mark_coordinates(const dm_fusion *b) {
+    const uint32_t size = dm_graph_size(b->graph);
+    uint8_t *out = dm_arena_take(b->model->source.arena, size);
+    if (!out) return NULL;
+    memset(out, 0, size);
+    for (uint32_t i = 0; i < b->model->n; i++) out[b->q[i]] = 1;
+    return out;
+}
+
+/* h b and -h b; what no factor goes into: a coordinate is the sum of a drift in some parts only */
 typedef struct {
     dm_node plus, minus;
     const uint16_t *depth;
+    const uint8_t *whole;
 } scaling;
 
 static dm_node scale(dm_fusion *b, const scaling *x, dm_node f);
@@ -195,7 +213,7 @@ enum { EARLIER = 8 }; /* cycles that a product off the chain takes */
 /* x (p + q) or x (p - q): one of the two is there long before the other, of which it is a single
  * operation then */
 static dm_node scale_sum(dm_fusion *b, const scaling *x, const dm_expr *e) {
-    const scaling turned = {x->minus, x->plus, x->depth};
+    const scaling turned = {x->minus, x->plus, x->depth, x->whole};
     const dm_node p = scale(b, x, e->as.arg[0]);
     const dm_node q = scale(b, e->op == DM_OP_SUB ? &turned : x, e->as.arg[1]);
     const int first = x->depth[e->as.arg[0]] > x->depth[e->as.arg[1]];
@@ -210,6 +228,7 @@ static dm_node scale(dm_fusion *b, const scaling *x, dm_node f) {
     const dm_expr e = *dm_graph_at(b->graph, f);
     double value;
     if (dm_is_constant(b->graph, f, &value) && value == 1.0) return x->plus;
+    if (x->whole[f]) return dm_mul(b->graph, x->plus, f);
     if (e.op == DM_OP_ADD || e.op == DM_OP_SUB) {
         const int apart = x->depth[e.as.arg[0]] - x->depth[e.as.arg[1]];
         if (apart >= EARLIER || apart <= -EARLIER) return scale_sum(b, x, &e);
@@ -229,12 +248,13 @@ void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb, dm
     b->with[2 * n] = t;
     dm_transplant(b->graph, k->graph, k->factor, k->count, b->with, factors);
     const uint16_t *depth = measure_depth(b);
-    b->failed |= !depth;
-    for (uint32_t i = 0; depth && i < n; i++) {
+    const uint8_t *whole = mark_coordinates(b);
+    b->failed |= !depth || !whole;
+    for (uint32_t i = 0; depth && whole && i < n; i++) {
         const uint32_t j = k->which[i];
         int first = k->coordinate[i] >= 0;
         for (uint32_t before = 0; before < i && first; before++) first = k->which[before] != j;
-        const scaling plain = {hb, minus, depth}, turned = {minus, hb, depth};
+        const scaling plain = {hb, minus, depth, whole}, turned = {minus, hb, depth, whole};
         if (first) factors[j] = scale(b, k->negative[j] ? &turned : &plain, factors[j]);
     }
 }
