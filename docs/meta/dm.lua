@@ -4064,13 +4064,13 @@ function dm_solver_class:run(options) end
 ---solver:section{g= | period=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, xlabel=, ylabel=, every=, project=} -> dm.section
 ---
 ---The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of
----a coordinate, "q1"; period = T in its place: each period of a driven system from t0 on (a
----stroboscope). direction: "up" (g grows; the default), "down" or "both". starts = { {q =, v =}, {q =,
----p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names of
----columns ("q2", "p2", "t", on groups "R31") or functions of (q, p, t); left out: another coordinate
----than g and its momentum. Crossings are found by steps of fitting length, with the accuracy of the
----rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
----orbits[i].path.
+---a coordinate, "q1", of an angle of dm.T(n) up to whole turns; period = T in its place: each period
+---of a driven system from t0 on (a stroboscope). direction: "up" (g grows; the default), "down" or
+---"both". starts = { {q =, v =}, {q =, p =}, ... }: several runs, one of which may fail. x, y: what is
+---read off a crossing, names of columns ("q2", "p2", "t", on groups "R31"; angles from -pi to pi) or
+---functions of (q, p, t); left out: another coordinate than g and its momentum. Crossings are found by
+---steps of fitting length, with the accuracy of the rule; two within one step are not seen.
+---section:plot() draws them. every = k keeps rows of the runs, orbits[i].path.
 ---@param options? table
 ---@return dm.section
 function dm_solver_class:section(options) end

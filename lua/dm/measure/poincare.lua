@@ -1,6 +1,7 @@
 --- Poincare sections: where runs cross a surface g = 0, or each period of a driven system, as
 -- points of a plot. solver:section{g =, q =, v =, t =}.
 local blame = require "dm.base.blame"
+local circle = require "dm.group.so2"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -44,16 +45,20 @@ local function columns_on_group(own)
     names
 end
 
--- name -> function(q, p, t), and the name a coordinate or momentum prints as
+-- name -> function(q, p, t), and the name a coordinate or momentum prints as; which coordinates are
+-- angles: paths do not wrap them, what is read off a crossing is
 local function columns_of(system)
   if system.place then return columns_on_group(system.place) end
   local read, names = { t = function(_, _, t) return t end }, { q = {}, p = {} }
-  local given = system.coordinates or {}
+  local given, angles = system.coordinates or {}, kits.of(system.Q).angles
+  names.angles = angles
   for i = 1, system.Q.dimension do
     local name = given[i] or "q" .. i
     names.q[i], names.p[i] = name, given[i] and "p_" .. name or "p" .. i
     for _, key in ipairs { name, "q" .. i } do
-      read[key] = read[key] or function(q) return q[i] end
+      read[key] = read[key] or function(q)
+        return angles[i] and circle.principal(q[i]) or q[i]
+      end
     end
     for _, key in ipairs { names.p[i], "p" .. i } do
       read[key] = read[key] or function(_, p) return p[i] end
@@ -117,7 +122,8 @@ local function check(o)
   if o.starts and (o.q or o.v or o.p) then fail "give 'starts' or one start q and v, not both" end
 end
 
--- g as a function of (q, v, t, p)
+-- g as a function of (q, v, t, p), and where one is given: is an event (q, p, t) on the surface? An
+-- angle is 0 where its sine is and its cosine is positive, as often as it comes round.
 local function surface(o, columns, names)
   if o.period then
     return function(_, _, t) return math.sin(2 * math.pi / o.period * (t - (o.t0 or 0))) end
@@ -128,6 +134,10 @@ local function surface(o, columns, names)
   if not f then
     fail("'g' must be a function of (q, v, t, p) that is 0 on the surface, or one of %s (got %s)",
       known(names), type(o.g) == "string" and o.g or type(o.g))
+  end
+  local i = coordinate(o.g, names)
+  if i and names.angles and names.angles[i] then
+    return function(q) return math.sin(q[i]) end, function(q) return math.cos(q[i]) > 0 end
   end
   return function(q, _, t, p) return f(q, p, t) end
 end
@@ -148,10 +158,13 @@ local function run(solver, o, start, g)
   return so_far, path
 end
 
-local function orbit(path, failure, fx, fy)
+local function orbit(path, failure, fx, fy, on_surface)
   local x, y, t = {}, {}, {}
-  for k, event in ipairs(path.events or {}) do
-    x[k], y[k], t[k] = fx(event.q, event.p, event.t), fy(event.q, event.p, event.t), event.t
+  for _, event in ipairs(path.events or {}) do
+    if not on_surface or on_surface(event.q) then
+      local k = #t + 1
+      x[k], y[k], t[k] = fx(event.q, event.p, event.t), fy(event.q, event.p, event.t), event.t
+    end
   end
   for _, list in ipairs { x, y } do
     for k, number in ipairs(list) do
@@ -168,7 +181,7 @@ end
 M.section = blame.caller(function(solver, o)
   check(o)
   local columns, names = columns_of(solver.system)
-  local g = surface(o, columns, names)
+  local g, on_surface = surface(o, columns, names)
   o = with_axes(o, names)
   local fx, xlabel = axis(o, "x", columns, names)
   local fy, ylabel = axis(o, "y", columns, names)
@@ -176,7 +189,7 @@ M.section = blame.caller(function(solver, o)
   for i, start in ipairs(o.starts or { o }) do
     local path, failure = run(solver, o, start, g)
     if failure and not o.starts then error(failure, 0) end
-    section.orbits[i] = orbit(path, failure, fx, fy)
+    section.orbits[i] = orbit(path, failure, fx, fy, on_surface)
     section.count = section.count + #section.orbits[i].x
     section.failures = section.failures + (failure and 1 or 0)
   end
@@ -212,12 +225,12 @@ class.method("dm.solver", "section", M.section,
   "solver:section{g= | period=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, "
   .. "xlabel=, ylabel=, every=, project=} -> dm.section\n" .. [[
 The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of
-a coordinate, "q1"; period = T in its place: each period of a driven system from t0 on (a
-stroboscope). direction: "up" (g grows; the default), "down" or "both". starts = { {q =, v =}, {q =,
-p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names of
-columns ("q2", "p2", "t", on groups "R31") or functions of (q, p, t); left out: another coordinate
-than g and its momentum. Crossings are found by steps of fitting length, with the accuracy of the
-rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
-orbits[i].path.]])
+a coordinate, "q1", of an angle of dm.T(n) up to whole turns; period = T in its place: each period
+of a driven system from t0 on (a stroboscope). direction: "up" (g grows; the default), "down" or
+"both". starts = { {q =, v =}, {q =, p =}, ... }: several runs, one of which may fail. x, y: what is
+read off a crossing, names of columns ("q2", "p2", "t", on groups "R31"; angles from -pi to pi) or
+functions of (q, p, t); left out: another coordinate than g and its momentum. Crossings are found by
+steps of fitting length, with the accuracy of the rule; two within one step are not seen.
+section:plot() draws them. every = k keeps rows of the runs, orbits[i].path.]])
 
 return M

@@ -37,6 +37,35 @@ raises("for a section each period T", function() driven:solver({ rule = "gauss(6
 raises("in place of 'g'", function() fine:section { g = "x", period = 1, q = start.q, v = start.v, t = 1 } end)
 raises("duration > 0", function() fine:section { period = 0, x = "x", y = "y", q = start.q, v = start.v, t = 1 } end)
 
+-- an angle comes round: L = v^2/2 + cos q from q = 0 with v = 2/k turns each T = 2 k K(k), K by the
+-- mean of Gauss; read off, it is between -pi and pi
+local function turn_of(k)
+  local a, b = 1, sqrt(1 - k * k)
+  while math.abs(a - b) > 1e-15 do a, b = (a + b) / 2, sqrt(a * b) end
+  return k * pi / a
+end
+local rotor = dm.system { Q = dm.T(1), coordinates = { "th" }, L = function(q, v) return v[1] ^ 2 / 2 + dm.cos(q[1]) end }
+local spun = rotor:solver { rule = "gauss(6)", h = 0.1 }
+for direction, v in pairs { up = 3, down = -3 } do
+  local on = { g = "th", q = { direction == "up" and -1e-9 or 1e-9 }, v = { v }, t = 20, direction = direction }
+  local turns, times = spun:section(on).orbits[1], 0
+  for i = 1, #turns.t do times = math.max(times, math.abs(turns.t[i] - (i - 1) * turn_of(2 / 3))) end
+  ok(#turns.t == 9 and times < 1e-8, "an angle passes 0 once a turn, " .. direction, times)
+  ok(turns.x:norm() < 1e-12, "and is 0 there", turns.x:norm())
+  on.direction = direction == "up" and "down" or "up"
+  ok(spun:section(on).count == 0, "not in the other direction, where it passes pi")
+end
+local far = spun:section({ period = 1, q = { 3 }, v = { 3 }, t = 30 }).orbits[1]
+local path, widest = spun:run { q = { 3 }, v = { 3 }, at = far.t }, 0
+for i, x in ipairs(far.x:totable()) do
+  widest = math.max(widest, math.abs(x))
+  if math.abs(math.sin((x - path.q[i][1]) / 2)) > 1e-9 then widest = 1 / 0 end
+end
+ok(widest > 2 and widest <= pi and path.q[#path][1] > 60, "an angle is read off between -pi and pi, whole turns from the path's", widest)
+local mixed = dm.system { Q = dm.product(dm.R(1), dm.T(1)), coordinates = { "s", "th" }, L = function(_, v) return v:dot(v) / 2 end }
+local line = mixed:solver({ rule = "verlet", h = 0.1 }):section { g = "th", q = { 0, -1 }, v = { 1, 2 }, t = 10, x = "s", y = "t" }
+near((line.orbits[1].x - dm.vector { 0.5, 0.5 + pi, 0.5 + 2 * pi, 0.5 + 3 * pi }):norm(), 0, 1e-9, "of a product the angles alone")
+
 -- several starts, of which one leaves the domain
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() - 1e-3 / (q[1] - 3) end }
 local coarse = kepler:solver { rule = "gauss(1)", h = 0.1 }
