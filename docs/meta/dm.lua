@@ -1242,7 +1242,7 @@ function dm_discrete_shape_class:two_form(x0, x1) end
 function dm_discrete_shape_class:value(x0, x1) end
 
 ---dm.ensemble: the ends of many runs, made by solver:ensemble{members=}
----fields: q, p (matrices, a row per member; of a failed one its last good state), status[i] ("ok" or a code of dm.failure), steps[i] (finished), t, h (vectors where members have steps of their own), solver, rows (were some kept?), lanes (members that went side by side, 1: one by one), systems (made for the parameters of members, 1: one kernel served all); #ensemble members
+---fields: q, p (matrices, a row per member; of a failed one its last good state), status[i] ("ok" or a code of dm.failure), steps[i] (finished), t, h (vectors where members have steps of their own, t also where the rule has a time of its own), solver, rows (were some kept?), lanes (members that went side by side, 1: one by one), systems (made for the parameters of members, 1: one kernel served all); #ensemble members
 ---@class dm.ensemble
 local dm_ensemble_class = {}
 
@@ -5869,7 +5869,7 @@ function dm.differential_invariants(options) end
 
 ---dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, constraint=, rolling=, reaction=, force=, map=, crossings=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, h=})
 ---
----The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...), or with "exact": the action of the motion from q0 to q1 itself, by gauss(8) on as many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no motion is found
+---The latter with any stage rule ("galerkin(3, lobatto(4))", "gauss(2)", "midpoint" ...), or with "exact": the action of the motion from q0 to q1 itself, by gauss(8) on as many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no motion is found.
 ---Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with record = { "impulses" }); momenta are D2 Ld, as they are. crossings: as of dm.system. map(q, p): the step of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each behind them), where it is known: runs then take it (rule "map") in place of solving for q1. It is compared with Ld and its forces at made-up points here, and at the start of every run: raises with the point where it is not their step. rolling(q0, q1 [, h [, params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 (Leok 2.8.2). On a group elements take the place of q, and covectors (momenta, F1 and F2, rows of reactions) are those of the body, d numbers along g exp(e); of a system rule is lie(s): class dm.group_lagrangian.
 ---@param options? table
 ---@return dm.discrete_lagrangian

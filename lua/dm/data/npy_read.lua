@@ -63,7 +63,7 @@ end
 
 -- the fields of records: names, numbers of each in a row (0: one, and no array), items of a row
 local function fields_of(file, fields, handle)
-  local names, counts, items = {}, {}, {}
+  local names, counts, items, seen = {}, {}, {}, {}
   local field = "%((['\"])(.-[^\\])%1, *'(.-)',? *%(?([%d, ]*)%)"
   for _, name, kind, shape in fields:gsub("%(''", "(' '"):gmatch(field) do
     name = name:gsub("\\(.)", "%1")
@@ -72,6 +72,8 @@ local function fields_of(file, fields, handle)
     local digits = shape:match "%d+"
     local count = digits and check_room(file, whole(file, digits), item.bytes, handle)
     if item.numbers > 0 then
+      if seen[name] then fail(file, "two fields are called '%s'", name) end
+      seen[name] = true
       names[#names + 1] = name
       counts[#names] = count or 0
     end

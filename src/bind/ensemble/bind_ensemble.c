@@ -5,6 +5,7 @@
 #include "bind/trace/backend.h"
 #include "code/native/jit.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -115,11 +116,31 @@ static int push_steps(lua_State *L, const ensemble *e) {
     return 1;
 }
 
-/* steps of members that have their own, or the times that they lead to */
-static int push_steps_of(lua_State *L, const ensemble *e, int ends) {
+static int has_own_time(lua_State *L) {
+    lua_getiuservalue(L, 1, DML_ENSEMBLE_SOLVER);
+    const dml_solver *s = lua_touserdata(L, -1); /* kept by the ensemble */
+    lua_pop(L, 1);
+    return (s->method->traits & DM_OWN_TIME) != 0;
+}
+
+/* steps of members that have their own */
+static int push_steps_of(lua_State *L, const ensemble *e) {
     double *out = dml_pushvector(L, (uint32_t)e->members);
-    for (long i = 0; i < e->members; i++)
-        out[i] = ends ? e->t0 + e->pace[i].h * (double)e->pace[i].steps : e->pace[i].h;
+    for (long i = 0; i < e->members; i++) out[i] = e->pace[i].h;
+    return 1;
+}
+
+/* the time that member i is to end at; of a rule with a time of its own that where it is */
+static double end_of(const ensemble *e, long i, int own) {
+    if (own) return e->state[(size_t)i * dm_state_size(e->n) + 4 * (size_t)e->n];
+    return e->pace ? e->t0 + e->pace[i].h * (double)e->pace[i].steps : e->t;
+}
+
+static int push_ends(lua_State *L, const ensemble *e) {
+    const int own = has_own_time(L);
+    if (!e->pace && !own) return lua_pushnumber(L, e->t), 1;
+    double *out = dml_pushvector(L, (uint32_t)e->members);
+    for (long i = 0; i < e->members; i++) out[i] = end_of(e, i, own);
     return 1;
 }
 
@@ -128,8 +149,8 @@ static int make_field(lua_State *L, const ensemble *e, const char *key) {
     if (strcmp(key, "p") == 0) return push_states(L, e, 0);
     if (strcmp(key, "status") == 0) return push_status(L, e);
     if (strcmp(key, "steps") == 0) return push_steps(L, e);
-    if (strcmp(key, "h") == 0) return push_steps_of(L, e, 0);
-    if (strcmp(key, "t") == 0) return push_steps_of(L, e, 1);
+    if (strcmp(key, "h") == 0) return push_steps_of(L, e);
+    if (strcmp(key, "t") == 0) return push_ends(L, e);
     return 0;
 }
 
@@ -137,7 +158,6 @@ static int make_field(lua_State *L, const ensemble *e, const char *key) {
 static int ensemble_field(lua_State *L) {
     const ensemble *e = check(L);
     const char *key = luaL_checkstring(L, 2);
-    if (!e->pace && strcmp(key, "t") == 0) return lua_pushnumber(L, e->t), 1;
     if (!e->pace && strcmp(key, "h") == 0) return lua_pushnumber(L, e->h), 1;
     if (strcmp(key, "lanes") == 0) return lua_pushinteger(L, e->lanes), 1;
     if (strcmp(key, "systems") == 0) return lua_pushinteger(L, e->systems), 1;
@@ -188,12 +208,20 @@ static int ensemble_failures(lua_State *L) {
 static int ensemble_tostring(lua_State *L) {
     const ensemble *e = check(L);
     const long failed = count_failed(e);
-    lua_pushfstring(L, "ensemble of %d members at t = %f: ", (int)e->members, e->t);
+    const int own = has_own_time(L);
+    double least = INFINITY, largest = -INFINITY;
+    for (long i = 0; i < e->members; i++) {
+        least = fmin(least, end_of(e, i, own));
+        largest = fmax(largest, end_of(e, i, own));
+    }
+    lua_pushfstring(L, "ensemble of %d members at t = %f", (int)e->members, least);
+    if (largest > least) lua_pushfstring(L, " to %f", largest), lua_concat(L, 2);
+    lua_pushliteral(L, ": ");
     if (failed)
         lua_pushfstring(L, "%d failed (see failures())", (int)failed);
     else
         lua_pushstring(L, "all ok");
-    lua_concat(L, 2);
+    lua_concat(L, 3);
     return 1;
 }
 
@@ -304,7 +332,8 @@ const dml_class dml_class_ensemble = {
     .doc = "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
            "fields: q, p (matrices, a row per member; of a failed one its last good state), "
            "status[i] (\"ok\" or a code of dm.failure), steps[i] (finished), t, h (vectors where "
-           "members have steps of their own), solver, rows (were some kept?), lanes (members that "
+           "members have steps of their own, t also where the rule has a time of its own), solver, "
+           "rows (were some kept?), lanes (members that "
            "went side by side, 1: one by one), systems (made for the parameters of members, 1: one "
            "kernel served all); #ensemble members",
     .meta = meta,

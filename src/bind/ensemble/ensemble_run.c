@@ -76,12 +76,12 @@ static double steps_before(const dml_part *p, long end) {
 }
 
 /* steps, or t = duration, as solver:run reads them */
-static long read_steps(lua_State *L, double h) {
+static long read_steps(lua_State *L, const dml_solver *s) {
     if (!has(L, "t") && !has(L, "steps"))
         luaL_error(L, "how long? 'steps' (how many) or 't' (a duration) is missing");
     if (!has(L, "t")) return dml_count(L, 2, "steps", 0, -1);
     if (has(L, "steps")) luaL_error(L, "give either 'steps' or 't' (a duration), not both");
-    return dml_stepping_cover(L, dml_positive(L, 2, "t", 0), h);
+    return dml_stepping_cover(L, s, dml_positive(L, 2, "t", 0), s->h);
 }
 
 /* a model and stepper for every thread but the first, which has those of *r; leaves them on the
@@ -301,7 +301,7 @@ int dml_solver_ensemble(lua_State *L) {
     double energy;
     if (dml_stepping_energy(L, solver, &energy)) p.energy = &energy;
     const dm_pace *pace = dml_read_steps(L, solver, members, &p.steps);
-    if (!pace) p.steps = read_steps(L, solver->h);
+    if (!pace) p.steps = read_steps(L, solver);
     const double t0 = dml_number(L, 2, "t0", 0.0);
     read_threads(L);
     p.velocity = dml_check_starts(L, solver, members);

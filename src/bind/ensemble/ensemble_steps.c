@@ -40,7 +40,7 @@ const dm_pace *dml_read_steps(lua_State *L, const dml_solver *solver, long membe
     *most = 0;
     for (long i = 0; i < members; i++) {
         const double h = read_step(L, i);
-        const long count = t > 0.0 ? dml_stepping_cover(L, t, h) : steps;
+        const long count = t > 0.0 ? dml_stepping_cover(L, solver, t, h) : steps;
         pace[i] = (dm_pace){.h = h, .steps = count, .every = dml_read_every(L, count)};
         if (count > *most) *most = count;
     }

@@ -332,7 +332,7 @@ static const dml_row functions[] =
       "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
       "...), or with \"exact\": the action of the motion from q0 to q1 itself, by gauss(8) on as "
       "many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no "
-      "motion is found\n"
+      "motion is found.\n"
       "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
       "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
       "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "

@@ -134,14 +134,9 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
         plan->steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan->until)) return;
     const int control = has(L, "control");
-    plan->steps = own || (control && plan->at) ? LONGEST_OWN_TIME
+    plan->steps = (own || control) && plan->at ? LONGEST_OWN_TIME
                   : control                    ? dml_control_most(s, has(L, "seconds"))
-                                               : dml_stepping_cover(L, plan->until - from, s->h);
-    if (own && !plan->at)
-        luaL_error(L,
-                   "rule '%s' has a time of its own: give 'steps', or 'at' for the states at given "
-                   "times",
-                   s->nodes[0].name);
+                                               : dml_stepping_cover(L, s, plan->until - from, s->h);
 }
 
 /* checkpoint = file, or { file =, every = seconds } */

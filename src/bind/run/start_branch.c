@@ -92,7 +92,12 @@ void dml_stepping_names(lua_State *L) {
 }
 
 /* A duration that h divides to round-off takes no step more. */
-long dml_stepping_cover(lua_State *L, double duration, double h) {
+long dml_stepping_cover(lua_State *L, const dml_solver *s, double duration, double h) {
+    if (s->method->traits & DM_OWN_TIME)
+        luaL_error(L,
+                   "rule '%s' has a time of its own: give 'steps', or, to solver:run, 'at' for "
+                   "the states at given times",
+                   s->nodes[0].name);
     const double n = ceil(duration / h - 1e-9);
     if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);
     return n < 0.0 ? 0 : (long)n;

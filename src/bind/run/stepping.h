@@ -139,7 +139,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
  * it is not there. Raises where the rule does not choose its steps by it. */
 int dml_stepping_energy(lua_State *L, const dml_solver *s, double *out);
 
-/* Steps of h that cover a duration; raises when they are too many to count. */
-long dml_stepping_cover(lua_State *L, double duration, double h);
+/* Steps of h that cover a duration; raises when they are too many to count, and for a rule with a
+ * time of its own, whose steps cover no duration that is known beforehand. */
+long dml_stepping_cover(lua_State *L, const dml_solver *s, double duration, double h);
 
 #endif

@@ -36,16 +36,17 @@ static void inner_momentum(dm_constrained *g, double *p, uint32_t k) {
 }
 
 /* what a round of new v~ changes: the largest entry, relative to the largest; of entries relative
- * to their own size the largest */
+ * to their own size the largest; and by how much that moves a place in a step, relative to the
+ * largest coordinate */
 typedef struct {
-    double all, each;
+    double all, each, moves;
 } turned;
 
 /* new v~ */
 static dm_status renew(dm_constrained *g, turned *change) {
     const uint32_t n = g->n;
     const double beside = DM_NEWTON_BESIDE / fabs(g->h);
-    double most = 0.0, size = 0.0, each = 0.0;
+    double most = 0.0, size = 0.0, each = 0.0, place = 0.0;
     for (uint32_t k = 1; k < g->K; k++) {
         double *v = g->inner_v + (k - 1) * (size_t)n;
         dm_constrained_at_constraint(g, g->root, k);
@@ -57,20 +58,24 @@ static dm_status renew(dm_constrained *g, turned *change) {
             const double dv = fabs(v[j] - g->dq[j]);
             most = dm_constrained_larger(dv, most);
             size = dm_constrained_larger(fabs(v[j]), size);
+            place = dm_constrained_larger(fabs(g->x[j]), place);
             if (dv > 0.0) each = fmax(each, dv / (fabs(v[j]) + dv + beside * fabs(g->x[j])));
         }
     }
-    *change = (turned){size > 0.0 ? most / size : most, each};
+    *change = (turned){size > 0.0 ? most / size : most, each, fabs(g->h) * most / place};
     return DM_OK;
 }
 
 /* Every round solves the equation again with the velocities of the last; they are settled when a
- * round changes them by round-off, or changes that small stop shrinking. */
+ * round changes them by round-off, or changes that small stop shrinking: small beside the largest
+ * velocity, or, since constraints know places and so leave v the round-off of q over h, where they
+ * would move no place. */
 dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *stepper) {
     enum { SWEEPS = 60 };
     static const double NOISE = 1e-13; /* a change that small may stall */
+    static const double STILL = 1e-14; /* and one that moves places by so little */
     static const double LOOSE = 16.0;  /* times the tolerance, for entries by their own size */
-    turned change = {INFINITY, INFINITY}, last;
+    turned change = {INFINITY, INFINITY, INFINITY}, last;
     dm_status status = dm_constrained_finish(g, stepper);
     for (int k = 0; status == DM_OK && k < SWEEPS; k++) {
         last = change;
@@ -79,7 +84,7 @@ dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *steppe
         const int settled =
             change.each <= LOOSE * stepper->tolerance || change.each >= 0.5 * last.each;
         const int done = (change.all <= stepper->tolerance && settled) ||
-                         (change.all >= last.all && change.all < NOISE);
+                         (change.all >= last.all && (change.all < NOISE || change.moves < STILL));
         status = dm_constrained_newton(g, stepper);
         if (status == DM_OK) status = dm_constrained_finish(g, stepper);
         if (done) return status;

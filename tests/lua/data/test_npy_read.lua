@@ -51,6 +51,7 @@ data = dm.load(written("[('n', '|i1'), ('', '|V3'), ('x', '>f4'), ('y', '<i2', (
   packed("i1xxx>f<i2i2I1", {}) .. ("i1xxx>f<i2i2I1"):pack(1, 0.5, 2, 3, 1) .. ("i1xxx>f<i2i2I1"):pack(-4, 1.5, 5, 6, 0)))
 ok(table.concat(data.columns, " ") == "n x y in" and data.n == dm.vector { 1, -4 } and data.x == dm.vector { 0.5, 1.5 }
   and data.y == dm.matrix { { 2, 3 }, { 5, 6 } } and data["in"] == dm.vector { 1, 0 }, "records of mixed types", dm.pretty(data))
+raises("two fields are called 't'", dm.load, written("[('t', '<f8'), ('t', '<f8')]", "False", "(1,)", ("<dd"):pack(1, 2)))
 os.remove(file)
 file = base
 ok(dm.load(written("'<f4'", "False", "(1,)", ("<f"):pack(2))).c1[1] == 2, "known by its first bytes, whatever its name")

@@ -95,4 +95,20 @@ raises("not both", run, { h = { 0.1, 0.2 }, t = 1 })
 raises("not both", run, { rows = 3, every = 2 })
 local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(a, b, h) return (b[1] - a[1]) ^ 2 / 2 / h end }
 raises("has a step of its own", function() Ld:solver({}):ensemble { members = 1, q = { { 0 } }, p = { { 1 } }, steps = 1, h = { 0.1 } } end)
+
+-- rules with a time of their own end each member at another time: what it is, and no duration
+local timed = kepler:solver { rule = "log-hamiltonian(yoshida(4))", h = 0.05 }
+local function swift(i) return { 0, 0.8 + 0.2 * i } end
+local cloud = timed:ensemble { members = 5, steps = 40, q = function() return q0 end, v = swift }
+for i = 1, 5 do
+  local alone = timed:run { q = q0, v = swift(i), steps = 40 }
+  ok(cloud.t[i] == alone.t[41] and cloud.q[i] == alone.q[41], "a member ends at the time of its own run", cloud.t[i])
+end
+ok(tostring(cloud):find(("at t = %.14g to %.14g"):format(cloud.t[1], cloud.t[5]), 1, true), "printed, the first and the last", cloud)
+for _, h in ipairs { false, function(i) return 0.01 * i end } do
+  raises("time of its own", timed.ensemble, timed, { members = 2, t = 2, h = h or nil, q = function() return q0 end, v = swift })
+end
+raises("time of its own", timed.run, timed, { q = q0, v = v0, t = 2 })
+local paced = kepler:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, t = 1, h = { 0.01, 0.03 }, q = function() return q0 end, v = swift }
+ok(tostring(paced):find("at t = 1.0 to 1.02:", 1, true), "members with steps of their own: the times that these lead to", paced)
 tap.done()

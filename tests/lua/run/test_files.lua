@@ -83,6 +83,8 @@ for _, case in ipairs { { kepler, "gauss(3)" }, { kepler, "midpoint" }, { kepler
   ok(tried > 40 and taken == 0, name .. ": a changed line is refused", taken .. " of " .. tried)
   spit(file, text .. "more\n")
   raises("its end expected", dm.resume, file, system)
+  spit(file, (text:gsub("end (%x+\n)$", "end%1")))
+  raises("checksum", dm.resume, file, system)
   spit(file, text)
   ok(same(dm.resume(file, system):run { steps = 4 }, dm.resume(path):run { steps = 4 }),
     name .. ": the file as it was goes on like the path")
