@@ -175,7 +175,7 @@ static void read_end(reader *r) {
     char text[LINE], sum[24];
     const char *written = read_line(r, text, "end");
     snprintf(sum, sizeof sum, "%016llx", (unsigned long long)r->before);
-    if (text[strlen("end")] != '\0' || strcmp(written, sum) != 0)
+    if (text[strlen("end")] != ' ' || strcmp(written, sum) != 0)
         luaL_error(r->L,
                    "%s: its lines do not have the checksum that it ends with: it was changed since "
                    "dmlua wrote it",
