@@ -2,7 +2,6 @@
 
 #include "bind/core/missing_key.h"
 
-#include <ctype.h>
 #include <limits.h>
 #include <math.h>
 #include <string.h>
@@ -153,52 +152,6 @@ void dml_register(lua_State *L, const dml_class *c) {
     if (c->open) c->open(L);
 }
 
-/* ---- the nearest word ---- */
-
-enum { LONGEST_WORD = 40 };
-
-static int smallest(int a, int b, int c) {
-    const int least = a < b ? a : b;
-    return least < c ? least : c;
-}
-
-static int differ(char a, char b) {
-    return tolower((unsigned char)a) != tolower((unsigned char)b);
-}
-
-/* insertions, deletions, replacements and swaps of neighbours that turn a into b */
-static int distance(const char *a, const char *b) {
-    int row[3][LONGEST_WORD + 1];
-    const int n = (int)strlen(b);
-    int *before = row[0], *last = row[1], *now = row[2];
-    for (int j = 0; j <= n; j++) last[j] = j, before[j] = 0;
-    for (int i = 0; a[i]; i++) {
-        now[0] = i + 1;
-        for (int j = 0; j < n; j++) {
-            now[j + 1] = smallest(last[j] + differ(a[i], b[j]), last[j + 1] + 1, now[j] + 1);
-            const int swap = i && j && !differ(a[i], b[j - 1]) && !differ(a[i - 1], b[j]);
-            if (swap && before[j - 1] + 1 < now[j + 1]) now[j + 1] = before[j - 1] + 1;
-        }
-        int *free = before;
-        before = last, last = now, now = free;
-    }
-    return last[n];
-}
-
-const char *dml_nearest(const char *word, const char *const *known) {
-    const size_t length = strlen(word);
-    const char *best = NULL;
-    int least = 2 + (int)length / 4; /* further away is no misprint */
-    if (length > LONGEST_WORD) return NULL;
-    for (; *known; known++) {
-        if (strlen(*known) > LONGEST_WORD) continue;
-        const int d = distance(word, *known);
-        const int similar = d < (int)length;
-        if (d < least && similar) best = *known, least = d;
-    }
-    return best;
-}
-
 /* ---- options tables ---- */
 
 static int is_known(const char *key, const char *const *known) {
@@ -206,46 +159,8 @@ static int is_known(const char *key, const char *const *known) {
     return *known != NULL;
 }
 
-/* what other programs call an option; NULL when none of the known ones is meant */
-static const char *other_name(const char *key, const char *const *known) {
-    static const char *const names[][2] = {{"dt", "h"},
-                                           {"step", "h"},
-                                           {"stepsize", "h"},
-                                           {"step_size", "h"},
-                                           {"timestep", "h"},
-                                           {"method", "rule"},
-                                           {"integrator", "rule"},
-                                           {"scheme", "rule"},
-                                           {"time", "t"},
-                                           {"T", "t"},
-                                           {"duration", "t"},
-                                           {"t_end", "t"},
-                                           {"n", "steps"},
-                                           {"N", "steps"},
-                                           {"nsteps", "steps"},
-                                           {"x", "q"},
-                                           {"position", "q"},
-                                           {"velocity", "v"},
-                                           {"qdot", "v"},
-                                           {"momentum", "p"},
-                                           {"lagrangian", "L"},
-                                           {"Lagrangian", "L"},
-                                           {"H", "L"},
-                                           {"space", "Q"},
-                                           {"constraints", "constraint"},
-                                           {"parameters", "params"},
-                                           {"params", "vary"},
-                                           {"forces", "force"},
-                                           {"tol", "tolerance"},
-                                           {"output", "file"},
-                                           {NULL, NULL}};
-    for (int k = 0; names[k][0]; k++)
-        if (strcmp(names[k][0], key) == 0 && is_known(names[k][1], known)) return names[k][1];
-    return dml_nearest(key, known);
-}
-
 static void unknown_option(lua_State *L, const char *key, const char *const *known) {
-    const char *near = other_name(key, known);
+    const char *near = dml_nearest(key, known);
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     lua_pushfstring(L, "unknown field '%s'; ", key);

@@ -83,7 +83,8 @@ int dml_field(lua_State *L, int arg, const char *key);
 int dml_wrongfield(lua_State *L, const char *key, const char *expected);
 void dml_numbers(lua_State *L, int arg, const char *key, double *out, uint32_t n);
 
-/* Closest of `known` to `word`, or NULL when none is near: for "did you mean". */
+/* That of `known` which others call `word` or which is spelt most like it, or NULL when none is
+ * near: for "did you mean". */
 const char *dml_nearest(const char *word, const char *const *known);
 
 /* Set by the cli's SIGINT handler; cleared when a run has seen it. */

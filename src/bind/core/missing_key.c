@@ -121,18 +121,3 @@ int dml_core_miss(lua_State *L) {
     if (!lua_isnil(L, 3)) note_names(L, 3);
     return 0;
 }
-
-int dml_core_nearest(lua_State *L) {
-    const char *word = luaL_checkstring(L, 1);
-    luaL_checktype(L, 2, LUA_TTABLE);
-    const lua_Integer count = luaL_len(L, 2);
-    const char **known = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *known, 0);
-    for (lua_Integer i = 1; i <= count; i++) {
-        lua_geti(L, 2, i); /* the table keeps it alive */
-        known[i - 1] = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-        lua_pop(L, 1);
-    }
-    known[count] = NULL;
-    lua_pushstring(L, dml_nearest(word, known));
-    return 1;
-}
