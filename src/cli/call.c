@@ -273,3 +273,15 @@ int dml_push_function(lua_State *L, const char *name, const char *field) {
     lua_pushstring(L, field);
     return lua_pcall(L, 2, 1, 0);
 }
+
+void dml_explain_syntax(lua_State *L, const char *text, const char *file) {
+    const int message = lua_gettop(L);
+    if (lua_type(L, message) != LUA_TSTRING) return;
+    if (dml_push_function(L, "dm.session.syntax", "explain") == LUA_OK) {
+        lua_pushvalue(L, message);
+        lua_pushstring(L, text);
+        lua_pushstring(L, file);
+        if (lua_pcall(L, 3, 1, 0) == LUA_OK) lua_copy(L, -1, message);
+    }
+    lua_settop(L, message);
+}

@@ -37,6 +37,10 @@ void dml_message(const char *program, const char *text);
 /* Print and pop the message of a status that is not LUA_OK; give the status back. */
 int dml_report(lua_State *L, int status);
 
+/* Add to the message on top, of a chunk that does not compile, what is to be written instead, where
+ * that is known. The chunk is a text, or that of a file where text is NULL. */
+void dml_explain_syntax(lua_State *L, const char *text, const char *file);
+
 /* Push `field` of module `name` (require'd; both functions of the session itself). A status. */
 int dml_push_function(lua_State *L, const char *name, const char *field);
 

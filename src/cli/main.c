@@ -40,7 +40,9 @@ static int do_file(lua_State *L, const char *file) {
 }
 
 static int do_string(lua_State *L, const char *text, const char *name) {
-    return do_chunk(L, luaL_loadbuffer(L, text, strlen(text), name));
+    const int status = luaL_loadbuffer(L, text, strlen(text), name);
+    if (status == LUA_ERRSYNTAX) dml_explain_syntax(L, text, NULL);
+    return do_chunk(L, status);
 }
 
 /* help(x) and its like, whose module (upvalue 1) is loaded when they are called */
@@ -135,6 +137,7 @@ static int do_script(lua_State *L, char **argv) {
     const int is_stdin = strcmp(argv[0], "-") == 0 && strcmp(argv[-1], "--") != 0;
     int status = luaL_loadfile(L, is_stdin ? NULL : argv[0]);
     if (status == LUA_OK) status = dml_call(L, push_arguments(L), LUA_MULTRET);
+    if (status == LUA_ERRSYNTAX && !is_stdin) dml_explain_syntax(L, NULL, argv[0]);
     return dml_report(L, status);
 }
 

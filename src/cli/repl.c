@@ -182,6 +182,7 @@ static int read_entry(const session *s) {
     drop_equals(L);
     const int status = finish_entry(L, 1);
     if (status >= 0) remember(s, lua_tostring(L, 1));
+    if (status == LUA_ERRSYNTAX) dml_explain_syntax(L, lua_tostring(L, 1), NULL);
     return status;
 }
 

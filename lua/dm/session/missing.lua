@@ -86,6 +86,12 @@ local function is_about(note, message)
     and find(rest, "a nil value", 1, true) ~= nil
 end
 
+-- functions and modules of other languages, and what stands for them
+local ELSEWHERE = { len = "#x", range = "for i = 1, n do ... end", enumerate = "ipairs(x)",
+  str = "tostring(x)", int = "x // 1", float = "tonumber(x)", sum = "x:sum(), of a vector",
+  np = "math and dm", numpy = "math and dm", plt = "dm.plot", array = "dm.vector { 1, 2 }",
+  zeros = "dm.zeros(n)", linspace = "a loop: for i = 1, n do ... end" }
+
 -- a global that is not there but in math or dm, as sin and pi are: where it is
 local function of_library(message)
   local name = find(message, "a nil value", 1, true)
@@ -93,6 +99,9 @@ local function of_library(message)
   if not name or find(name, "^_") then return message end
   local where = math[name] ~= nil and "math" or find(message, "attempt to call", 1, true)
     and core[name] ~= nil and "dm"
+  if not where and ELSEWHERE[name] then
+    return ("%s: here it is %s"):format(message, ELSEWHERE[name])
+  end
   return where and ("%s: it is %s.%s"):format(message, where, name) or message
 end
 

@@ -29,4 +29,45 @@ ok(core.nearest("step", { "h", "step" }) == "step", "what is there is meant")
 ok(core.nearest("stpe", { "h", "step" }) == "step" and core.nearest("step", { "h" }) == "h", "else what is like it")
 ok(core.nearest("mean", { "map", "norm" }) == nil, "two of four letters are no misprint")
 
+-- globals of other languages, where they are called or read from; those of Lua and dm as before
+local explain = missing.explain
+for name, here in pairs { len = "#x", np = "math and dm", sin = "math.sin" } do
+  local text = explain(("f.lua:1: attempt to call a nil value (global '%s')"):format(name))
+  ok(text:find(here, 1, true), name, text)
+end
+local other = "f.lua:1: attempt to call a nil value (global 'f')"
+ok(explain(other) == other, "a name of nobody")
+
+-- syntax: Lua's own message of a chunk, and what it gets
+local syntax = require "dm.session.syntax"
+local function told(text) return syntax.explain(select(2, load(text, "=stdin")), text) end
+for text, way in pairs { ["x = 2**3"] = "x^2", ["x = [1, 2]"] = "{ 1, 2, 3 }", ["x += 1"] = "x = x + y",
+  ["y = x != 3"] = "~=", ["import numpy"] = "require", ["def f(x):"] = "function f(x)", ["x = A[1,2]"] = "A[1][2]",
+  ["x = x[end]"] = "x[#x]", ["x = 1 # one"] = "--", ["print x"] = "print(x)", ["f = lambda x: x\n1)"] = "function(x)",
+  ["for i in range(9): f(i)\nx = 1"] = "for i = 1, n do", ["x = { 1, y = 2 z = 3 }"] = "comma missing",
+  ["L = function(q, v) v:dot(v)/2 end"] = "lack a return", ["\n\nif x == 1:"] = "if x then" } do
+  ok(told(text):find(": [^\n]*" .. way:gsub("%p", "%%%0")), text, told(text))
+end
+for _, text in ipairs { "x = = 1", "x = 'a != b' y", "x = 1 y -- x += 1", "f = function() return 1 / / 2 end", "x = (1" } do
+  local message = select(2, load(text, "=stdin"))
+  ok(told(text) == message, "nothing is guessed: " .. text, told(text))
+end
+ok(syntax.explain("no place", "x") == "no place", "a message without a line")
+
+-- of a script, of -e and of a line at the prompt
+local dmlua, file = os.getenv "DMLUA" or arg[-1], os.tmpname()
+local function said(how)
+  local pipe = assert(io.popen(how:format(dmlua, file) .. " 2>&1"))
+  local text = pipe:read "a"
+  pipe:close()
+  return text
+end
+local out = assert(io.open(file, "w"))
+out:write "x = 1\nx += 1\n"
+out:close()
+for _, how in ipairs { "%s %s", "%s -e 'x += 1' %s", "%s -i < %s" } do
+  ok(said(how):find("near '+': x += y is written  x = x + y", 1, true), how, said(how))
+end
+os.remove(file)
+
 tap.done()
