@@ -3855,6 +3855,14 @@ function dm_schroedinger_class:stability_limit(rule) end
 ---@class dm.section
 local dm_section_class = {}
 
+---section:approach(x, goal) -> dm.vector   or nothing
+---
+---The algebra vector that moves the point x as close to the goal as it can, to first order: y of least squares in psi y = goal - x. Nothing where the generators psi depend on each other.
+---@param x? any
+---@param goal? any
+---@return dm.vector|nil
+function dm_section_class:approach(x, goal) end
+
 ---section:cut(x) -> J psi, condition
 ---
 ---Slopes of the section at x, which need not be on it, by the generators of the action: r x r. Its condition number in the norm of Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is larger, how much the frame turns for a relative change of the points, |(J psi)^-1| |J| |x|: near a fixed point psi itself vanishes. Raises where J or psi is not finite.

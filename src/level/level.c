@@ -254,3 +254,18 @@ int dm_level_cut(dm_level *l, const double *x, double *A, double *inverse, doubl
     if (isnan(*condition)) *condition = INFINITY;
     return 1;
 }
+
+int dm_level_approach(dm_level *l, const double *x, const double *goal, double *y) {
+    const uint32_t n = l->n, r = l->r;
+    l->has_gram = 0;
+    dm_kernel_eval(&l->kernel, x, l->value);
+    if (!are_finite(l->psi, (size_t)n * r)) return 0;
+    multiply(l->A, l->psi, 1, r, l);
+    if (dm_lu_factor(l->A, l->pivot, r) != DM_OK) return 0;
+    for (uint32_t j = 0; j < r; j++) {
+        y[j] = 0;
+        for (uint32_t k = 0; k < n; k++) y[j] += l->psi[(size_t)k * r + j] * (goal[k] - x[k]);
+    }
+    dm_lu_solve(y, l->A, l->pivot, r);
+    return 1;
+}

@@ -64,6 +64,10 @@ double dm_level_sine(dm_level *l, double *slant);
 int dm_level_cut(dm_level *l, const double *x, double *A, double *inverse, double *unit,
                  double *condition);
 
+/* y[r] of the algebra, the least one that moves x[n] as close to goal[n] as it can, to first order.
+ * 0: psi is not finite, or its columns depend on each other. */
+int dm_level_approach(dm_level *l, const double *x, const double *goal, double *y);
+
 /* How far F can be followed from here along v before it may have changed at a switch, and how far
  * it is to just behind the next break; INFINITY: any length. */
 double dm_level_reach(const dm_level *l, const double *v, double *breaks);

@@ -24,7 +24,9 @@ end
 
 --- A random point of the space as a vector.
 function M.sample_point(space, stream, i)
-  return core.vector(groups.kit(space).flat(groups.kit(space).sample(stream, i)))
+  local kit = groups.kit(space)
+  local point = kit.sample(stream, i)
+  return kit.flat == kits.list_of and core.plain(point, #point) or core.vector(kit.flat(point))
 end
 
 ---- the map ----
@@ -32,6 +34,15 @@ end
 -- map(g, z) as a vector, of a copy of z that the map may write on; unchecked arguments
 local function image(action, g, z)
   return kits.vector(action.map(g, core.vector(z)), action.dimension, "what map(g, z) returns")
+end
+
+--- The points of a list that g moves, a new list; and their size where they are finite numbers.
+function M.images(action, g, list)
+  local out, most = core.images(action.map, g, list, action.dimension)
+  if out then return out, most end
+  out = {}
+  for i = 1, #list do out[i] = image(action, g, list[i]) end
+  return out
 end
 
 local function is_inside(action, z)
@@ -45,7 +56,8 @@ end
 
 --- Largest difference of two points; angles by the circle.
 function M.apart(action, a, b)
-  local worst = 0
+  local plain, worst = not next(action.angles) and core.largest(a - b), 0
+  if plain then return plain end
   for i = 1, #a do
     local d = abs(a[i] - b[i])
     if action.angles[i] then d = 2 * abs(math.sin(0.5 * (a[i] - b[i]))) end
@@ -55,7 +67,8 @@ function M.apart(action, a, b)
 end
 
 local function size_of(z)
-  local most = 0
+  local plain, most = core.largest(z), 0
+  if plain then return plain end
   for i = 1, #z do
     local size = abs(z[i])
     if not (size <= most) and most == most then most = size end

@@ -41,8 +41,7 @@ local function across(frame, at)
   n, l = n / n:norm(), l / l:norm()
   local function h(t) return groups.kit(frame.group).exp(tangent.along_basis(frame, n * t)) end
   local function off(t)
-    local list, g = {}, h(t)
-    for i, p in ipairs(z) do list[i] = places.image(frame.action, g, p) end
+    local list = places.images(frame.action, h(t), z)
     return l:dot(core.vector(require("dm.frame").section(frame, list)))
   end
   local bend = (off(TINY) + off(-TINY)) / TINY ^ 2
@@ -58,26 +57,23 @@ local function edge(level, inside, outside)
 end
 
 -- the element that moves the points of a node as close as it can to those of another
-local function towards(frame, at, goal)
+local function towards(frame, level, at, goal)
   local kit, list = groups.kit(frame.group), points.split(at.x, frame.k, frame.m)
-  local g, here = kit.identity(), list
-  for _ = 1, AIMS do
-    local psi = tangent.psi_at(frame, here)
-    local down = psi:transpose()
-    local y = (down * psi):solve(down * (goal.x - points.flat(here)))
+  local g, here = kit.identity(), at.x
+  for aim = 1, AIMS do
+    local y = level:approach(here, goal.x)
     local size = y:norm()
     local h = kit.exp(tangent.along_basis(frame, size > 1 and y / size or y))
     g = frame.action.side == "right" and kit.compose(g, h) or kit.compose(h, g)
-    here = {}
-    for i, z in ipairs(list) do here[i] = places.image(frame.action, g, z) end
+    here = aim < AIMS and points.flat(places.images(frame.action, g, list))
   end
   return g
 end
 
 -- the orbit of each of two nodes beside the other one
-local function try_pair(frame, a, b, tried)
+local function try_pair(frame, level, a, b, tried)
   for _, pair in ipairs { { a, b }, { b, a } } do
-    local fine, h = blame.try(towards, frame, table.unpack(pair))
+    local fine, h = blame.try(towards, frame, level, table.unpack(pair))
     if fine then tried(points.split(pair[1].x, frame.k, frame.m), { h }) end
   end
 end
@@ -96,8 +92,8 @@ end
 
 -- where the sine jumps between nodes a and b, at a corner of the section, or where orbits have
 -- fewer dimensions; far: nodes further away on both sides
-local function try_jump(frame, a, b, far, tried)
-  try_pair(frame, a, b, tried)
+local function try_jump(frame, level, a, b, far, tried)
+  try_pair(frame, level, a, b, tried)
   for _, at in ipairs(far) do
     tried(points.split(at.x, frame.k, frame.m), half_turns(frame))
   end
@@ -111,7 +107,7 @@ local function try_orbits(frame, level, a, b, tried)
     if not m then return end
     if m.sine * a.sine < 0 then b = m else a = m end
     local jumps = i >= SEEN and min(abs(a.sine), abs(b.sine)) > JUMP * least
-    if jumps then return try_jump(frame, a, b, far, tried) end
+    if jumps then return try_jump(frame, level, a, b, far, tried) end
     for _, at in ipairs(i % 2 == 0 and { a, b } or {}) do
       local fine, elements = blame.try(across, frame, at)
       if fine then tried(points.split(at.x, frame.k, frame.m), elements) end
@@ -123,7 +119,7 @@ end
 -- back between before and b
 local function try_pieces(frame, level, before, b, a, beyond, tried)
   for _ = 1, EDGES do
-    try_pair(frame, a, b, tried)
+    try_pair(frame, level, a, b, tried)
     a, beyond = edge(level, a, beyond)
     b, before = edge(level, b, before)
   end

@@ -70,6 +70,7 @@ end
 --- a number, a table or a vector as a list; also what a function returns as several values
 function M.entries(value, ...)
   if select("#", ...) > 0 then return several(value, ...) end
+  if type(value) == "number" then return { value } end
   if type(value) == "table" then return { table.unpack(value) } end
   if kits.is_scalar(value) then return { value } end
   if kits.class_of(value) == "dm.vector" then return value:totable() end
@@ -99,21 +100,22 @@ local function stream(seed)
 end
 M.stream = stream
 
+local SOURCE = core.random(7)
+
 --- Points of sample `seed`, `count` of them (default: those of the frame), on the space of the
 -- action.
 function M.sample(frame, seed, count)
-  local source, out = core.random(7), {}
+  local out = {}
   for i = 1, count or frame.k do
-    local z = places.sample_point(frame.action.on, source, 64 * seed + i)
-    for j = 1, #z do z[j] = z[j] + 0 end
-    out[i] = z
+    out[i] = places.sample_point(frame.action.on, SOURCE, 64 * seed + i)
   end
   return out
 end
 
 --- All numbers of a list of points.
 function M.flat(list)
-  local out, n = {}, 0
+  local plain, out, n = core.joined(list), {}, 0
+  if plain then return plain end
   for _, z in ipairs(list) do
     local size = #z
     for i = 1, size do out[n + i] = z[i] end

@@ -47,29 +47,20 @@ local function sample(frame, seed)
   local kit, list = kits.of(frame.action.on), points.sample(frame, seed)
   local size = kit.manifold and 1 or SIZES[seed % #SIZES + 1]
   for _, z in ipairs(list) do
-    for j = 1, #z do z[j] = kit.angles[j] and z[j] or z[j] * size end
+    for j = 1, size ~= 1 and #z or 0 do z[j] = kit.angles[j] and z[j] or z[j] * size end
     if not places.is_inside(frame.action, z) then return nil end
   end
   return list
 end
 
-local function images(frame, g, list)
-  local out = {}
-  for i, z in ipairs(list) do
-    local w = places.image(frame.action, g, z)
-    if not (places.size(w) < FAR) then return nil end
-    out[i] = w
-  end
-  return out
-end
-
 -- the list moved by g; nothing where it is not finite, far away or outside of the domain
 local function moved(frame, g, list)
-  local fine, out = blame.try(images, frame, g, list)
-  for _, w in ipairs(fine and out or {}) do
-    if not places.is_inside(frame.action, w) then return nil end
+  local fine, out, most = blame.try(places.images, frame.action, g, list)
+  if not (fine and most and most < FAR) then return nil end
+  for i = 1, frame.action.domain and #out or 0 do
+    if not places.is_inside(frame.action, out[i]) then return nil end
   end
-  return fine and out or nil
+  return out
 end
 
 -- is the inverse of g what would bring the points to the section?
@@ -117,9 +108,8 @@ end
 -- branch or start. compared: are the equations what was traced? Where the points come to the
 -- section they are.
 local function by_root(frame, list, compared)
-  local root, x = frame.root, points.flat(list)
-  local function find() return compared and root(x) or root:traced(x) end
-  local fine, y = blame.try(find)
+  local root, x, fine, y = frame.root, points.flat(list), nil, nil
+  if compared then fine, y = blame.try(root, x) else fine, y = blame.try(root.traced, root, x) end
   if fine then return require "dm.frame".of_root(frame, y) end
   if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
   return nil, y
@@ -141,20 +131,17 @@ local function condition_of(frame, list, a)
 end
 
 -- |Z| far below what it was where the distance from the section was measured
-local function is_surely_on(trial, Z)
-  local most = 0
-  for _, z in ipairs(Z) do
-    if not (math.abs(z) <= most) then most = math.abs(z) end
-  end
-  return trial.measured >= MEASURED and most <= ON * trial.scale
+local function is_surely_on(trial, size)
+  return trial.measured >= MEASURED and size <= ON * trial.scale
 end
 
 -- Are the points there on the section? Nothing: it cannot be told.
 local function is_on(trial, list, a)
   local frame = trial.frame
   local fine, Z = blame.try(trial.section, frame, a.there)
-  if not fine or not kits.is_finite(Z) then return nil end
-  if is_surely_on(trial, Z) then return true end
+  local size = fine and core.largest(Z)
+  if not size then return nil end
+  if is_surely_on(trial, size) then return true end
   local told, off, condition, unit = blame.try(tangent.distance, frame, a.there, Z)
   if not told then fail("the cross-section has no derivative: %s", blame.bare(off)) end
   a.condition = condition
@@ -203,9 +190,10 @@ end
 
 -- largest distance of points of two lists, beside their size
 local function apart(frame, a, b)
-  local worst = 0
+  local worst, apart_one, size = 0, places.apart, places.size
   for i = 1, #a do
-    worst = max(worst, places.apart(frame.action, a[i], b[i]) / (1 + places.size(a[i])))
+    local one = apart_one(frame.action, a[i], b[i]) / (1 + size(a[i]))
+    if one > worst then worst = one end
   end
   return worst
 end
@@ -253,11 +241,13 @@ local function check_equivariance(frame, h, list, pushed, a, b, seed)
   not_free(frame, list, h, distance)
 end
 
+local ELEMENTS = core.random(11)
+
 -- an element far from the identity, by turns in every component of the group
 local function large(kit, seed)
   local others = kit.others()
   local size = PUSHES[seed % #PUSHES + 1]
-  local h = kit.exp(kits.normals(core.random(11), seed, kit.dimension, size))
+  local h = kit.exp(kits.normals(ELEMENTS, seed, kit.dimension, size))
   local other = others[seed % (#others + 1)]
   return other and kit.compose(other, h) or h
 end

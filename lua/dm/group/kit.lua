@@ -87,6 +87,8 @@ function M.is_scalar(x) return SCALARS[class_of(x)] or false end
 
 --- x as a vector of n entries; a bare number will do where n is 1.
 function M.vector(x, n, what)
+  local plain = core.plain(x, n)
+  if plain then return plain end
   local class, length = class_of(x), nil
   if SCALARS[class] then
     x, length = { x }, 1
@@ -132,11 +134,7 @@ end
 function M.norm(list) return core.vector(list):norm() end
 
 --- n numbers, normal with that deviation, of place i of a dm.random.
-function M.normals(stream, i, n, deviation)
-  local normal, out = stream.normal, {}
-  for k = 1, n do out[k] = normal(stream, i, k - 1, 0, deviation) end
-  return core.vector(out)
-end
+M.normals = core.normals
 
 -- the entries of a and of its differential are lists; T(compose) by the graph where no closed form
 -- is given

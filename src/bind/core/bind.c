@@ -93,7 +93,7 @@ void dml_setfunctions(lua_State *L, const dml_row *rows) {
  * (upvalue 1); upvalue 3: its name */
 static int class_index(lua_State *L) {
     const lua_CFunction field = lua_tocfunction(L, lua_upvalueindex(2));
-    lua_settop(L, 2);
+    if (lua_gettop(L) != 2) lua_settop(L, 2);
     const int results = field ? field(L) : 0;
     if (results) return results;
     lua_settop(L, 2);

@@ -136,6 +136,16 @@ static int distance(lua_State *L) {
     return 3;
 }
 
+/* (section, x, goal) -> y or nothing */
+static int approach(lua_State *L) {
+    section *s = check(L);
+    const uint32_t n = s->level.n;
+    double *x = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *x, 0);
+    dml_vectorarg(L, 2, "x", x, n);
+    dml_vectorarg(L, 3, "goal", x + n, n);
+    return dm_level_approach(&s->level, x, x + n, dml_pushvector(L, s->level.r));
+}
+
 /* The list of what is found is at stack index 5: tables {a, b} or {a, b, left, left}. */
 static int found(void *ud, const double *a, const double *b, const double *const left[2]) {
     lua_State *L = ud;
@@ -196,6 +206,11 @@ static const dml_row methods[] =
       "section:distance(x, Z) -> number, condition, number\n"
       "|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, "
       "however the section is written; the condition number as of cut, and |(J psi)^-1|."},
+     {"approach", approach,
+      "section:approach(x, goal) -> dm.vector   or nothing\n"
+      "The algebra vector that moves the point x as close to the goal as it can, to first order: y "
+      "of "
+      "least squares in psi y = goal - x. Nothing where the generators psi depend on each other."},
      {"folds", folds,
       "section:folds(starts, nodes, most) -> list\n"
       "Where the sine changes its sign along curves from the starts { { x, step } ... }, each "

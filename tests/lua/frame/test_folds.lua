@@ -136,6 +136,9 @@ do
     tap.near(inverse, 1 / (7 * unit), 1e-15 / unit, "of a unit of Z")
     local _, nowhere = section:cut { 0, 0 }
     ok(nowhere == math.huge, "the fixed point")
+    -- psi = (-x2, x1) at (1, 3): y of least squares towards (4, 1), psi . d / psi . psi
+    tap.near(section:approach({ 1, 3 }, { 4, 1 })[1], -11 / 10, 1e-15, "towards a point")
+    ok(section:approach({ 0, 0 }, { 1, 0 }) == nil, "turns lead nowhere from their centre")
     ok(section:distance({ 0, 0 }, { unit }) == math.huge, "is infinitely far")
     tap.raises("must have 2 entries", section.cut, section, { 1 })
     tap.raises("must have 1 entries", section.distance, section, { 1, 3 }, { 1, 2 })

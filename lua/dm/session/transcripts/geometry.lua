@@ -256,6 +256,13 @@ M["section.distance"] = [=[
 > math.abs(off - 2/7) < 1e-15, math.abs(inverse - 1/7) < 1e-15
 true	true]=]
 
+M["section.approach"] = [=[
+> core = require "dm.core"
+> line = core.trace(function(x) return { 1 + x[2] } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> core.section(line, turned, nil):approach({ 2, 0 }, { 7, 1 })
+[0.5]]=]
+
 M["section.folds"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - 0.9*dm.sin(3*x[1]) } end, 2)

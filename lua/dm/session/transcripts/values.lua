@@ -136,4 +136,30 @@ M["vector.totable"] = [=[
 > dm.vector { 1, 2 }:totable()
 { 1.0, 2.0 }]=]
 
+M["core.plain"] = [=[
+> core = require "dm.core"
+> core.plain({ 1, 2 }, 2), core.plain(3, 1), core.plain({ 1, 2 }, 3) == nil
+[1, 2]	[3]	true]=]
+
+M["core.largest"] = [=[
+> core = require "dm.core"
+> core.largest(dm.vector { 1, -3 }), core.largest { 2, "x" } == nil
+3.0	true]=]
+
+M["core.joined"] = [=[
+> core = require "dm.core"
+> core.joined { dm.vector { 1, 2 }, dm.vector { 3 } }
+[1, 2, 3]]=]
+
+M["core.images"] = [=[
+> core = require "dm.core"
+> core.images(function(g, z) return { z[1] + g, z[2] } end, 5, { dm.vector { 1, 2 } }, 2)
+{ [6, 2] }	6.0]=]
+
+M["core.normals"] = [=[
+> core = require "dm.core"
+> r = dm.random(3)
+> core.normals(r, 5, 2, 1) == dm.vector { r:normal(5, 0), r:normal(5, 1) }
+true]=]
+
 return M
