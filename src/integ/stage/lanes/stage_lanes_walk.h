@@ -72,40 +72,41 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, in
     return measured ? moved_of(moved, width) : (V){0};
 }
 
-/* Speed: P3, members by midpoint and gauss(2). */
-HOW static __attribute__((noinline)) V move_by_units(const lanes_sweeps *it, const lanes_walk *a) {
-    if (it->r == 1) return walk_stages(it, a, 1, 2, NULL);
-    if (it->r == 2) return walk_stages(it, a, 2, 2, NULL);
-    return walk_stages(it, a, it->r, 2, NULL);
+/* few stages, and those of the highest orders, are written out. Speed: P3, members by gauss(1) to
+ * gauss(8) */
+INLINE V walk(const lanes_sweeps *it, const lanes_walk *a, int measured, const I *where) {
+    switch (it->r) {
+    case 1:
+        return walk_stages(it, a, 1, measured, where);
+    case 2:
+        return walk_stages(it, a, 2, measured, where);
+    case 3:
+        return walk_stages(it, a, 3, measured, where);
+    case 4:
+        return walk_stages(it, a, 4, measured, where);
+    case 6:
+        return walk_stages(it, a, 6, measured, where);
+    case 8:
+        return walk_stages(it, a, 8, measured, where);
+    default:
+        return walk_stages(it, a, it->r, measured, where);
+    }
 }
 
-/* few stages are written out */
+HOW static __attribute__((noinline)) V move_by_units(const lanes_sweeps *it, const lanes_walk *a) {
+    return walk(it, a, 2, NULL);
+}
+
 HOW static V move(const lanes_sweeps *it, const lanes_walk *a) {
-    if (a->unit) return move_by_units(it, a);
-    if (it->r == 1) return walk_stages(it, a, 1, 1, NULL);
-    if (it->r == 2) return walk_stages(it, a, 2, 1, NULL);
-    if (it->r == 3) return walk_stages(it, a, 3, 1, NULL);
-    if (it->r == 4) return walk_stages(it, a, 4, 1, NULL);
-    if (it->r == 6) return walk_stages(it, a, 6, 1, NULL);
-    return walk_stages(it, a, it->r, 1, NULL);
+    return a->unit ? move_by_units(it, a) : walk(it, a, 1, NULL);
 }
 
 HOW static void put(const lanes_sweeps *it, const lanes_walk *a) {
-    if (it->r == 1)
-        walk_stages(it, a, 1, 0, NULL);
-    else if (it->r == 2)
-        walk_stages(it, a, 2, 0, NULL);
-    else if (it->r == 3)
-        walk_stages(it, a, 3, 0, NULL);
-    else
-        walk_stages(it, a, it->r, 0, NULL);
+    walk(it, a, 0, NULL);
 }
 
 HOW static void put_some(const lanes_sweeps *it, const lanes_walk *a, I where) {
-    if (it->r == 1)
-        walk_stages(it, a, 1, 0, &where);
-    else
-        walk_stages(it, a, it->r, 0, &where);
+    walk(it, a, 0, &where);
 }
 
 /* doubles from stage to stage of what kernels take and give */
