@@ -82,8 +82,9 @@ static dm_status iterate(iteration *it, double tolerance, int fixed) {
 }
 
 /* times of the stages, low-order parts, and the first stages: ahead of the step before, or all at
- * the start */
-static void set_off(dm_phase *g, int warm) {
+ * the start; what moves are compared with */
+static void set_off(iteration *it, int warm) {
+    dm_phase *g = it->g;
     double *time = g->x + 2 * (size_t)g->n * g->width;
     for (uint32_t i = 0; i < g->r; i++) time[i] = g->t + g->after[i];
     g->row->line(g->base, g->state + 2 * g->n, g->none, &g->line, 2 * g->n);
@@ -92,7 +93,11 @@ static void set_off(dm_phase *g, int warm) {
         g->sum[k].start = g->ahead[k].start = start;
         dm_sweep first = g->ahead[k];
         if (!warm) first.u = g->none;
-        g->row->put(&first);
+        double least;
+        const double size = g->row->set(&first, &least);
+        dm_sweep_judge(&g->sum[k], g->unit + (k ? g->n : 0), g->width, size,
+                       it->by_all ? INFINITY : least);
+        it->scale[k] = 1.0 / size;
     }
 }
 
@@ -101,10 +106,7 @@ static dm_status attempt(iteration *it, const dm_stepper *stepper, int warm) {
     dm_phase *g = it->g;
     *it = (iteration){.g = g, .by_all = it->by_all, .change = 1.0, .rate = DM_SWEEP_SLOW};
     if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * g->memory[DM_SWEPT_RATE]);
-    set_off(g, warm);
-    for (int k = 0; k < 2; k++)
-        it->scale[k] =
-            1.0 / dm_sweep_measure(&g->sum[k], g->unit + (k ? g->n : 0), g->width, it->by_all);
+    set_off(it, warm);
     evaluate(g);
     return iterate(it, stepper->tolerance, warm ? g->count : 0);
 }

@@ -50,6 +50,36 @@ static void put_1(const dm_sweep *a) {
     move_1(a);
 }
 
+DM_WRITTEN_OUT double set_rows(const dm_sweep *a, uint32_t rows, double *least) {
+    double size = 0.0, smallest = INFINITY;
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < rows; k++) {
+        const double start = a->start[k], factor = a->factor ? a->factor[k] : 1.0;
+        const double x = start + (a->base[k] + factor * (a->column[0] * a->u[k]));
+        const double own = start * start + x * x, counts = own > 0.0 ? own : INFINITY;
+        size += own;
+        smallest = counts < smallest ? counts : smallest;
+        a->x[k] = x;
+    }
+    *least = smallest;
+    return size;
+}
+
+static double set_1(const dm_sweep *a, double *least) {
+    switch (a->rows) {
+    case 1:
+        return set_rows(a, 1, least);
+    case 2:
+        return set_rows(a, 2, least);
+    case 3:
+        return set_rows(a, 3, least);
+    case 4:
+        return set_rows(a, 4, least);
+    default:
+        return set_rows(a, a->rows, least);
+    }
+}
+
 static void line_1(double *base, const double *low, const double *v, const dm_parts *c,
                    uint32_t rows) {
     for (uint32_t k = 0; k < rows; k++) base[k] = c->top[0] * v[k] + (c->rest[0] * v[k] + low[k]);
@@ -146,11 +176,15 @@ static void copy_1(double *to, const double *state, uint32_t rows) {
         copy_state(to, state, rows);
 }
 
-static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_1};
+static const dm_sweep_row one = {1, put_1, set_1, move_1, line_1, finish_1, copy_1};
 
 /* ---- 4 and 8, each for the processors that there are ---- */
 
 #define TWO_ROUNDINGS(a, b, c) ((a) * (b) + (c))
+#define LESSER_OF(a, b, k) ((a)[k] < (b)[k] ? (a)[k] : (b)[k])
+#define LESSER_OF_2(a, b) ((v2){LESSER_OF(a, b, 0), LESSER_OF(a, b, 1)})
+#define LESSER_OF_4(a, b)                                                                          \
+    ((v4){LESSER_OF(a, b, 0), LESSER_OF(a, b, 1), LESSER_OF(a, b, 2), LESSER_OF(a, b, 3)})
 #define TOTALS_OF_2(x, y) ((v2){(x)[0] + (x)[1], (y)[0] + (y)[1]})
 #define TOTALS_OF_4(x, y)                                                                          \
     ((v2){((x)[0] + (x)[1]) + ((x)[2] + (x)[3]), ((y)[0] + (y)[1]) + ((y)[2] + (y)[3])})
@@ -161,7 +195,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_1};
 #define H v2
 #define HOW
 #define MADD TWO_ROUNDINGS
-#define MADD_HALF TWO_ROUNDINGS
+#define LESSER LESSER_OF_2
 #define TOTALS TOTALS_OF_2
 #include "integ/stage/sweep/sweep_row.h"
 
@@ -171,7 +205,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_1};
 #define H v4
 #define HOW
 #define MADD TWO_ROUNDINGS
-#define MADD_HALF TWO_ROUNDINGS
+#define LESSER LESSER_OF_4
 #define TOTALS TOTALS_OF_4
 #include "integ/stage/sweep/sweep_row.h"
 
@@ -181,7 +215,8 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
     return (v2)_mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
 }
 
-#define FUSED2(a, b, c) ((v2)_mm_fmadd_pd((__m128d)(a), (__m128d)(b), (__m128d)(c)))
+#define LESSER2(a, b) ((v2)_mm_min_pd((__m128d)(a), (__m128d)(b)))
+#define LESSER4(a, b) ((v4)_mm256_min_pd((__m256d)(a), (__m256d)(b)))
 #define FUSED4(a, b, c) ((v4)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
 /* halves of a and b added up, side by side; sums of neighbours of both */
 #define SIDES(a, b)                                                                                \
@@ -198,7 +233,7 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #define H v2
 #define HOW __attribute__((target("avx")))
 #define MADD TWO_ROUNDINGS
-#define MADD_HALF TWO_ROUNDINGS
+#define LESSER LESSER2
 #define TOTALS ADDED2
 #include "integ/stage/sweep/sweep_row.h"
 
@@ -208,7 +243,7 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #define H v4
 #define HOW __attribute__((target("avx")))
 #define MADD TWO_ROUNDINGS
-#define MADD_HALF TWO_ROUNDINGS
+#define LESSER LESSER4
 #define TOTALS ADDED4
 #include "integ/stage/sweep/sweep_row.h"
 
@@ -220,7 +255,7 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #define H v2
 #define HOW __attribute__((target("avx,fma")))
 #define MADD FUSED4
-#define MADD_HALF FUSED2
+#define LESSER LESSER2
 #define TOTALS ADDED2
 #include "integ/stage/sweep/sweep_row.h"
 
@@ -233,7 +268,7 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #define H v4
 #define HOW __attribute__((target("avx512f,fma")))
 #define MADD FUSED8
-#define MADD_HALF FUSED4
+#define LESSER LESSER4
 #define TOTALS ADDED4
 #include "integ/stage/sweep/sweep_row.h"
 
@@ -254,15 +289,6 @@ const dm_sweep_row *dm_sweep_find(uint32_t stages) {
 
 /* ---- units ---- */
 
-typedef long long i2 __attribute__((vector_size(16)));
-
-/* the lesser of two, NaN for neither */
-#ifdef __x86_64__
-#define LESSER(a, b) ((v2)_mm_min_pd((__m128d)(a), (__m128d)(b)))
-#else
-#define LESSER(a, b) ((v2){(a)[0] < (b)[0] ? (a)[0] : (b)[0], (a)[1] < (b)[1] ? (a)[1] : (b)[1]})
-#endif
-
 /* squares of the start and of the last stage, of rows k and k + 1, or of the last row twice */
 static inline v2 squares(const dm_sweep *a, uint32_t k, size_t width) {
     const size_t next = k + 1 < a->rows;
@@ -272,7 +298,7 @@ static inline v2 squares(const dm_sweep *a, uint32_t k, size_t width) {
 }
 
 /* What is as good as zero has no size of its own. */
-static void find_units(dm_sweep *a, double *unit, uint32_t width, double size) {
+void dm_sweep_find_units(dm_sweep *a, double *unit, uint32_t width, double size) {
     const double zero = DM_SWEEP_ZERO * size, mean = size / a->rows;
     for (uint32_t k = 0; k < a->rows; k += 2) {
         const v2 own = squares(a, k, width), times = mean / own;
@@ -280,21 +306,4 @@ static void find_units(dm_sweep *a, double *unit, uint32_t width, double size) {
         if (k + 1 < a->rows) unit[k + 1] = own[1] > zero ? times[1] : 1.0;
     }
     a->unit = unit;
-}
-
-/* Two rows at a time; the sum goes on row by row. */
-double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all) {
-    const v2 infinite = {INFINITY, INFINITY};
-    double size = 0.0;
-    v2 least = infinite;
-    for (uint32_t k = 0; k < a->rows; k += 2) {
-        const v2 own = squares(a, k, width), counts = own + (v2)((i2)infinite & (own == 0.0));
-        size += own[0];
-        if (k + 1 < a->rows) size += own[1];
-        least = LESSER(counts, least);
-    }
-    if (a->unit) a->unit = NULL; /* a store would be waited for by the next sweep */
-    const int apart = DM_SWEEP_APART * least[0] < size || DM_SWEEP_APART * least[1] < size;
-    if (apart && !by_all) find_units(a, unit, width, size);
-    return size;
 }

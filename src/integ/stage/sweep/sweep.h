@@ -43,6 +43,9 @@ typedef struct {
 typedef struct {
     uint32_t width;
     void (*put)(const dm_sweep *a);
+    /* put; returns the sum over all rows of the squares of the start and of the last stage, which
+     * moves are compared with; the least of these squares that is not zero, infinite for none */
+    double (*set)(const dm_sweep *a, double *least);
     /* put; returns the sum of squares of what x moved by, times units */
     double (*move)(const dm_sweep *a);
     /* base[rows][width] = low[rows] + c v[rows] */
@@ -54,10 +57,15 @@ typedef struct {
     void (*copy)(double *to, const double *state, uint32_t rows);
 } dm_sweep_row;
 
-/* The sum over all rows of the squares of the start and of the last stage, which moves are compared
- * with. Where some row is much smaller than that and not zero, and not `by_all`, units [rows] make
- * all rows as large as their mean. */
-double dm_sweep_measure(dm_sweep *a, double *unit, uint32_t width, int by_all);
+/* Units [rows] that make all rows as large as their mean, by the sum of their squares. */
+void dm_sweep_find_units(dm_sweep *a, double *unit, uint32_t width, double size);
+
+/* These where some row is much smaller than all and not zero, by what `set` gave; else none. */
+static inline void dm_sweep_judge(dm_sweep *a, double *unit, uint32_t width, double size,
+                                  double least) {
+    if (a->unit) a->unit = NULL; /* a store would be waited for by the next sweep */
+    if (DM_SWEEP_APART * least < size) dm_sweep_find_units(a, unit, width, size);
+}
 
 typedef double dm_pair __attribute__((vector_size(16), aligned(8), may_alias));
 typedef long long dm_pair_mask __attribute__((vector_size(16), aligned(8), may_alias));

@@ -1,8 +1,8 @@
 /* sweep_row.h - the functions of a dm_sweep_row, once for every width and kind of processor.
  * Wanted: ROW (name), W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW
  * (target of the functions), TOTALS(x, y): the sums over lanes of two vectors H, FINISH and COPY
- * where the end of a step is done in another way, MADD(a, b, c) and MADD_HALF(a, b, c): a b + c,
- * with one rounding where the processor has it. FOUR_TOTALS(a, b, c, d), if there is one: the sums
+ * where the end of a step is done in another way, MADD(a, b, c): a b + c, with one rounding where
+ * the processor has it, LESSER(a, b): the lesser entries of two vectors H, b where one is NaN. FOUR_TOTALS(a, b, c, d), if there is one: the sums
  * over lanes of four vectors V, for the end of a step of four rows at once. */
 #define JOINED(a, b) a##_##b
 #define JOIN(a, b) JOINED(a, b)
@@ -11,6 +11,8 @@
 
 #define BITS JOIN(bits, ROW)
 typedef long long BITS __attribute__((vector_size(8 * W)));
+#define HALF_BITS JOIN(half_bits, ROW)
+typedef long long HALF_BITS __attribute__((vector_size(4 * W)));
 #define LOAD(x) (*(const V *)(const void *)(x))
 #define SAME(x) ((x) - (V){0})
 
@@ -62,6 +64,34 @@ HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
     return measured ? OWN(total)((const double *)&sum) : 0.0;
 }
 
+/* the half with the last stage in it is enough; what is zero is no number, and not the least */
+HOW INLINE double OWN(walk_first)(const dm_sweep *a, uint32_t columns, double *least) {
+    enum { HALF = W / 2 };
+    const dm_sweep at = *a;
+    const uint32_t last = columns - 1, lane = last % HALF;
+    const V *from = (const V *)(const void *)at.column;
+    H size = {0}, smallest = INFINITY - (H){0};
+    V c[8];
+    for (uint32_t m = 0; m < columns; m++) c[m] = from[m];
+    for (uint32_t k = 0; k < at.rows; k++) {
+        const size_t row = (size_t)k * W;
+        const V base = LOAD(at.base + row), start = SAME(at.start[k]);
+        V sum;
+        OWN(inner)(&sum, at.factor ? NULL : &base, c, at.u + row, columns);
+        if (at.factor) sum = MADD(SAME(at.factor[k]), sum, base);
+        sum = start + sum;
+        const H x = ((const H *)(const void *)&sum)[last / HALF];
+        const H from_here = ((const H *)(const void *)&start)[0];
+        const H own = from_here * from_here + x * x;
+        const H counts = (H)((HALF_BITS)own | (HALF_BITS)(own == (H){0}));
+        size += own;
+        smallest = LESSER(counts, smallest);
+        *(V *)(void *)(at.x + row) = sum;
+    }
+    *least = smallest[lane];
+    return size[lane];
+}
+
 HOW INLINE double OWN(choose)(const dm_sweep *a, int measured) {
     if (a->columns == W) return OWN(walk)(a, W, measured);
     if (a->columns == W - 1) return OWN(walk)(a, W - 1, measured);
@@ -71,6 +101,13 @@ HOW INLINE double OWN(choose)(const dm_sweep *a, int measured) {
 
 HOW static void OWN(put)(const dm_sweep *a) {
     OWN(choose)(a, 0);
+}
+
+HOW static double OWN(set)(const dm_sweep *a, double *least) {
+    if (a->columns == W) return OWN(walk_first)(a, W, least);
+    if (a->columns == W - 1) return OWN(walk_first)(a, W - 1, least);
+    if (a->columns == W - 2) return OWN(walk_first)(a, W - 2, least);
+    return OWN(walk_first)(a, W == 8 ? W - 3 : 2, least);
 }
 
 HOW static double OWN(move)(const dm_sweep *a) {
@@ -154,7 +191,7 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
 #define COPY copy_state
 #endif
 
-static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), FINISH, COPY};
+static const dm_sweep_row ROW = {W, OWN(put), OWN(set), OWN(move), OWN(line), FINISH, COPY};
 
 #undef INLINE
 #undef LOAD
@@ -169,7 +206,8 @@ static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), FINISH, COPY
 #undef H
 #undef HOW
 #undef MADD
-#undef MADD_HALF
+#undef LESSER
+#undef HALF_BITS
 #undef TOTALS
 #undef FINISH
 #undef FOUR_TOTALS
