@@ -56,17 +56,25 @@ static dm_status by_mass(const dm_model *m, double *p, const double *v) {
     return all_finite(p, m->n) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* r[n] = out - p, of an H H_p - v, and the largest of these terms. Speed: P4 by rk8pd */
+static inline void find_defect(equation *e, double *r) {
+    double size = 0.0;
+    for (uint32_t i = 0; i < e->m->n; i++) {
+        const double found = fabs(e->out[i]), given = fabs(e->p[i]);
+        r[i] = e->out[i] - e->p[i];
+        size = found > size ? found : size;
+        size = given > size ? given : size;
+    }
+    e->size = size;
+}
+
 /* r = H_p - v, J = H_pp at p */
 static dm_status velocity_defect(void *ctx, double *r, double *J, const double *p) {
     equation *e = ctx;
     const size_t n = e->m->n;
     dm_small_copy(e->x + n, p, e->m->n);
     dm_kernel_eval(&e->m->field_curve, e->x, e->out);
-    e->size = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        r[i] = e->out[i] - e->p[i];
-        e->size = fmax(e->size, fmax(fabs(e->p[i]), fabs(e->out[i])));
-    }
+    find_defect(e, r);
     for (size_t i = 0; J && i < n; i++)
         memcpy(J + i * n, e->out + 2 * n + i * 2 * n + n, n * sizeof *J);
     return DM_OK;
@@ -126,11 +134,7 @@ static dm_status momentum_defect(void *ctx, double *r, double *J, const double *
     equation *e = ctx;
     const uint32_t n = e->m->n;
     evaluate(e->m, e->x, e->out, v);
-    e->size = 0.0;
-    for (uint32_t i = 0; i < n; i++) {
-        r[i] = e->out[i] - e->p[i];
-        e->size = fmax(e->size, fmax(fabs(e->p[i]), fabs(e->out[i])));
-    }
+    find_defect(e, r);
     if (J) memcpy(J, e->out + n, (size_t)n * n * sizeof *J);
     return DM_OK;
 }

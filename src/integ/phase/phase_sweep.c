@@ -93,10 +93,9 @@ static void set_off(iteration *it, int warm) {
         g->sum[k].start = g->ahead[k].start = start;
         dm_sweep first = g->ahead[k];
         if (!warm) first.u = g->none;
-        double least;
-        const double size = g->row->set(&first, &least);
-        dm_sweep_judge(&g->sum[k], g->unit + (k ? g->n : 0), g->width, size,
-                       it->by_all ? INFINITY : least);
+        double least, *own = g->unit + (k ? g->n : 0);
+        const double size = g->row->set(&first, own, &least);
+        dm_sweep_judge(&g->sum[k], own, size, it->by_all ? INFINITY : least);
         it->scale[k] = 1.0 / size;
     }
 }

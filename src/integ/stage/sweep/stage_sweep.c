@@ -84,7 +84,7 @@ static inline void evaluate(iteration *it, int first) {
     g->evaluations += g->table.r;
     if (!g->separable) {
         dm_stage_apply(&w->factors, width, g->table.r);
-        it->moved[1] = first ? w->row->set(&w->p, it->least + 1) : move(it, &w->p);
+        it->moved[1] = first ? w->row->set(&w->p, w->unit + g->n, it->least + 1) : move(it, &w->p);
         dm_stage_apply(&w->velocity, width, g->table.r);
     } else if (!(g->m->structure & DM_DIAGONAL_MASS)) {
         divide_by_mass(g);
@@ -127,7 +127,7 @@ static void set_off(iteration *it, int warm) {
     const double *low = g->group.state + 2 * n, *v = g->separable || !warm ? g->points.v0 : w->none;
     w->row->line(w->base, low, v, &w->line, n);
     w->ahead.u = warm ? w->v_ahead.u : w->none;
-    it->size[0] = w->row->set(&w->ahead, it->least);
+    it->size[0] = w->row->set(&w->ahead, w->unit, it->least);
     if (g->separable) return;
     if (!warm) w->row->line(w->base, low, w->none, &w->line, n);
     w->row->line(w->lift, low + n, w->none, &w->line, n);
@@ -154,7 +154,7 @@ static void prepare(iteration *it, int warm) {
 static inline void judge(const iteration *it, dm_sweep *a, uint32_t part) {
     dm_stage_sweeps *w = it->w;
     const double least = w->by_all ? INFINITY : it->least[part];
-    dm_sweep_judge(a, w->unit + part * it->g->n, w->row->width, it->size[part], least);
+    dm_sweep_judge(a, w->unit + part * it->g->n, it->size[part], least);
 }
 
 /* the first one, which tells what changes are compared with */
@@ -242,10 +242,13 @@ static dm_status find_velocity(dm_stage *g, int warm) {
 }
 
 /* the iteration from one start */
-static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
-    dm_stage *g = it->g;
-    const int fixed = warm ? it->w->count : 0;
-    *it = (iteration){.g = g, .w = it->w, .measured = !fixed, .change = 1.0, .rate = DM_SWEEP_SLOW};
+static dm_status attempt(iteration *it, dm_stage *g, const dm_stepper *stepper, int warm) {
+    const int fixed = warm ? g->sweeps->count : 0;
+    *it = (iteration){.g = g,
+                      .w = g->sweeps,
+                      .measured = !fixed,
+                      .change = 1.0,
+                      .rate = DM_SWEEP_SLOW};
     dm_status status = find_velocity(g, warm);
     if (status != DM_OK) return status;
     prepare(it, warm);
@@ -254,23 +257,23 @@ static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
 }
 
 /* far from its step the polynomial may leave the domain: then from a straight line */
-static dm_status attempts(iteration *it, dm_stepper *stepper, int warm) {
-    const dm_status status = attempt(it, stepper, warm);
-    return status != DM_OK && warm ? attempt(it, stepper, 0) : status;
+static dm_status attempts(iteration *it, dm_stage *g, const dm_stepper *stepper, int warm) {
+    const dm_status status = attempt(it, g, stepper, warm);
+    return status != DM_OK && warm ? attempt(it, g, stepper, 0) : status;
 }
 
 /* The end is in the state. */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
-    iteration it = {.g = g, .w = g->sweeps};
-    dm_stage_sweeps *w = it.w;
+    iteration it;
+    dm_stage_sweeps *w = g->sweeps;
     const int warm = dm_stage_memory_fits(g);
     const double *before = warm ? w->memory + DM_SWEPT_END : g->group.next;
     if (!warm)
         dm_stage_copy(g->group.next, g->group.state, 4 * g->n); /* should the end not be finite */
-    dm_status status = attempts(&it, stepper, warm);
+    dm_status status = attempts(&it, g, stepper, warm);
     if (status != DM_OK && (w->q.unit || w->p.unit)) {
         w->by_all = 1;
-        status = attempts(&it, stepper, warm);
+        status = attempts(&it, g, stepper, warm);
         w->by_all = 0;
     }
     stepper->report.iterations = it.count;

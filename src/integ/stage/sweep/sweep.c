@@ -50,14 +50,14 @@ static void put_1(const dm_sweep *a) {
     move_1(a);
 }
 
-DM_WRITTEN_OUT double set_rows(const dm_sweep *a, uint32_t rows, double *least) {
+DM_WRITTEN_OUT double set_rows(const dm_sweep *a, uint32_t rows, double *own, double *least) {
     double size = 0.0, smallest = INFINITY;
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < rows; k++) {
         const double start = a->start[k], factor = a->factor ? a->factor[k] : 1.0;
         const double x = start + (a->base[k] + factor * (a->column[0] * a->u[k]));
-        const double own = start * start + x * x, counts = own > 0.0 ? own : INFINITY;
-        size += own;
+        const double squares = start * start + x * x, counts = squares > 0.0 ? squares : INFINITY;
+        size += own[k] = squares;
         smallest = counts < smallest ? counts : smallest;
         a->x[k] = x;
     }
@@ -65,18 +65,18 @@ DM_WRITTEN_OUT double set_rows(const dm_sweep *a, uint32_t rows, double *least) 
     return size;
 }
 
-static double set_1(const dm_sweep *a, double *least) {
+static double set_1(const dm_sweep *a, double *own, double *least) {
     switch (a->rows) {
     case 1:
-        return set_rows(a, 1, least);
+        return set_rows(a, 1, own, least);
     case 2:
-        return set_rows(a, 2, least);
+        return set_rows(a, 2, own, least);
     case 3:
-        return set_rows(a, 3, least);
+        return set_rows(a, 3, own, least);
     case 4:
-        return set_rows(a, 4, least);
+        return set_rows(a, 4, own, least);
     default:
-        return set_rows(a, a->rows, least);
+        return set_rows(a, a->rows, own, least);
     }
 }
 
@@ -289,21 +289,15 @@ const dm_sweep_row *dm_sweep_find(uint32_t stages) {
 
 /* ---- units ---- */
 
-/* squares of the start and of the last stage, of rows k and k + 1, or of the last row twice */
-static inline v2 squares(const dm_sweep *a, uint32_t k, size_t width) {
-    const size_t next = k + 1 < a->rows;
-    const double *start = a->start + k, *last = a->x + k * width + a->columns - 1;
-    const v2 x = {start[0], start[next]}, y = {last[0], last[next * width]};
-    return x * x + y * y;
-}
-
-/* What is as good as zero has no size of its own. */
-void dm_sweep_find_units(dm_sweep *a, double *unit, uint32_t width, double size) {
+/* Two at a time; what is as good as zero has no size of its own. */
+void dm_sweep_find_units(dm_sweep *a, double *unit, double size) {
     const double zero = DM_SWEEP_ZERO * size, mean = size / a->rows;
-    for (uint32_t k = 0; k < a->rows; k += 2) {
-        const v2 own = squares(a, k, width), times = mean / own;
-        unit[k] = own[0] > zero ? times[0] : 1.0;
-        if (k + 1 < a->rows) unit[k + 1] = own[1] > zero ? times[1] : 1.0;
+    uint32_t k = 0;
+    for (; k + 2 <= a->rows; k += 2) {
+        v2 *two = (v2 *)(void *)(unit + k);
+        const v2 times = mean / *two;
+        *two = (v2){(*two)[0] > zero ? times[0] : 1.0, (*two)[1] > zero ? times[1] : 1.0};
     }
+    if (k < a->rows) unit[k] = unit[k] > zero ? mean / unit[k] : 1.0;
     a->unit = unit;
 }

@@ -43,9 +43,9 @@ typedef struct {
 typedef struct {
     uint32_t width;
     void (*put)(const dm_sweep *a);
-    /* put; returns the sum over all rows of the squares of the start and of the last stage, which
-     * moves are compared with; the least of these squares that is not zero, infinite for none */
-    double (*set)(const dm_sweep *a, double *least);
+    /* put; own[rows] are the squares of the start and of the last stage, which moves are compared
+     * with; returns their sum, the least of them that is not zero, infinite for none */
+    double (*set)(const dm_sweep *a, double *own, double *least);
     /* put; returns the sum of squares of what x moved by, times units */
     double (*move)(const dm_sweep *a);
     /* base[rows][width] = low[rows] + c v[rows] */
@@ -57,14 +57,14 @@ typedef struct {
     void (*copy)(double *to, const double *state, uint32_t rows);
 } dm_sweep_row;
 
-/* Units [rows] that make all rows as large as their mean, by the sum of their squares. */
-void dm_sweep_find_units(dm_sweep *a, double *unit, uint32_t width, double size);
+/* unit[rows], the squares that `set` left there, become what makes all rows as large as their mean,
+ * by the sum of these squares. */
+void dm_sweep_find_units(dm_sweep *a, double *unit, double size);
 
-/* These where some row is much smaller than all and not zero, by what `set` gave; else none. */
-static inline void dm_sweep_judge(dm_sweep *a, double *unit, uint32_t width, double size,
-                                  double least) {
+/* The same where some row is much smaller than all and not zero; else there are no units. */
+static inline void dm_sweep_judge(dm_sweep *a, double *unit, double size, double least) {
     if (a->unit) a->unit = NULL; /* a store would be waited for by the next sweep */
-    if (DM_SWEEP_APART * least < size) dm_sweep_find_units(a, unit, width, size);
+    if (DM_SWEEP_APART * least < size) dm_sweep_find_units(a, unit, size);
 }
 
 typedef double dm_pair __attribute__((vector_size(16), aligned(8), may_alias));

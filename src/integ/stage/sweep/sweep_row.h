@@ -65,7 +65,7 @@ HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
 }
 
 /* the half with the last stage in it is enough; what is zero is no number, and not the least */
-HOW INLINE double OWN(walk_first)(const dm_sweep *a, uint32_t columns, double *least) {
+HOW INLINE double OWN(walk_first)(const dm_sweep *a, uint32_t columns, double *own, double *least) {
     enum { HALF = W / 2 };
     const dm_sweep at = *a;
     const uint32_t last = columns - 1, lane = last % HALF;
@@ -82,9 +82,10 @@ HOW INLINE double OWN(walk_first)(const dm_sweep *a, uint32_t columns, double *l
         sum = start + sum;
         const H x = ((const H *)(const void *)&sum)[last / HALF];
         const H from_here = ((const H *)(const void *)&start)[0];
-        const H own = from_here * from_here + x * x;
-        const H counts = (H)((HALF_BITS)own | (HALF_BITS)(own == (H){0}));
-        size += own;
+        const H squares = from_here * from_here + x * x;
+        const H counts = (H)((HALF_BITS)squares | (HALF_BITS)(squares == (H){0}));
+        own[k] = squares[lane];
+        size += squares;
         smallest = LESSER(counts, smallest);
         *(V *)(void *)(at.x + row) = sum;
     }
@@ -103,11 +104,11 @@ HOW static void OWN(put)(const dm_sweep *a) {
     OWN(choose)(a, 0);
 }
 
-HOW static double OWN(set)(const dm_sweep *a, double *least) {
-    if (a->columns == W) return OWN(walk_first)(a, W, least);
-    if (a->columns == W - 1) return OWN(walk_first)(a, W - 1, least);
-    if (a->columns == W - 2) return OWN(walk_first)(a, W - 2, least);
-    return OWN(walk_first)(a, W == 8 ? W - 3 : 2, least);
+HOW static double OWN(set)(const dm_sweep *a, double *own, double *least) {
+    if (a->columns == W) return OWN(walk_first)(a, W, own, least);
+    if (a->columns == W - 1) return OWN(walk_first)(a, W - 1, own, least);
+    if (a->columns == W - 2) return OWN(walk_first)(a, W - 2, own, least);
+    return OWN(walk_first)(a, W == 8 ? W - 3 : 2, own, least);
 }
 
 HOW static double OWN(move)(const dm_sweep *a) {
