@@ -302,19 +302,31 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
     return a < 1.0;
 }
 
-int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_wide_product volume,
-                        const dm_crossing_way *way, dm_crossing_place *out, double *work) {
-    enum { POWER, BEFORE, COMPARED };
+enum { POWER, BEFORE, COMPARED }; /* what watched are */
+
+static double power_of(const double *watched, dm_wide_product volume) {
     const int starts = watched[BEFORE] == 0.0 && watched[COMPARED] == 0.0;
-    const double power = starts ? (double)volume.power : watched[POWER];
-    const double now = dm_wide_over(volume, power);
+    return starts ? (double)volume.power : watched[POWER];
+}
+
+int dm_crossing_is_calm(double *watched, dm_wide_product volume) {
+    const double power = power_of(watched, volume), now = dm_wide_over(volume, power);
     dm_crossing_watch watch;
     dm_crossing_expect(&watch, watched[COMPARED]);
-    if (!dm_crossing_is_far(&watch, now)) {
-        const int suspect = dm_crossing_suspects(&watch, watched[BEFORE], now);
-        if (suspect && dm_crossing_between(c, way, out, work)) return 1;
-        watched[COMPARED] = watch.volume;
-    }
+    if (!dm_crossing_is_far(&watch, now)) return 0;
+    watched[POWER] = power, watched[BEFORE] = now;
+    return 1;
+}
+
+int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_wide_product volume,
+                        const dm_crossing_way *way, dm_crossing_place *out, double *work) {
+    if (dm_crossing_is_calm(watched, volume)) return 0;
+    const double power = power_of(watched, volume), now = dm_wide_over(volume, power);
+    dm_crossing_watch watch;
+    dm_crossing_expect(&watch, watched[COMPARED]);
+    const int suspect = dm_crossing_suspects(&watch, watched[BEFORE], now);
+    if (suspect && dm_crossing_between(c, way, out, work)) return 1;
+    watched[COMPARED] = watch.volume;
     watched[POWER] = power, watched[BEFORE] = now; /* of a step that is taken */
     return 0;
 }

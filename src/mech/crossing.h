@@ -63,6 +63,8 @@ int dm_crossing_suspects(dm_crossing_watch *w, double before, double now);
 /* All of this for a step with that volume at its end; watched[3]: what the step before left, zeros
  * at a start: a power of two that volumes are divided by, the last one, one to compare with. */
 enum { DM_CROSSING_WATCHED = 3 };
+/* The first part of it: is the step one that need not be looked into? Else watched is as it was. */
+int dm_crossing_is_calm(double *watched, dm_wide_product volume);
 int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_wide_product volume,
                         const dm_crossing_way *way, dm_crossing_place *out, double *work);
 

@@ -72,12 +72,12 @@ static int find_volume(dm_constrained *g) {
 }
 
 int dm_constrained_crosses(dm_constrained *g) {
-    double *unit = g->scratch;
+    double *unit = g->scratch, *watched = g->memory + DM_CONSTRAINED_VOLUMES;
     const dm_crossing_way way = {g->state, g->next, unit, g->t, g->t + g->h, NULL};
     dm_crossing_place place;
-    if (!g->k || !find_volume(g) || !find_units(g, unit)) return 0;
-    if (!dm_crossing_in_step(g->constraints, g->memory + DM_CONSTRAINED_VOLUMES, g->volume, &way,
-                             &place, unit + g->n))
+    if (!g->k || !find_volume(g) || dm_crossing_is_calm(watched, g->volume)) return 0;
+    if (!find_units(g, unit)) return 0;
+    if (!dm_crossing_in_step(g->constraints, watched, g->volume, &way, &place, unit + g->n))
         return 0;
     g->lost = place.row, g->crosses = 1, g->at = place.t;
     return 1;

@@ -1,6 +1,7 @@
 /* rattle.c - RATTLE and SHAKE: the loop around the kernels of rattle_kernels.c. */
 #include "integ/constrained/rattle.h"
 #include "base/doubles.h"
+#include "base/written_out.h"
 #include "integ/constrained/rattle_cells.h"
 
 #include "integ/constrained/constrained.h"
@@ -138,7 +139,7 @@ static void impulses(const dm_stepper *s, double *out) {
 
 /* The squares of the last two changes and of a size of q1 say that it is known to round-off: the
  * last change is, or what Newton's method, being quadratic, would change next. */
-static int is_known(const dm_stepper *s, const double *norms, double size) {
+DM_WRITTEN_OUT int is_known(const dm_stepper *s, const double *norms, double size) {
     const double before = norms[0], now = norms[1];
     const double tolerance = s->tolerance * s->tolerance * size;
     if (now <= tolerance) return 1;
