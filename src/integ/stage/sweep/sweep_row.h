@@ -2,7 +2,8 @@
  * Wanted: ROW (name), W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW
  * (target of the functions), TOTALS(x, y): the sums over lanes of two vectors H, FINISH and COPY
  * where the end of a step is done in another way, MADD(a, b, c): a b + c, with one rounding where
- * the processor has it, LESSER(a, b): the lesser entries of two vectors H, b where one is NaN. FOUR_TOTALS(a, b, c, d), if there is one: the sums
+ * the processor has it, LESSER(a, b): the lesser entries of two vectors H, b where one is NaN.
+ * FOUR_TOTALS(a, b, c, d), if there is one: the sums
  * over lanes of four vectors V, for the end of a step of four rows at once. */
 #define JOINED(a, b) a##_##b
 #define JOIN(a, b) JOINED(a, b)
