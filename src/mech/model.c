@@ -19,6 +19,7 @@
 #include "algebra/implicit.h"
 #include "code/tape/tape.h"
 #include "graph/analyse.h"
+#include "linalg/blocks.h"
 #include "linalg/lu.h"
 #include "mech/mass_bounds.h"
 #include "mech/mass_convex.h"
@@ -359,6 +360,16 @@ static void keep_bounds(builder *b) {
         b->m.mass_bounds = M;
 }
 
+/* of a mass that moves: which velocities does it couple? */
+static dm_status keep_blocks(builder *b) {
+    const uint32_t n = b->m.n;
+    if (!b->m.mass.eval || b->m.structure & DM_CONSTANT_MASS) return DM_OK;
+    uint32_t *room = dm_arena_take(b->arena, (2 * (size_t)n + 1) * sizeof *room);
+    if (!room) return DM_NO_MEMORY;
+    b->m.mass_blocks = dm_blocks_find(b->mass, n, room);
+    return DM_OK;
+}
+
 /* the usual model: all sums written out, n x n tables allowed */
 static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                              dm_compile *compile, dm_arena *arena) {
@@ -381,6 +392,7 @@ static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n, un
     status = make_kernels(&b, want);
     if (status == DM_OK && want & DM_WANT_STAGE_LATER) status = make_later(&b);
     if (status == DM_OK) keep_bounds(&b);
+    if (status == DM_OK) status = keep_blocks(&b);
     if (status != DM_OK) return status;
     *m = b.m;
     return mass;

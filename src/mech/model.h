@@ -10,6 +10,7 @@
 #define DM_MODEL_H
 
 #include "code/source.h"
+#include "linalg/blocks.h"
 
 #include <stddef.h>
 
@@ -86,6 +87,7 @@ typedef struct {
     /* of M(q, t), for boxes (mech/mass_bounds.h); NULL: it is constant, a sum of squares,
      * definite, depends on v, or is large */
     const struct dm_mass_bounds *mass_bounds;
+    dm_blocks mass_blocks;          /* of a mass that moves; count 0: not known */
     const uint8_t *cyclic;          /* [n]: 1 where L does not depend on q_i */
     struct dm_curvature *curvature; /* DM_WANT_CURVATURE (chain/curvature.h); else NULL */
     struct dm_work *work; /* forces beside L on a field (chain/virtual_work.h), DM_WANT_FORCE; NULL:

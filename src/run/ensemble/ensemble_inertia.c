@@ -2,6 +2,7 @@
 #include "run/ensemble/ensemble_hand.h"
 #include "run/inertia/inertia_look.h"
 
+#include <math.h>
 #include <string.h>
 
 void dm_block_keep(dm_block *b) {
@@ -38,23 +39,17 @@ static void find_times(const dm_hand *x, uint32_t first, double *t) {
         t[l] = own ? now[l] : x->e->t0 + (double)x->done * x->b->h[first + l];
 }
 
-/* What lanes found of a group. */
-typedef struct {
-    _Alignas(64) double least[8], all[8], t[8];
-} group;
-
 /* The lanes of those that are told that are not done with. */
-static uint32_t leave_quiet(dm_hand *x, const dm_mass_lanes *w, uint32_t first, const group *g,
-                            const double *between, uint32_t told) {
+static uint32_t leave_quiet(dm_hand *x, const dm_mass_lanes *w, uint32_t first,
+                            const dm_mass_found *f, uint32_t told) {
     const double *q = dm_lanes_member(&x->b->lanes, w->n, first);
-    const uint32_t quiet =
-        w->quiet(x->seen + first, g->least, g->all, between, g->t, x->done, told);
+    const uint32_t quiet = w->quiet(w, x->seen + first, f, x->done, told);
     dm_inertia_keep_places(x->b->inertia, first, q, w->lanes, quiet);
     return told & ~quiet;
 }
 
 /* The same when the middles of the lines from their last looks are looked at. */
-static uint32_t look_at_lines(dm_hand *x, dm_mass_lanes *w, uint32_t first, const group *g,
+static uint32_t look_at_lines(dm_hand *x, dm_mass_lanes *w, uint32_t first, dm_mass_found *f,
                               uint32_t told) {
     const uint32_t lanes = w->lanes;
     for (uint32_t l = 0; l < lanes; l++) {
@@ -65,29 +60,44 @@ static uint32_t look_at_lines(dm_hand *x, dm_mass_lanes *w, uint32_t first, cons
             double *q = w->in + k * lanes + l;
             *q = from[k] + 0.5 * (*q - from[k]);
         }
-        w->t[l] = at + 0.5 * (g->t[l] - at);
+        w->t[l] = at + 0.5 * (f->t[l] - at);
     }
     const uint32_t found = dm_mass_lanes_look(w, first / lanes, told);
-    return (told & ~found) | leave_quiet(x, w, first, g, w->all, found);
+    f->between = w->all;
+    return (told & ~found) | leave_quiet(x, w, first, f, found);
+}
+
+/* What was found of member i, a lane of what lanes found. */
+static void tell(dm_hand *x, const dm_mass_lanes *w, uint32_t i, const dm_mass_found *f) {
+    const uint32_t lane = i % w->lanes, blocks = w->blocks.count;
+    dm_inertia_value *of = w->told + (size_t)i * blocks;
+    dm_inertia_there *out = &x->there[i];
+    *out = (dm_inertia_there){.least = INFINITY, .of = of};
+    for (uint32_t b = 0; b < blocks; b++) {
+        of[b].least = f->least[b * w->lanes + lane], of[b].all = f->all[b * w->lanes + lane];
+        out->least = fmin(out->least, of[b].least);
+    }
 }
 
 /* The lanes of a group that are asked; those that are not done with. */
 static uint32_t look_at_group(dm_hand *x, dm_mass_lanes *w, uint32_t first, uint32_t asked) {
     const uint32_t lanes = w->lanes, n = w->n;
-    group g;
+    const size_t found = (size_t)w->blocks.count * lanes;
+    double t[8];
     find_times(x, first, w->t);
     memcpy(w->in, dm_lanes_member(&x->b->lanes, n, first), (size_t)n * lanes * sizeof *w->in);
     const uint32_t told = dm_mass_lanes_look(w, first / lanes, asked);
-    memcpy(g.least, w->least, lanes * sizeof *w->least);
-    memcpy(g.all, w->all, lanes * sizeof *w->all);
-    memcpy(g.t, w->t, lanes * sizeof *w->t);
+    memcpy(w->kept, w->least, 2 * found * sizeof *w->kept); /* and w->all behind it */
+    memcpy(t, w->t, lanes * sizeof *w->t);
+    dm_mass_found f = {.least = w->kept, .all = w->kept + found, .t = t};
+    f.course = dm_inertia_courses_of(x->b->inertia, first, &f.apart);
     uint32_t left = told;
     if (!x->b->stepper->model->mass_bounds) {
-        left = leave_quiet(x, w, first, &g, NULL, told);
-        if (left) left = look_at_lines(x, w, first, &g, left);
+        left = leave_quiet(x, w, first, &f, told);
+        if (left) left = look_at_lines(x, w, first, &f, left);
     }
-    for (uint32_t l = 0; l < lanes && left >> l; l++)
-        x->there[first + l] = (dm_inertia_there){.least = g.least[l], .all = g.all[l]};
+    for (uint32_t l = 0; l < lanes; l++)
+        if (left >> l & 1) tell(x, w, first + l, &f);
     x->told |= (uint64_t)left << first;
     return (asked & ~told) | left;
 }

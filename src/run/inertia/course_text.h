@@ -44,7 +44,7 @@ INLINE double of_lane(V x, uint32_t lane) {
 }
 #endif
 
-/* What looks leave, as in dm_inertia_seen. */
+/* What looks leave of a block: dm_inertia_course. */
 typedef struct {
     V least, all, ones, nearest, left, rate, way, turn, reach, fell;
 } course;
@@ -155,38 +155,28 @@ INLINE long meet(long done, long far) {
     return (done + far) & -unit;
 }
 
-/* ---- of W members that follow each other ---- */
+/* ---- of a block of W members, whose courses are so many numbers apart ---- */
 
-enum { APART = sizeof(dm_inertia_seen) / sizeof(double) };
-
-INLINE course load_course(const dm_inertia_seen *s) {
-    return (course){.least = gather(&s->least, APART),
-                    .all = gather(&s->all, APART),
-                    .ones = gather(&s->ones, APART),
-                    .nearest = gather(&s->nearest, APART),
-                    .left = gather(&s->left, APART),
-                    .rate = gather(&s->rate, APART),
-                    .way = gather(&s->way, APART),
-                    .turn = gather(&s->turn, APART),
-                    .reach = gather(&s->reach, APART),
-                    .fell = gather(&s->fell, APART)};
+INLINE course load_course(const dm_inertia_course *s, size_t apart) {
+    return (course){.least = gather(&s->least, apart),
+                    .all = gather(&s->all, apart),
+                    .ones = gather(&s->ones, apart),
+                    .nearest = gather(&s->nearest, apart),
+                    .left = gather(&s->left, apart),
+                    .rate = gather(&s->rate, apart),
+                    .way = gather(&s->way, apart),
+                    .turn = gather(&s->turn, apart),
+                    .reach = gather(&s->reach, apart),
+                    .fell = gather(&s->fell, apart)};
 }
 
-/* of the lanes that are asked, after a look at time t[lane] */
-INLINE void store_course(kind k, dm_inertia_seen *s, const course *c, long done, const double *t,
-                         uint32_t asked) {
-#pragma GCC unroll 8
-    for (uint32_t l = 0; l < W; l++, s++) {
-        if (!(asked >> l & 1)) continue;
-        s->least = of_lane(c->least, l), s->all = of_lane(c->all, l);
-        s->nearest = of_lane(c->nearest, l), s->left = of_lane(c->left, l);
-        s->rate = of_lane(c->rate, l), s->way = of_lane(c->way, l);
-        s->turn = of_lane(c->turn, l);
-        s->reach = of_lane(c->reach, l), s->fell = of_lane(c->fell, l);
-        const long far = (long)s->reach;
-        s->due = k.bounded ? done + far : meet(done, far);
-        s->open = s->told = 0, s->looked = done, s->at = t[l];
-    }
+/* of one lane; where the scales were found stays */
+INLINE void store_course(dm_inertia_course *s, const course *c, uint32_t l) {
+    s->least = of_lane(c->least, l), s->all = of_lane(c->all, l);
+    s->nearest = of_lane(c->nearest, l), s->left = of_lane(c->left, l);
+    s->rate = of_lane(c->rate, l), s->way = of_lane(c->way, l);
+    s->turn = of_lane(c->turn, l);
+    s->reach = of_lane(c->reach, l), s->fell = of_lane(c->fell, l);
 }
 
 #endif

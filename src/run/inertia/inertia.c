@@ -1,7 +1,7 @@
 #include "run/inertia/inertia_look.h"
+#include "run/inertia/inertia_values.h"
 
 #include "linalg/lu.h"
-#include "linalg/signature.h"
 #include "mech/constraints.h"
 #include "mech/group.h"
 
@@ -49,30 +49,57 @@ static size_t room(const dm_model *m) {
     return 2 * (size_t)m->n + 1 + outputs(m) + matrices(m) + dm_legendre_work(m);
 }
 
-/* [n]: scales, a region, a place */
-enum { OF_MEMBER = 4, TO_PLACE = 3 };
+/* Are blocks judged each by itself? Without constraints, and in coordinates. */
+static int has_blocks(const dm_model *m) {
+    return m->mass_blocks.count && order(m) == m->n && dm_momenta(m) == m->n;
+}
+
+static size_t blocks(const dm_model *m) {
+    return has_blocks(m) ? m->mass_blocks.count : 1;
+}
+
+/* values and products on a line; all coordinates as one block */
+static size_t of_blocks(const dm_model *m) {
+    return 5 * blocks(m) + (size_t)m->n + 2;
+}
+
+/* [n]: scales, a region, a place; then the courses */
+enum { TO_PLACE = 3, TO_COURSE = 4, OF_COURSE = sizeof(dm_inertia_course) / sizeof(double) };
+
+static size_t of_member(const dm_model *m) {
+    return TO_COURSE * (size_t)m->n + OF_COURSE * blocks(m);
+}
 
 static void find_member(dm_inertia *x, size_t member) {
     const size_t n = x->model->n;
-    x->scale = x->members + member * OF_MEMBER * n;
+    x->scale = x->members + member * of_member(x->model);
     x->region = x->scale + n, x->place = x->scale + TO_PLACE * n;
+    x->course = (dm_inertia_course *)(void *)(x->scale + TO_COURSE * n);
 }
 
 size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
-    return room(m) + 4 * dm_state_size(m->n) + 3 * memory + dm_inertia_boxes(m) +
-           members * OF_MEMBER * (size_t)m->n;
+    return room(m) + 4 * dm_state_size(m->n) + 3 * memory + dm_inertia_boxes(m) + of_blocks(m) +
+           members * of_member(m);
 }
 
 void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *work) {
     *x = (dm_inertia){.model = m, .room = work, .memory_size = memory};
+    x->holonomic = holonomic(m), x->rolling = rolling(m);
+    x->out = work + 2 * (size_t)m->n + 1, x->A = x->out + outputs(m);
+    x->work = x->A + matrices(m);
     x->state = work + room(m);
     x->memory = x->state + dm_state_size(m->n);
     x->aside = x->memory + memory;
     x->end = x->aside + 2 * (dm_state_size(m->n) + memory);
     x->boxes = x->end + dm_state_size(m->n);
-    x->members = x->boxes + dm_inertia_boxes(m);
+    x->first = x->boxes + dm_inertia_boxes(m);
+    x->last = x->first + blocks(m), x->middle = x->last + blocks(m);
+    x->values = (dm_inertia_value *)(void *)(x->middle + blocks(m));
+    x->members = x->first + of_blocks(m);
     find_member(x, 0);
     memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);
+    x->blocks = has_blocks(m) ? m->mass_blocks
+                              : dm_blocks_whole(m->n, (uint32_t *)(void *)(x->values + blocks(m)));
 }
 
 void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen) {
@@ -82,71 +109,20 @@ void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen
 
 void dm_inertia_keep_places(dm_inertia *x, size_t first, const double *q, uint32_t lanes,
                             uint32_t which) {
-    const size_t n = x->model->n;
-    double *place = x->members + (OF_MEMBER * first + TO_PLACE) * n;
-    for (uint32_t l = 0; l < lanes; l++, place += OF_MEMBER * n, q++)
+    const size_t n = x->model->n, size = of_member(x->model);
+    double *place = x->members + size * first + TO_PLACE * n;
+    for (uint32_t l = 0; l < lanes; l++, place += size, q++)
         for (size_t i = 0; i < n && (which >> l & 1); i++) place[i] = q[i * lanes];
 }
 
 const double *dm_inertia_place_of(const dm_inertia *x, size_t member) {
-    return x->members + (OF_MEMBER * member + TO_PLACE) * x->model->n;
+    return x->members + of_member(x->model) * member + TO_PLACE * x->model->n;
 }
 
-/* `count` rows of a kernel, scaled, each of size 1, at G */
-static void place_rows(const dm_inertia *x, double *G, const double *rows, uint32_t count) {
-    const size_t n = x->model->n;
-    for (size_t c = 0; c < count; c++) {
-        double size = 0.0;
-        for (size_t i = 0; i < n; i++) size = fmax(size, fabs(rows[c * n + i] * x->scale[i]));
-        for (size_t i = 0; i < n; i++)
-            G[c * n + i] = size > 0.0 ? rows[c * n + i] * x->scale[i] / size : 0.0;
-    }
-}
-
-/* The rows of the constraints, at G. */
-static void place_constraints(const dm_inertia *x, double *G, const double *at, double *out) {
-    const dm_model *m = x->model;
-    const uint32_t k = holonomic(m), l = rolling(m);
-    const size_t n = m->n;
-    if (k) {
-        dm_kernel_prepare(&m->constraints->holonomic_kernel, out);
-        dm_kernel_eval(&m->constraints->holonomic_kernel, at, out);
-        place_rows(x, G, out + k, k);
-    }
-    if (l) { /* phi[l], E[l*n], phi_v[l*n] */
-        dm_kernel_prepare(&m->constraints->rolling_kernel, out);
-        dm_kernel_eval(&m->constraints->rolling_kernel, at, out);
-        place_rows(x, G + k * n, out + l + l * n, l);
-    }
-}
-
-/* M at (q, v, t), which lies in x->room, into the outputs of the kernel behind its n momenta */
-static void evaluate(const dm_inertia *x) {
-    double *out = x->room + 2 * (size_t)x->model->n + 1;
-    dm_kernel_prepare(&x->model->mass, out);
-    dm_kernel_eval(&x->model->mass, x->room, out);
-}
-
-/* the same at a state; 0: no velocity is known */
-static int find_mass(const dm_inertia *x, const double *state, double t) {
-    const dm_model *m = x->model;
-    const size_t n = m->n;
-    double *at = x->room, *out = at + 2 * n + 1, *work = out + outputs(m) + matrices(m);
-    memcpy(at, state, n * sizeof *at);
-    memset(at + n, 0, n * sizeof *at);
-    at[2 * n] = t;
-    if (dm_inertia_sees_velocity(m) &&
-        dm_legendre_inverse(m, at + n, state, state + n, t, work) != DM_OK)
-        return 0;
-    evaluate(x);
-    return 1;
-}
-
-/* The mass that was found, scaled, as A. */
-static void place_mass(const dm_inertia *x, double *A, const double *M) {
-    const uint32_t n = x->model->n;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) A[i * n + j] = x->scale[i] * M[i * n + j] * x->scale[j];
+dm_inertia_course *dm_inertia_courses_of(const dm_inertia *x, size_t member, size_t *apart) {
+    *apart = of_member(x->model);
+    return (dm_inertia_course *)(void *)(x->members + *apart * member +
+                                         TO_COURSE * (size_t)x->model->n);
 }
 
 /* Where a coordinate has no mass of its own but beside the diagonal, or one of rounding alone, its
@@ -169,19 +145,12 @@ static void scale_rows(double *scale, const double *M, size_t pitch, uint32_t n)
     }
 }
 
-/* The first d columns of rows[count*n], d at most n, in their place: on a group the others have
- * masses of 1, which are no velocities (mech/group.h). */
-static void narrow(double *rows, size_t count, uint32_t n, uint32_t d) {
-    for (size_t i = 0; i < count && d < n; i++)
-        memmove(rows + i * d, rows + i * n, d * sizeof *rows);
-}
-
 /* Of velocities, by what is found: the diagonal becomes ones; of a prolonged L that of M. */
-static void find_scales(dm_inertia *x, const double *whole) {
+static void find_scales(dm_inertia *x) {
     const uint32_t n = x->model->n, d = dm_momenta(x->model);
-    double *M = x->room + 2 * (size_t)n + 1 + outputs(x->model);
-    memcpy(M, whole, (size_t)n * n * sizeof *M);
-    narrow(M, d, n, d);
+    double *M = x->A;
+    memcpy(M, x->out + n, (size_t)n * n * sizeof *M);
+    dm_inertia_narrow(M, d, n, d);
     const uint32_t half = dm_inertia_is_prolonged(M, d) ? d / 2 : d;
     const double *block = M + (d - half);
     for (uint32_t i = 0; i < n; i++) x->scale[i] = 1.0;
@@ -195,131 +164,28 @@ static void find_scales(dm_inertia *x, const double *whole) {
 
 void dm_inertia_scale_again(dm_inertia *x, const double *state, double t) {
     const uint32_t n = x->model->n;
-    double *M = x->room + 2 * (size_t)n + 1 + outputs(x->model), *before = M + (size_t)n * n;
+    double *before = x->A + (size_t)n * n;
     dm_inertia_seen *s = &x->seen;
     const double credit = s->credit;
-    dm_inertia_there there;
-    if (!find_mass(x, state, t)) return;
+    dm_inertia_there there = {0};
+    if (!dm_inertia_find_state(x, state, t)) return;
     memcpy(before, x->scale, n * sizeof *before);
-    find_scales(x, x->room + 2 * (size_t)n + 1 + n);
+    find_scales(x);
     for (uint32_t i = 0; i < n; i++) x->scale[i] = fmin(x->scale[i], before[i]);
-    if (dm_inertia_values(x, state, t, &there))
-        s->least = there.least, s->all = s->ones = there.all;
+    if (dm_inertia_values(x, state, t, &there)) s->least = there.least;
+    for (uint32_t b = 0; b < x->blocks.count && there.of; b++)
+        x->course[b].least = there.of[b].least,
+        x->course[b].all = x->course[b].ones = there.of[b].all;
     dm_inertia_expect(x);
     s->credit = credit;
 }
 
-/* [M, G^T; G, 0] as A[N*N] */
-static void place_border(double *A, size_t N, const double *M, const double *G, size_t n) {
-    memset(A, 0, N * N * sizeof *A);
-    for (size_t i = 0; i < n; i++) memcpy(A + i * N, M + i * n, n * sizeof *A);
-    for (size_t c = n; c < N; c++)
-        for (size_t i = 0; i < n; i++) A[c * N + i] = A[i * N + c] = G[(c - n) * n + i];
-}
-
-dm_inertia_form dm_inertia_place(const dm_inertia *x) {
-    const dm_model *m = x->model;
-    const size_t n = m->n;
-    double *at = x->room, *out = at + 2 * n + 1;
-    dm_inertia_form f = {.A = out + outputs(m), .n = dm_momenta(m)};
-    f.rows = (uint32_t)(order(m) - n);
-    f.copy = f.A + n * n, f.G = f.copy + n * n, f.border = f.G + (f.rows + 1) * n;
-    place_mass(x, f.A, out + n);
-    if (f.rows) place_constraints(x, f.G, at, out); /* where the mass was */
-    narrow(f.A, f.n, m->n, f.n);
-    narrow(f.G, f.rows, m->n, f.n);
-    f.n = dm_inertia_halve(f.A, f.G, &f.rows, f.n, f.border);
-    return f;
-}
-
-/* Without constraints: the lower triangle of the mass that was found tells. */
-int dm_inertia_is_far(const dm_inertia *x, double *least, double *all) {
-    const dm_model *m = x->model;
-    const size_t n = m->n;
-    const double *M = x->room + 2 * n + 1 + n, *scale = x->scale;
-    double *A = x->room + 2 * n + 1 + outputs(m);
-    if (order(m) != n || dm_momenta(m) != n) return 0;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j <= i; j++) A[i * n + j] = scale[i] * M[i * n + j] * scale[j];
-    if (!dm_all_positive(A, (uint32_t)n, DM_INERTIA_FAR, least)) return 0;
-    *all = 1.0;
-    for (size_t i = 0; i < n; i++) *all *= A[i * n + i];
-    return 1;
-}
-
-/* How many are negative of the mass that was found, and the size of the value next to zero. With
- * all values far above zero, as they mostly are, less work tells so. Under constraints the size is
- * that on the velocities they allow; the number is that of the bordered matrix, which has as many
- * more as there are independent constraints. *all: the size of the product of the values. */
-static uint32_t count(const dm_inertia *x, double *least, double *all) {
-    if (dm_inertia_is_far(x, least, all)) return 0;
-    const dm_inertia_form f = dm_inertia_place(x);
-    uint32_t N = f.n, negative = 0;
-    if (f.rows) {
-        double unused[2];
-        place_border(f.border, (size_t)f.n + f.rows, f.A, f.G, f.n);
-        negative = dm_negative_values(f.border, f.n + f.rows, unused, unused + 1);
-        N = dm_restrict(f.A, f.n, f.G, f.rows, f.border);
-    }
-    memcpy(f.copy, f.A, (size_t)N * N * sizeof *f.A);
-    *all = 1.0;
-    const int told = dm_all_positive(f.A, N, DM_INERTIA_FAR, least);
-    for (size_t i = 0; i < N && told; i++) *all *= f.A[i * N + i];
-    if (told) return negative;
-    const uint32_t own = dm_negative_values(f.copy, N, least, all);
-    return f.rows ? negative : own;
-}
-
-int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out) {
-    if (!find_mass(x, state, t)) return 0;
-    out->negative = count(x, &out->least, &out->all);
-    return 1;
-}
-
-int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
-                  double *least) {
-    dm_inertia_there there;
-    if (!dm_inertia_values(x, state, t, &there)) return 0;
-    *negative = there.negative, *least = there.least;
-    return 1;
-}
-
-void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, double t) {
-    const size_t n = x->model->n;
-    memcpy(x->room, q, n * sizeof *q);
-    memcpy(x->room + n, v, n * sizeof *v);
-    x->room[2 * n] = t;
-    evaluate(x);
-}
-
-double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t) {
-    const size_t n = x->model->n;
-    double *out = x->room + 2 * n + 1, *A = out + outputs(x->model);
-    dm_inertia_find(x, q, v, t);
-    place_mass(x, A, out + n);
-    return A;
-}
-
-uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t) {
-    double least, all;
-    dm_inertia_mass(x, q, v, t);
-    return count(x, &least, &all);
-}
-
-const double *dm_inertia_velocity(const dm_inertia *x, const double *state, double t) {
-    const dm_model *m = x->model;
-    const size_t n = m->n;
-    double *v = x->room + 2 * n + 1 + outputs(m), *work = v + matrices(m);
-    memset(v, 0, n * sizeof *v);
-    return dm_legendre_inverse(m, v, state, state + n, t, work) == DM_OK ? v : NULL;
-}
-
-/* Of M(q) v = p - shift, with what find_mass found at the start: as in Newton's method, but not to
+/* Of M(q) v = p - shift, with what was found at the start: as in Newton's method, but not to
  * round-off. */
 static const double *velocity_of_mass(const dm_inertia *x, const double *p) {
     const size_t n = x->model->n;
-    double *shift = x->room + 2 * n + 1, *M = shift + n, *v = shift + outputs(x->model);
-    double *A = v + n;
+    const double *shift = x->out, *M = shift + n;
+    double *v = x->A, *A = v + n;
     uint32_t *pivot = (uint32_t *)(void *)(A + n * n);
     for (size_t i = 0; i < n; i++) v[i] = p[i] - shift[i];
     memcpy(A, M, n * n * sizeof *A);
@@ -341,55 +207,69 @@ static int go_ahead(const dm_inertia *x, const double *state, double t, double h
     return v != NULL;
 }
 
-/* The size of the value next to zero there; *changed: and beyond zero. What depends on the velocity
- * alone does not move. */
-static double look_ahead(const dm_inertia *x, const double *state, double t, int *changed) {
-    dm_inertia_there there;
-    *changed = 0;
-    if (!dm_inertia_values(x, x->end, t, &there)) return x->seen.least;
-    dm_chord way = {.a = state, .b = x->end, .ta = t, .tb = t};
-    if (!dm_inertia_sees_velocity(x->model)) way.first = x->seen.all, way.last = there.all;
-    *changed = there.negative != x->seen.negative || dm_inertia_has_touched(x, &way);
-    return there.least;
+/* What is next to zero in a block falls at the start as it would without forces, to x->values.
+ * Infinite where that is not known, or where it depends on the velocity alone, which does not move.
+ */
+static void expect_falls(dm_inertia *x) {
+    for (uint32_t b = 0; b < x->blocks.count; b++) {
+        dm_inertia_course *c = x->course + b;
+        const double falls = c->least - x->values[b].least;
+        c->left = c->nearest = falls > 0.0 ? c->least / (1.5 * falls) : INFINITY;
+        x->seen.left = fmin(x->seen.left, c->left);
+    }
 }
 
-/* What is next to zero falls at the start as it would without forces. */
-static double steps_left(const dm_inertia_seen *s, double ahead) {
-    const double falls = s->least - ahead;
-    return falls > 0.0 ? s->least / (1.5 * falls) : INFINITY;
+/* To what is there without forces after a step; does it change on the way? */
+static int changes_ahead(dm_inertia *x, const double *state, double t) {
+    dm_inertia_there there;
+    dm_chord way = {.a = state, .b = x->end, .ta = t, .tb = t};
+    if (!dm_inertia_values(x, x->end, t, &there)) return 0;
+    expect_falls(x);
+    way.known = !dm_inertia_sees_velocity(x->model);
+    for (uint32_t b = 0; b < x->blocks.count; b++)
+        x->first[b] = x->course[b].all, x->last[b] = there.of[b].all;
+    return there.negative != x->seen.negative || dm_inertia_has_touched(x, &way);
 }
 
 /* Is d2L/dv2 singular there? Else the steps that are left; `ahead`: it is known where a step leads.
  */
 static int is_singular(dm_inertia *x, const double *state, double t, int ahead) {
-    dm_inertia_seen *s = &x->seen;
-    double there;
-    int changed = 0;
-    s->left = INFINITY;
-    if (ahead && dm_inertia_starts_by_far(x, state, t, &there)) {
-        s->left = steps_left(s, there);
+    x->seen.left = INFINITY;
+    if (ahead && dm_inertia_starts_by_far(x, state, t)) {
+        expect_falls(x);
         return 0;
     }
     if (dm_inertia_is_degenerate(x, state, t)) return 1;
-    if (!ahead) return 0;
-    there = look_ahead(x, state, t, &changed);
-    s->left = changed ? 0.0 : steps_left(s, there);
+    if (ahead && changes_ahead(x, state, t)) {
+        for (uint32_t b = 0; b < x->blocks.count; b++)
+            x->course[b].left = x->course[b].nearest = 0.0;
+        x->seen.left = 0.0;
+    }
     return 0;
+}
+
+/* Of a start, whose values are these. */
+static void begin_courses(dm_inertia *x, const dm_inertia_value *of) {
+    for (uint32_t b = 0; b < x->blocks.count; b++)
+        x->course[b] = (dm_inertia_course){.least = of[b].least,
+                                           .all = of[b].all,
+                                           .ones = of[b].all,
+                                           .nearest = INFINITY,
+                                           .left = INFINITY};
 }
 
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
     dm_inertia_seen *s = &x->seen;
-    const size_t n = x->model->n;
-    *s = (dm_inertia_seen){.due = 1, .known = find_mass(x, state, t), .h = h};
+    *s = (dm_inertia_seen){.due = 1, .known = dm_inertia_find_state(x, state, t), .h = h};
     if (!s->known) return DM_OK;
     const int ahead = go_ahead(x, state, t, h);
-    find_scales(x, x->room + 2 * n + 1 + n);
-    s->negative = count(x, &s->least, &s->all);
-    s->ones = s->all;
+    find_scales(x);
+    const dm_inertia_there there = dm_inertia_count(x);
+    s->negative = there.negative, s->least = there.least;
+    begin_courses(x, there.of);
     s->degenerate = is_singular(x, state, t, ahead);
     if (s->degenerate) return DM_SINGULAR;
     s->at = t;
-    s->nearest = s->left;
     dm_inertia_keep_place(x, state);
     dm_inertia_expect(x);
     dm_inertia_foresee(x, state, t, 0);

@@ -12,15 +12,8 @@ typedef struct {
     uint32_t negative; /* at the start */
     int known;         /* is it? a start without a velocity has none */
     double least;      /* size of the value next to zero, when it was looked at last */
-    double all;        /* size of the product of all values; 0: it is not known */
-    double nearest;    /* `left`, or steps until a value could vanish by how that product moved */
-    double fell;       /* 1: it did */
-    double left;       /* steps until it vanishes, as it fell before that; infinite: it did not */
+    double left;       /* steps until one vanishes, as it fell before that; infinite: none did */
     long looked, due;  /* steps done then, and when the next look is due */
-    double rate, way;  /* how fast the logarithm of what is looked at moved, a step, in how many */
-    double turn;       /* how much faster with every step; way 0: not known */
-    double ones;       /* `all` where the scales were found */
-    double reach;      /* steps that could come before the next look */
     /* How much M can bend in a unit of time squared, over what it was at the start: for unit
      * speeds anywhere, and in the region around the motion up to so high a speed and so long. */
     double anywhere, bend, speed, until;
@@ -35,16 +28,42 @@ typedef struct {
     int open;       /* the next step may go over a place that looks do not see */
 } dm_inertia_seen;
 
+/* What is known of a block of velocities that M couples. Each is judged by itself: the product of
+ * all values of n that move alike moves n times as fast as one.
+ * Speed: tests/bench/moving_masses.lua: 4.8x for n = 20, 30x for 60, against one product. */
+typedef struct {
+    double least;     /* size of its value next to zero, when it was looked at last */
+    double all;       /* size of the product of its values; 0: it is not known */
+    double ones;      /* `all` where the scales were found */
+    double nearest;   /* `left`, or steps until a value could vanish by how that product moved */
+    double left;      /* steps until it vanishes, as it fell before that; infinite: it did not */
+    double rate, way; /* how fast the logarithm of what is looked at moved, a step, in how many */
+    double turn;      /* how much faster with every step; way 0: not known */
+    double reach;     /* steps that could come before the next look */
+    double fell;      /* 1: it did */
+} dm_inertia_course;
+
+/* Of a block: sizes of the value next to zero and of the product. */
+typedef struct {
+    double least, all;
+} dm_inertia_value;
+
 typedef struct {
     const dm_model *model;
     dm_inertia_seen seen;
+    dm_blocks blocks;               /* one under constraints and on groups */
+    dm_inertia_course *course;      /* [blocks] */
     double close_least, close_left; /* of the last step, where every one is looked at */
     double kept_left;               /* seen.left at the kept state */
     double before;                  /* what was left before the last look */
     double *scale; /* [n] of the velocities: where the mass was largest its diagonal has ones */
-    double *region, *place; /* [2n] of q: the least, then the largest; q[n] at the last look */
-    double *members;        /* [][4n]: these three */
-    double *room;           /* arguments and outputs of kernels, the matrix */
+    double *region, *place;      /* [2n] of q: the least, then the largest; q[n] at the last look */
+    double *members;             /* [][]: these three and the courses */
+    double *room, *out;          /* arguments (q, v, t) and outputs of kernels */
+    double *A, *work;            /* matrices; the Legendre transform */
+    uint32_t holonomic, rolling; /* rows of constraints */
+    dm_inertia_value *values;    /* [blocks] that were found last */
+    double *first, *last, *middle; /* [blocks] products on a line */
     /* a state that steps can be taken again from, what the engine remembered there, its time, how
      * many steps and rows were done */
     double *state, *memory, t;
@@ -64,10 +83,12 @@ typedef struct {
 #define DM_INERTIA_VALLEY 0.5
 #define DM_INERTIA_PART 0.63
 
-/* At a state: how many values are negative, sizes of the one next to zero and of the product. */
+/* At a state: how many values are negative, the size of the one next to zero, and those of the
+ * blocks. */
 typedef struct {
     uint32_t negative;
-    double least, all;
+    double least;
+    const dm_inertia_value *of; /* [blocks] */
 } dm_inertia_there;
 
 /* Can the inertia of a model change? Not where its mass is constant, or definite anywhere. */
@@ -87,12 +108,8 @@ dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double 
 /* Was a value about to vanish within a few steps of the last look? */
 int dm_inertia_is_fading(const dm_inertia *x);
 
-/* What is there; 0: no velocity is known. */
+/* What is there, the blocks until another is found; 0: no velocity is known. */
 int dm_inertia_values(const dm_inertia *x, const double *state, double t, dm_inertia_there *out);
-
-/* Are all values of the mass that was found last positive by far, as is easily told? Then the least
- * and the product of all. */
-int dm_inertia_is_far(const dm_inertia *x, double *least, double *all);
 
 /* How many values are negative, and the size of the one next to zero. */
 int dm_inertia_at(const dm_inertia *x, const double *state, double t, uint32_t *negative,
@@ -117,26 +134,11 @@ int dm_inertia_vanishes(dm_inertia *x, dm_stepper *s, const double *to, double t
 int dm_inertia_vanishes_anew(dm_inertia *x, dm_stepper *s, const double *state, const double *to,
                              double t, double h, int steep, int open);
 
-/* d2L/dv2 at a velocity is found; scaled, A[n*n] until something else is asked, where behind the
- * inputs of its kernel lie dL/dv[n] and d2L/dv2[n*n]; and how many of its values are negative. */
-void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, double t);
-double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t);
-uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t);
-
-/* The mass that was found last, scaled, and the rows of the constraints there: A[n*n], G[rows*n],
- * of a prolonged L those of L; room for another A, and for work. */
-typedef struct {
-    double *A, *copy, *G, *border;
-    uint32_t n, rows;
-} dm_inertia_form;
-
-dm_inertia_form dm_inertia_place(const dm_inertia *x);
-
 /* ---- starts that are degenerate (inertia_start.c) ---- */
 
-/* Is it surely regular at a start that was counted just now and on the way to x->end, where the
- * least value is *ahead? Told where x->wide looks at all places at once. */
-int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t, double *ahead);
+/* Is it surely regular at a start that was counted just now and on the way to x->end, where
+ * x->values are? Told where x->wide looks at all places at once. */
+int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t);
 
 /* Is d2L/dv2 singular to round-off at a start whose mass was found and counted just now? */
 int dm_inertia_is_degenerate(const dm_inertia *x, const double *state, double t);
@@ -150,15 +152,6 @@ int dm_inertia_direction(const dm_inertia *x, const double *state, double t, dou
  * value, as at a fold of a diagonal mass, they have its direction already. A becomes its factors,
  * with room for n pivots behind it. */
 double dm_inertia_find_least(double *A, const double *dp, double *u, uint32_t n);
-
-/* ---- tangent maps (inertia_prolonged.c) ---- */
-
-/* Is M[n*n] that of a prolonged L? */
-int dm_inertia_is_prolonged(const double *M, uint32_t n);
-
-/* Where it is so, and the constraints G[rows*n] are: the M of L and the constraints of q, in the
- * first entries of A and G; their order. Else n. work[(rows + 1) * n]. */
-uint32_t dm_inertia_halve(double *A, double *G, uint32_t *rows, uint32_t n, double *work);
 
 /* ---- between looks (inertia_step.c) ---- */
 
@@ -177,16 +170,16 @@ void dm_inertia_foresee(dm_inertia *x, const double *state, double t, long done)
 enum { DM_INERTIA_HIDDEN = 1, DM_INERTIA_NEAR = 2 };
 int dm_inertia_hides(dm_inertia *x, const double *from, double t0, const double *to, double t1);
 
-/* A straight way from a[n] at time ta to b[n] at tb; the products of all values there, where they
- * are known, else 0. */
+/* A straight way from a[n] at time ta to b[n] at tb. */
 typedef struct {
     const double *a, *b;
-    double ta, tb, first, last;
+    double ta, tb;
+    int known; /* x->first and x->last are the products of the values of blocks there */
 } dm_chord;
 
 /* Does a value vanish on the chord c, a small part of `way` or of a curve beside it, without a
  * change of sign, so that the motion ends there (inertia_touch.c)? v[n]: a velocity there, NULL
- * where M does not depend on it. room[5n]. */
+ * where M does not depend on it. room[4n]. */
 int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, const double *v,
                        double *room);
 

@@ -6,7 +6,7 @@
 #define W 1
 #define HOW
 #define DM_LANES_FUSED 0
-#include "run/inertia/course_text.h"
+#include "run/inertia/urgent_text.h"
 
 static kind kind_of(const dm_model *m, const dm_inertia_seen *s) {
     return (kind){.by_velocity = dm_inertia_sees_velocity(m),
@@ -28,9 +28,9 @@ static const double GROW = 4.0;
 /* What a value that falls keeps in one step, if it was not thrown back. */
 static const double KEPT = 0.9;
 
-static int has_touched(const dm_inertia *x, const double *state, double t, const move *w) {
-    const double first = w->whole ? w->was : 0.0, last = w->whole ? w->is : 0.0;
-    const dm_chord line = {x->place, state, x->seen.at, t, first, last};
+/* known: the products at both ends */
+static int has_touched(const dm_inertia *x, const double *state, double t, int known) {
+    const dm_chord line = {x->place, state, x->seen.at, t, known};
     return dm_inertia_has_touched(x, &line);
 }
 
@@ -41,38 +41,61 @@ static int has_turned(kind k, const course *c, const move *w) {
 }
 
 void dm_inertia_go_on(dm_inertia *x, const double *state, double t) {
-    const dm_inertia_seen *s = &x->seen;
-    if (dm_inertia_sees_velocity(x->model) || !has_grown(s->ones, s->all)) return;
+    int grown = 0;
+    if (dm_inertia_sees_velocity(x->model)) return;
+    for (uint32_t b = 0; b < x->blocks.count; b++)
+        grown |= has_grown(x->course[b].ones, x->course[b].all);
+    if (!grown) return;
     dm_inertia_scale_again(x, state, t);
-    dm_inertia_foresee(x, state, t, s->looked);
+    dm_inertia_foresee(x, state, t, x->seen.looked);
+}
+
+/* What looks at the blocks tell: is one strange, has one turned, is the line looked at, whose ends
+ * are known? */
+typedef struct {
+    int strange, turned, line, known;
+    urgent next;
+} verdict;
+
+/* block b, which is `there` after so many steps; 0: nothing was found */
+static void judge_block(dm_inertia *x, kind k, uint32_t b, dm_inertia_value there, double since,
+                        int found, verdict *out) {
+    course c = load_course(x->course + b, 0);
+    const move w = move_since(k, &c, there.least, there.all, since);
+    out->strange |= is_strange(w.was, w.is);
+    out->turned |= has_turned(k, &c, &w);
+    out->line |= sees_line(k, &c, &w);
+    out->known &= w.whole;
+    x->first[b] = w.was, x->last[b] = w.is;
+    note(k, &c, there.least, there.all, &w);
+    if (!found) c.reach = 1.0;
+    store_course(x->course + b, &c, 0);
+    take_urgent(&out->next, &c);
 }
 
 /* What a look tells that found `there`, or nothing (NULL): so near to a fold that no velocity is
  * known. */
 static int judge(dm_inertia *x, const double *state, double t, long done,
                  const dm_inertia_there *there) {
-    static const dm_inertia_there nothing = {0};
+    static const dm_inertia_value nothing = {0};
     dm_inertia_seen *s = &x->seen;
     const int found = there != NULL, changed = found && there->negative != s->negative;
-    if (!found) there = &nothing;
     if (done == s->looked) return changed ? DM_INERTIA_CHANGED : 0; /* a step from here failed */
     const kind k = kind_of(x->model, s);
-    course c = load_course(s);
     const double since = done > s->looked ? (double)(done - s->looked) : 1.0;
-    const move w = move_since(k, &c, there->least, there->all, since);
-    const int strange = found && since > 1.0 && is_strange(w.was, w.is);
-    const int touched = found && !changed && sees_line(k, &c, &w) && has_touched(x, state, t, &w);
-    const int turned = since == 1.0 && has_turned(k, &c, &w);
+    verdict v = {.known = 1, .next = none_urgent()};
+    for (uint32_t b = 0; b < x->blocks.count; b++)
+        judge_block(x, k, b, found ? there->of[b] : nothing, since, found, &v);
+    const int touched = found && !changed && v.line && has_touched(x, state, t, v.known);
     x->before = s->left;
     if (x->own) s->h = x->next ? *x->next : GROW * (t - s->at) / since;
-    note(k, &c, there->least, there->all, &w);
-    if (!found) c.reach = 1.0;
-    store_course(k, s, &c, done, &t, 1);
+    store_urgent(k, s, &v.next, 0, done, t);
     if (found && !changed) dm_inertia_foresee(x, state, t, done);
     dm_inertia_keep_place(x, state);
     if (changed || touched) return DM_INERTIA_CHANGED;
     if (!found) return 0;
-    return strange ? DM_INERTIA_STRANGE : turned ? DM_INERTIA_TURNED : 0;
+    if (since > 1.0) return v.strange ? DM_INERTIA_STRANGE : 0;
+    return v.turned ? DM_INERTIA_TURNED : 0;
 }
 
 int dm_inertia_look(dm_inertia *x, const double *state, double t, long done,

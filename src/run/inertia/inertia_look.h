@@ -34,10 +34,12 @@ int dm_inertia_is_steep(const dm_inertia_seen *s);
 /* The next line between states begins at this one. */
 void dm_inertia_keep_place(dm_inertia *x, const double *state);
 
-/* Of `which` members from `first` on, whose q[n][lanes] these are; and where it begins of one.
- */
+/* Of `which` members from `first` on, whose q[n][lanes] these are; and where it begins of one. */
 void dm_inertia_keep_places(dm_inertia *x, size_t first, const double *q, uint32_t lanes,
                             uint32_t which);
 const double *dm_inertia_place_of(const dm_inertia *x, size_t member);
+
+/* Of a member; those of the next one are so many numbers further on. */
+dm_inertia_course *dm_inertia_courses_of(const dm_inertia *x, size_t member, size_t *apart);
 
 #endif

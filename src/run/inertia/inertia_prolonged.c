@@ -2,7 +2,7 @@
  * [B, M; M, 0] has as many values of each sign wherever M is regular, and B grows with the tangent
  * vector u. So M is looked at, on the velocities that the constraints of q allow: of G~ = [G, 0;
  * dG, G] the rows G. */
-#include "run/inertia/inertia.h"
+#include "run/inertia/inertia_values.h"
 
 #include <math.h>
 #include <string.h>

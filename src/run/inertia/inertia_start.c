@@ -1,5 +1,5 @@
 /* inertia_start.c - is d2L/dv2 singular to round-off at a start, and along which velocity? */
-#include "run/inertia/inertia.h"
+#include "run/inertia/inertia_values.h"
 #include "run/inertia/mass_lanes.h"
 
 #include "linalg/lu.h"
@@ -18,12 +18,14 @@ static void place_near(double *near, const double *q, int side, size_t n) {
 }
 
 /* Four lanes are what any processor with lanes has. */
-int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t, double *ahead) {
+int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t) {
     enum { BEFORE, BEHIND, AHEAD, BETWEEN, PLACES };
     dm_mass_lanes *w = x->wide;
     const size_t n = x->model->n;
     double *near = x->aside;
-    if (!w || !(x->seen.all > 0.0)) return 0;
+    int clear = w != NULL;
+    for (uint32_t b = 0; b < x->blocks.count; b++) clear = clear && x->course[b].all > 0.0;
+    if (!clear) return 0;
     for (uint32_t l = 0; l < w->lanes; l++)
         dm_mass_lanes_put_scale(w, DM_MASS_LANES_OWN * w->lanes + l, x->scale);
     place_near(near, state, -1, n);
@@ -34,10 +36,14 @@ int dm_inertia_starts_by_far(dm_inertia *x, const double *state, double t, doubl
     for (size_t i = 0; i < n; i++) near[i] = state[i] + 0.5 * (x->end[i] - state[i]);
     dm_mass_lanes_put_place(w, BETWEEN, near, t);
     const uint32_t asked = (1u << PLACES) - 1;
-    *ahead = INFINITY;
     if (dm_mass_lanes_look(w, DM_MASS_LANES_OWN, asked) != asked) return 0;
-    *ahead = w->least[AHEAD];
-    return !(w->all[BETWEEN] < DM_INERTIA_VALLEY * fmax(x->seen.all, w->all[AHEAD]));
+    for (uint32_t b = 0; b < x->blocks.count; b++) {
+        const double *least = w->least + b * w->lanes, *all = w->all + b * w->lanes;
+        const double most = fmax(x->course[b].all, all[AHEAD]);
+        x->values[b] = (dm_inertia_value){least[AHEAD], all[AHEAD]};
+        clear = clear && !(all[BETWEEN] < DM_INERTIA_VALLEY * most);
+    }
+    return clear;
 }
 
 /* Does round-off of q change a sign? */

@@ -6,6 +6,7 @@
 #include "linalg/signature.h"
 #include "mech/group.h"
 #include "run/inertia/inertia_look.h"
+#include "run/inertia/inertia_values.h"
 
 #include <float.h>
 #include <math.h>
@@ -20,12 +21,13 @@ static const double MOVES = 1e-6;
 enum { TRIES = 200 }; /* of the golden section, to round-off of an end that is very near */
 
 /* the place: position q[n] at time t; the velocity that it has no mass for, as a change of q[n],
- * and what is none there */
+ * the block that this is of, and what is none there */
 typedef struct {
     const dm_inertia *x;
     const double *v;
     double *q, *lost, *there, *tried; /* [n] each */
     double t, none;
+    uint32_t block;
 } place;
 
 /* ---- values ---- */
@@ -40,43 +42,64 @@ static double largest_of(const double *A, size_t n, int diagonal) {
     return out;
 }
 
-/* The size of the product of the values of the mass that was found last, since there may be smaller
- * ones than the one that vanishes. Less than rounding is zero. */
-static double value_found(const dm_inertia *x) {
+/* The size of the product of the values of block b of the mass that was found last, since there may
+ * be smaller ones than the one that vanishes. Less than rounding is zero. */
+static double value_found(const dm_inertia *x, uint32_t b) {
     static const double ROUNDING = 16 * DBL_EPSILON;
-    double least, all;
-    if (dm_inertia_is_far(x, &least, &all)) return all;
-    const dm_inertia_form f = dm_inertia_place(x);
+    dm_inertia_value found;
+    if (dm_inertia_is_far(x, b, &found)) return found.all;
+    const dm_inertia_form f = dm_inertia_place(x, b);
     const double across = f.rows ? largest_of(f.A, f.n, 1) : 0.0;
     const size_t n = f.rows ? dm_restrict(f.A, f.n, f.G, f.rows, f.border) : f.n;
-    memcpy(f.copy, f.A, n * n * sizeof *f.A);
-    dm_negative_values(f.A, (uint32_t)n, &least, &all);
-    const double beside = least > DM_INERTIA_FAR ? 0.0 : largest_of(f.copy, n, 0);
-    return least <= ROUNDING * fmax(across, beside) ? 0.0 : all;
+    dm_inertia_negative_in(&f, (uint32_t)n, &found);
+    const double beside = found.least > DM_INERTIA_FAR ? 0.0 : largest_of(f.copy, n, 0);
+    return found.least <= ROUNDING * fmax(across, beside) ? 0.0 : found.all;
 }
 
-/* The largest of it for velocities v, 0 and -v: of a place that has none for any. Where v is not in
- * the domain of L, as a speed limit that depends on q, it says nothing; NaN: none of them is. */
-static double value_at(const place *at, const double *q, double t) {
-    double out = NAN;
+/* The largest of it for velocities v, 0 and -v, of blocks from b on: of a place that has none for
+ * any. Where v is not in the domain of L, as a speed limit that depends on q, it says nothing; NaN:
+ * none of them is. */
+static void find_values(const place *at, const double *q, double t, uint32_t b, uint32_t count,
+                        double *out) {
     if (!at->v) {
         dm_inertia_find(at->x, q, q, t);
-        return value_found(at->x);
+        for (uint32_t k = 0; k < count; k++) out[k] = value_found(at->x, b + k);
+        return;
     }
+    for (uint32_t k = 0; k < count; k++) out[k] = NAN;
     for (int side = -1; side < 2; side++) {
         for (uint32_t i = 0; i < at->x->model->n; i++) at->tried[i] = side * at->v[i];
         dm_inertia_find(at->x, q, at->tried, t);
-        const double value = value_found(at->x);
-        if (isfinite(value) && !(value <= out)) out = value;
+        for (uint32_t k = 0; k < count; k++) {
+            const double value = value_found(at->x, b + k);
+            if (isfinite(value) && !(value <= out[k])) out[k] = value;
+        }
     }
+}
+
+/* Of the block of the place. */
+static double value_at(const place *at, const double *q, double t) {
+    double out;
+    find_values(at, q, t, at->block, 1, &out);
     return out;
 }
 
-/* The same on the chord, at s, where the place is put. */
-static double value_on(place *at, const dm_chord *c, double s) {
+/* On the chord, at s. */
+static void put_on(place *at, const dm_chord *c, double s) {
     for (uint32_t i = 0; i < at->x->model->n; i++) at->q[i] = c->a[i] + s * (c->b[i] - c->a[i]);
     at->t = c->ta + s * (c->tb - c->ta);
+}
+
+/* The value there, where the place is put. */
+static double value_on(place *at, const dm_chord *c, double s) {
+    put_on(at, c, s);
     return value_at(at, at->q, at->t);
+}
+
+/* Those of all blocks there. */
+static void find_on(place *at, const dm_chord *c, double s, double *out) {
+    put_on(at, c, s);
+    find_values(at, at->q, at->t, 0, at->x->blocks.count, out);
 }
 
 /* The least of it, or one that is small enough, by the golden section, and its place. */
@@ -129,7 +152,7 @@ static int find_lost(place *at) {
     const dm_inertia *x = at->x;
     double *w = at->lost, largest = 0.0;
     dm_inertia_find(x, at->q, at->v ? at->v : at->q, at->t);
-    const dm_inertia_form f = dm_inertia_place(x);
+    const dm_inertia_form f = dm_inertia_place(x, at->block);
     const size_t n = f.n;
     for (size_t i = 0; i < n; i++) largest = fmax(largest, fabs(f.A[i * n + i]));
     if (!(largest > 0.0)) largest = 1.0;
@@ -139,10 +162,10 @@ static int find_lost(place *at) {
         for (size_t j = 0; j < n; j++)
             for (size_t c = 0; c < f.rows; c++)
                 f.A[i * n + j] += MORE * largest * f.G[c * n + i] * f.G[c * n + j];
-    memset(w, 0, x->model->n * sizeof *w);
     for (size_t i = 0; i < n; i++) at->there[i] = 1.0;
-    if (!(dm_inertia_find_least(f.A, at->there, w, f.n) > 0.0)) return 0;
-    for (size_t i = 0; i < n; i++) w[i] *= x->scale[i];
+    if (!(dm_inertia_find_least(f.A, at->there, at->tried, f.n) > 0.0)) return 0;
+    memset(w, 0, x->model->n * sizeof *w);
+    for (size_t i = 0; i < n; i++) w[f.order[i]] = at->tried[i] * x->scale[f.order[i]];
     if (x->model->group) carry(at, w);
     return 1;
 }
@@ -192,20 +215,31 @@ static int is_lost_there(place *at, const double *end, double value) {
            value_at(at, end, at->t) <= at->none;
 }
 
+/* Does one of the block of the place? */
+static int block_touches(place *at, const dm_chord *c, const dm_chord *way) {
+    const double first = at->x->first[at->block], last = at->x->last[at->block];
+    const double most = fmax(first, last), least = fmin(first, last);
+    if (!(at->x->middle[at->block] < DM_INERTIA_VALLEY * most)) return 0;
+    const double some = fmin(most, 1.0);                    /* as at the start */
+    at->none = NONE * (least > NONE * some ? least : some); /* an end may be the place */
+    if (!(least_value(at, c) <= at->none) || !find_lost(at)) return 0;
+    return (leads_off(at, way->a, first) && leads_off(at, way->b, last)) ||
+           (is_lost_there(at, way->a, first) && is_lost_there(at, way->b, last));
+}
+
 int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, const double *v,
                        double *room) {
     const uint32_t n = x->model->n;
     place at = {.x = x, .v = v, .q = room, .lost = room + n};
     at.there = at.lost + n, at.tried = at.there + n;
-    const double first = way->first > 0.0 ? way->first : value_on(&at, way, 0.0);
-    const double last = way->last > 0.0 ? way->last : value_on(&at, way, 1.0);
-    const double most = fmax(first, last), least = fmin(first, last);
-    if (!(value_on(&at, c, 0.5) < DM_INERTIA_VALLEY * most)) return 0;
-    const double some = fmin(most, 1.0);                   /* as at the start */
-    at.none = NONE * (least > NONE * some ? least : some); /* an end may be the place */
-    if (!(least_value(&at, c) <= at.none) || !find_lost(&at)) return 0;
-    return (leads_off(&at, way->a, first) && leads_off(&at, way->b, last)) ||
-           (is_lost_there(&at, way->a, first) && is_lost_there(&at, way->b, last));
+    if (!way->known) {
+        find_on(&at, way, 0.0, x->first);
+        find_on(&at, way, 1.0, x->last);
+    }
+    find_on(&at, c, 0.5, x->middle);
+    for (; at.block < x->blocks.count; at.block++)
+        if (block_touches(&at, c, way)) return 1;
+    return 0;
 }
 
 /* In coordinates whose differences are velocities, or on a group that can be stepped. */

@@ -24,20 +24,31 @@ static int fits(const dm_model *m, uint32_t lanes) {
     const dm_source *s = &m->source;
     const uint32_t n = m->n, momenta = n, mass = 2 * n + 2 * n * n;
     return (lanes == 4 || lanes == 8) && dm_inertia_may_change(m) && !dm_inertia_sees_velocity(m) &&
-           !m->constraints && !m->params && dm_momenta(m) == n && s->stage_graph &&
-           s->compile == dm_native_build && !m->mass.memory &&
+           m->mass_blocks.count && !m->constraints && !m->params && dm_momenta(m) == n &&
+           s->stage_graph && s->compile == dm_native_build && !m->mass.memory &&
            !dm_has_roots(s->stage_graph, s->stage + momenta, n) &&
            !dm_has_roots(s->stage_graph, s->stage + mass, n * n);
 }
 
-/* the lower triangle of L_vv, from the graph as it stands */
+/* entries of the lower triangles of all blocks */
+static uint32_t entries(const dm_blocks *blocks) {
+    uint32_t out = 0;
+    for (uint32_t b = 0; b < blocks->count; b++)
+        out += dm_block_size(blocks, b) * (dm_block_size(blocks, b) + 1) / 2;
+    return out;
+}
+
+/* those of L_vv, from the graph as it stands */
 static int build(dm_mass_lanes *w, const dm_model *m) {
     const dm_source *s = &m->source;
-    const uint32_t n = m->n, count = n * (n + 1) / 2;
+    const uint32_t n = m->n, count = entries(&w->blocks);
+    const uint32_t *order = w->blocks.order, *first = w->blocks.first;
+    const dm_node *mass = s->stage + 2 * n + 2 * n * n;
     dm_node *roots = dm_arena_take(s->arena, count * sizeof *roots), *next = roots;
     if (!roots) return 0;
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j <= i; j++) *next++ = s->stage[2 * n + 2 * n * n + i * n + j];
+    for (uint32_t b = 0; b < w->blocks.count; b++)
+        for (uint32_t i = first[b]; i < first[b + 1]; i++)
+            for (uint32_t j = first[b]; j <= i; j++) *next++ = mass[order[i] * n + order[j]];
     dm_graph_verbatim(s->stage_graph, 1);
     const dm_status status =
         dm_jit_build_lanes(&w->mass, s->stage_graph, roots, count, w->lanes, s->arena);
@@ -46,17 +57,23 @@ static int build(dm_mass_lanes *w, const dm_model *m) {
 }
 
 static int lay_out(dm_mass_lanes *w, const dm_model *m) {
-    const size_t n = m->n, in = 2 * n + 1, triangle = n * (n + 1) / 2;
-    const size_t all = (in + triangle + n * n + (DM_LANES_GROUPS + 1) * n + 2) * w->lanes;
-    w->in = dm_arena_take(m->source.arena, all * sizeof *w->in);
+    enum { COURSE = sizeof(dm_inertia_course) / sizeof(double), FOUND = 4 };
+    const size_t n = m->n, in = 2 * n + 1, lanes = w->lanes, blocks = w->blocks.count;
+    const size_t triangles = entries(&w->blocks), scales = (DM_LANES_GROUPS + 1) * n;
+    const size_t told = 2 * DM_LANES_GROUPS * blocks;
+    const size_t all = in + triangles + n * n + scales + (FOUND + COURSE) * blocks + told;
+    w->in = dm_arena_take(m->source.arena, all * lanes * sizeof *w->in);
     if (!w->in) return 0;
-    memset(w->in, 0, all * sizeof *w->in);
-    w->M = w->in + in * w->lanes;
-    w->A = w->M + triangle * w->lanes;
-    w->scale = w->A + n * n * w->lanes;
-    w->least = w->scale + (DM_LANES_GROUPS + 1) * n * w->lanes;
-    w->all = w->least + w->lanes;
-    w->t = w->in + 2 * n * w->lanes;
+    memset(w->in, 0, all * lanes * sizeof *w->in);
+    w->t = w->in + 2 * n * lanes;
+    w->M = w->in + in * lanes;
+    w->A = w->M + triangles * lanes;
+    w->scale = w->A + n * n * lanes;
+    w->least = w->scale + scales * lanes;
+    w->all = w->least + blocks * lanes;
+    w->kept = w->all + blocks * lanes;
+    w->noted = w->kept + 2 * blocks * lanes;
+    w->told = (dm_inertia_value *)(void *)(w->noted + COURSE * blocks * lanes);
     dm_kernel_prepare_lanes(&w->mass, w->lanes, w->M);
     return 1;
 }
@@ -64,7 +81,7 @@ static int lay_out(dm_mass_lanes *w, const dm_model *m) {
 static dm_mass_lanes *make(const dm_model *m, uint32_t lanes) {
     dm_mass_lanes *w = dm_arena_take(m->source.arena, sizeof *w);
     if (!w) return NULL;
-    *w = (dm_mass_lanes){.n = m->n, .lanes = lanes};
+    *w = (dm_mass_lanes){.n = m->n, .lanes = lanes, .blocks = m->mass_blocks};
     choose(w);
     return w->pivots && build(w, m) && lay_out(w, m) ? w : NULL;
 }
@@ -82,7 +99,7 @@ dm_mass_lanes *dm_mass_lanes_open(const dm_model *m, const dm_lanes *x) {
 
 void dm_mass_lanes_put_scale(dm_mass_lanes *w, uint32_t i, const double *scale) {
     double *to = w->scale + (size_t)(i / w->lanes) * w->n * w->lanes + i % w->lanes;
-    for (uint32_t k = 0; k < w->n; k++) to[k * w->lanes] = scale[k];
+    for (uint32_t k = 0; k < w->n; k++) to[k * w->lanes] = scale[w->blocks.order[k]];
 }
 
 void dm_mass_lanes_put_place(dm_mass_lanes *w, uint32_t lane, const double *q, double t) {

@@ -12,27 +12,38 @@
 typedef struct dm_mass_lanes dm_mass_lanes;
 
 /* The lanes whose pivots are all above `far`, of those that are asked; rows and columns of w->M are
- * taken times scale[n][lanes]. Their w->least and w->all are set. */
+ * taken times scale[n][lanes]. Their w->least and w->all are set. All is in the order of blocks. */
 typedef uint32_t dm_mass_lanes_pivots(const dm_mass_lanes *w, const double *scale, double far,
                                       uint32_t asked);
 
-/* Looks at the members seen[lanes] after so many steps, at times t[lane], where all values are
- * positive by far, least[lane] and their product all[lane]; between[lane]: that in the middle of
- * the line from the last look, NULL: not known. The lanes, of those that are asked, of which
- * nothing comes but the next look: that is noted. Without mass_bounds. */
-typedef uint32_t dm_mass_lanes_quiet(dm_inertia_seen *seen, const double *least, const double *all,
-                                     const double *between, const double *t, long done,
-                                     uint32_t asked);
+/* What looks at members in lanes found: courses of the first one, those of the next so many numbers
+ * apart; the least values of blocks and their products, all positive by far; the products in the
+ * middle of the line from the last look, NULL: not known; the times. */
+typedef struct {
+    dm_inertia_course *course;
+    size_t apart;
+    const double *least, *all, *between; /* [blocks][lanes] */
+    const double *t;                     /* [lanes] */
+} dm_mass_found;
+
+/* Looks at the members seen[lanes] after so many steps. The lanes, of those that are asked, of
+ * which nothing comes but the next look: that is noted. Without mass_bounds. */
+typedef uint32_t dm_mass_lanes_quiet(const dm_mass_lanes *w, dm_inertia_seen *seen,
+                                     const dm_mass_found *f, long done, uint32_t asked);
 
 /* Those of the model's last ensemble stay with the model. */
 struct dm_mass_lanes {
     uint32_t n, lanes;
-    dm_kernel mass;      /* of (q, v, t): the lower triangle of M, row by row */
-    double *in, *M;      /* [2n+1][lanes], [n(n+1)/2][lanes] */
-    double *A;           /* [n*n][lanes] */
-    double *scale;       /* [groups + 1][n][lanes] of the velocities of the members */
-    double *least, *all; /* [lanes] the least pivot, the product of all */
-    double *t;           /* [lanes] the last entry of `in`, whose first ones are q[n][lanes] */
+    dm_blocks blocks;
+    dm_kernel mass;         /* of (q, v, t): the lower triangles of the blocks of M, row by row */
+    double *in, *M;         /* [2n+1][lanes], [entries][lanes] */
+    double *A;              /* [n*n][lanes] */
+    double *scale;          /* [groups + 1][n][lanes] of the velocities of the members */
+    double *least, *all;    /* [blocks][lanes] the least pivot, the product of all */
+    double *t;              /* [lanes] the last entry of `in`, whose first ones are q[n][lanes] */
+    double *noted;          /* [blocks][courses][lanes] */
+    double *kept;           /* [2][blocks][lanes] of another look */
+    dm_inertia_value *told; /* [groups][lanes][blocks] */
     dm_mass_lanes_pivots *pivots;
     dm_mass_lanes_quiet *quiet;
 };

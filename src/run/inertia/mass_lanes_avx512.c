@@ -12,9 +12,8 @@ HOW uint32_t dm_mass_pivots_avx512(const dm_mass_lanes *w, const double *scale, 
     return find_pivots_of_mass(w, scale, far, asked);
 }
 
-HOW uint32_t dm_mass_quiet_avx512(dm_inertia_seen *seen, const double *least, const double *all,
-                                  const double *between, const double *t, long done,
-                                  uint32_t asked) {
-    return look_quietly(seen, least, all, between, t, done, asked);
+HOW uint32_t dm_mass_quiet_avx512(const dm_mass_lanes *w, dm_inertia_seen *seen,
+                                  const dm_mass_found *f, long done, uint32_t asked) {
+    return look_quietly(w, seen, f, done, asked);
 }
 #endif

@@ -1,9 +1,11 @@
 /* pivots of many masses side by side have the bits that dm_all_positive finds for each alone; quiet
- * looks at many members leave what looks at each of them leave */
+ * looks at many members leave what looks at each of them leave; many masses are looked at as one */
 #include "code/native/jit.h"
+#include "code/tape/tape.h"
 #include "integ/method/cache.h"
 #include "linalg/signature.h"
 #include "numbers/processor.h"
+#include "run/inertia/inertia_look.h"
 #include "run/inertia/mass_lanes.h"
 
 #include "check.h"
@@ -34,45 +36,73 @@ static void make_mass(double *M, uint32_t n, uint32_t lanes, double shift) {
         }
 }
 
-/* of one lane: as a look alone has it */
-static int alone(const dm_mass_lanes *w, uint32_t lane, double *least, double *all) {
-    const uint32_t n = w->n;
-    const double *M = w->M + lane;
+static void make_masses(double *M, const dm_blocks *blocks, uint32_t lanes, double shift) {
+    for (uint32_t b = 0; b < blocks->count; b++) {
+        const uint32_t n = dm_block_size(blocks, b);
+        make_mass(M, n, lanes, shift);
+        M += n * (n + 1) / 2 * lanes;
+    }
+}
+
+/* of a block of one lane, whose M and scales begin there: as a look alone has it */
+static int alone(const double *M, const double *scale, uint32_t n, uint32_t lanes,
+                 dm_inertia_value *out) {
     double A[MOST * MOST];
     for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j <= i; j++, M += w->lanes)
-            A[i * n + j] = w->scale[i * w->lanes + lane] * *M * w->scale[j * w->lanes + lane];
-    const int fine = dm_all_positive(A, n, FAR, least);
-    *all = 1.0;
-    for (uint32_t i = 0; i < n; i++) *all *= A[i * n + i];
+        for (uint32_t j = 0; j <= i; j++, M += lanes)
+            A[i * n + j] = scale[i * lanes] * *M * scale[j * lanes];
+    const int fine = dm_all_positive(A, n, FAR, &out->least);
+    out->all = 1.0;
+    for (uint32_t i = 0; i < n; i++) out->all *= A[i * n + i];
     return fine;
 }
 
 static void compare(const dm_mass_lanes *w, uint32_t asked, long *some) {
-    const uint32_t told = w->pivots(w, w->scale, FAR, asked);
-    for (uint32_t l = 0; l < w->lanes; l++) {
-        double least, all;
-        const int fine = alone(w, l, &least, &all) && (asked >> l & 1);
+    const uint32_t told = w->pivots(w, w->scale, FAR, asked), lanes = w->lanes;
+    for (uint32_t l = 0; l < lanes; l++) {
+        const double *M = w->M + l, *scale = w->scale + l;
+        dm_inertia_value own[MOST];
+        int fine = asked >> l & 1;
+        for (uint32_t b = 0; b < w->blocks.count; b++) {
+            const uint32_t n = dm_block_size(&w->blocks, b);
+            fine &= alone(M, scale, n, lanes, own + b);
+            M += n * (n + 1) / 2 * lanes, scale += n * lanes;
+        }
         CHECK(fine == (int)(told >> l & 1));
-        if (fine) CHECK(memcmp(&w->least[l], &least, sizeof least) == 0 && w->all[l] == all);
+        for (uint32_t b = 0; b < w->blocks.count && fine; b++)
+            CHECK(memcmp(&w->least[b * lanes + l], &own[b].least, sizeof own->least) == 0 &&
+                  w->all[b * lanes + l] == own[b].all);
         *some += fine;
     }
 }
 
+/* n coordinates as blocks of so many rows, the last one of what is left; room[2n + 1] */
+static dm_blocks cut(uint32_t n, uint32_t rows, uint32_t *room) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < n; i++) room[i] = i;
+    for (uint32_t i = 0; i < n; i += rows) room[n + count++] = i;
+    room[n + count] = n;
+    return (dm_blocks){.count = count, .order = room, .first = room + n};
+}
+
 static void compare_all(uint32_t lanes, dm_mass_lanes_pivots *pivots) {
-    static _Alignas(64) double M[MOST * MOST * 8], A[MOST * MOST * 8], scale[MOST * 8], out[16];
+    static _Alignas(64) double M[MOST * MOST * 8], A[MOST * MOST * 8], scale[MOST * 8];
+    static _Alignas(64) double out[2 * MOST * 8];
     long some = 0, all = 0;
     for (uint32_t n = 1; n <= MOST; n++)
         for (int k = 0; k < TRIES; k++) {
+            uint32_t room[2 * MOST + 1];
             dm_mass_lanes w = {.n = n,
                                .lanes = lanes,
+                               .blocks = cut(n, k % 5 ? n : 1 + (uint32_t)k / 5 % n, room),
                                .M = M,
                                .A = A,
                                .scale = scale,
                                .least = out,
-                               .all = out + 8,
+                               .all = out + MOST * 8,
                                .pivots = pivots};
-            for (uint32_t l = 0; l < lanes; l++) make_mass(M + l, n, lanes, k % 3 ? 0.01 : -0.1);
+            for (uint32_t l = 0; l < lanes; l++)
+                make_masses(M + l, &w.blocks, lanes, k % 3 ? 0.01 : -0.1);
             for (uint32_t i = 0; i < n * lanes; i++) scale[i] = 1.0 + 0.5 * any();
             if (k % 50 == 0) M[0] = NAN;
             compare(&w, k % 4 ? (1u << lanes) - 1 : 5u, &some);
@@ -83,56 +113,107 @@ static void compare_all(uint32_t lanes, dm_mass_lanes_pivots *pivots) {
 
 /* ---- quiet looks ---- */
 
-enum { LOOKS = 20000, LANES = 8 };
+enum { LOOKS = 20000, LANES = 8, BLOCKS = 3 };
 
 /* between 1/e and e, sometimes zero */
 static double any_value(void) {
     return any() > 0.95 ? 0.0 : exp(any());
 }
 
-static void make_seen(dm_inertia_seen *s, long done) {
-    memset(s, 0, sizeof *s);
-    s->negative = any() > 0.9;
-    s->known = 1;
-    s->looked = done - (long)(4.0 * (1.0 + any()));
-    s->least = any_value(), s->all = any_value();
-    s->nearest = 1.0 + 10.0 * fabs(any()), s->left = any() > 0.0 ? INFINITY : s->nearest;
-    s->fell = any() > 0.0, s->rate = any(), s->way = any() > -0.5 ? 3.0 : 0.0;
-    s->turn = any() > 0.0 ? 0.3 * any() : 0.0, s->ones = any() > 0.5 ? 0.1 * any_value() : 0.0;
-    s->reach = 1.0 + fabs(any()) * 20.0;
+/* members, the courses of their blocks, and what was found of these */
+typedef struct {
+    dm_inertia_seen seen[LANES];
+    dm_inertia_course course[LANES][BLOCKS];
+} members;
+
+static _Alignas(64) double least[BLOCKS * LANES], all[BLOCKS * LANES], between[BLOCKS * LANES];
+static _Alignas(64) double times[LANES], noted[sizeof(dm_inertia_course) * BLOCKS * LANES];
+
+static void make_course(dm_inertia_course *c) {
+    *c = (dm_inertia_course){.least = any_value(), .all = any_value()};
+    c->nearest = 1.0 + 10.0 * fabs(any()), c->left = any() > 0.0 ? INFINITY : c->nearest;
+    c->fell = any() > 0.0, c->rate = any(), c->way = any() > -0.5 ? 3.0 : 0.0;
+    c->turn = any() > 0.0 ? 0.3 * any() : 0.0, c->ones = any() > 0.5 ? 0.1 * any_value() : 0.0;
+    c->reach = 1.0 + fabs(any()) * 20.0;
 }
 
-/* what one look leaves: every number is finite, the next look is ahead */
-static void check_left(const dm_inertia_seen *s, long done) {
+static void make_members(members *m, uint32_t lanes, uint32_t blocks, long done) {
+    memset(m, 0, sizeof *m);
+    for (uint32_t l = 0; l < lanes; l++) {
+        m->seen[l].negative = any() > 0.9;
+        m->seen[l].known = 1;
+        m->seen[l].looked = done - (long)(4.0 * (1.0 + any()));
+        times[l] = any();
+        for (uint32_t b = 0; b < blocks; b++) {
+            const uint32_t at = b * lanes + l;
+            make_course(&m->course[l][b]);
+            least[at] = m->course[l][b].least * exp(0.5 * any());
+            all[at] = m->course[l][b].all * exp(0.5 * any());
+            between[at] = all[at] * (1.0 + any());
+        }
+    }
+}
+
+/* what one look leaves: every number is finite, the next look is ahead; as the most urgent block
+ * has it */
+static void check_left(const dm_inertia_seen *s, const dm_inertia_course *c, uint32_t blocks,
+                       long done) {
     CHECK(s->due > done && s->due <= done + 512);
-    CHECK(s->looked == done && s->reach >= 1.0 && s->reach <= 512.0);
-    CHECK(s->due <= done + (long)s->reach && isfinite(s->least));
+    CHECK(s->looked == done && isfinite(s->least));
+    for (uint32_t b = 0; b < blocks; b++) {
+        CHECK(c[b].reach >= 1.0 && c[b].reach <= 512.0);
+        CHECK(s->due <= done + (long)c[b].reach);
+        CHECK(s->least <= c[b].least && s->left <= c[b].left);
+    }
+}
+
+static dm_mass_found found_of(members *m, uint32_t lane, int lines) {
+    return (dm_mass_found){.course = m->course[lane],
+                           .apart = BLOCKS * sizeof(dm_inertia_course) / sizeof(double),
+                           .least = least + lane,
+                           .all = all + lane,
+                           .between = lines ? between + lane : NULL,
+                           .t = times + lane};
+}
+
+/* one lane of them alone, whose numbers are `lanes` apart */
+static uint32_t look_alone(members *m, uint32_t lane, uint32_t lanes, uint32_t blocks, int lines,
+                           long done) {
+    double own[3][BLOCKS];
+    uint32_t room[2 * BLOCKS + 1];
+    const dm_mass_lanes w = {.lanes = 1, .blocks = cut(blocks, 1, room), .noted = noted};
+    dm_mass_found f = found_of(m, lane, lines);
+    for (uint32_t b = 0; b < blocks; b++) {
+        const uint32_t at = b * lanes + lane;
+        own[0][b] = least[at], own[1][b] = all[at], own[2][b] = between[at];
+    }
+    f.least = own[0], f.all = own[1];
+    if (lines) f.between = own[2];
+    return look_quietly(&w, m->seen + lane, &f, done, 1);
 }
 
 static void compare_quiet(uint32_t lanes, dm_mass_lanes_quiet *quiet) {
-    static _Alignas(64) double least[LANES], all[LANES], between[LANES], t[LANES];
     long some = 0;
     for (long k = 0; k < LOOKS; k++) {
-        dm_inertia_seen seen[LANES], one[LANES];
+        uint32_t room[2 * BLOCKS + 1];
+        const uint32_t blocks = k % 4 ? 1 : 1 + (uint32_t)(k / 4) % BLOCKS;
+        const dm_mass_lanes w = {.lanes = lanes, .blocks = cut(blocks, 1, room), .noted = noted};
+        members side, one;
         const long done = 1000 + k;
+        const int lines = k % 2 != 0;
         const uint32_t asked = (uint32_t)(state % (1u << lanes));
+        make_members(&side, lanes, blocks, done);
+        one = side;
+        const dm_mass_found f = found_of(&side, 0, lines);
+        const uint32_t told = quiet(&w, side.seen, &f, done, asked);
         for (uint32_t l = 0; l < lanes; l++) {
-            make_seen(seen + l, done);
-            one[l] = seen[l];
-            least[l] = seen[l].least * exp(0.5 * any()), all[l] = seen[l].all * exp(0.5 * any());
-            between[l] = all[l] * (1.0 + any()), t[l] = any();
-        }
-        const double *middle = k % 2 ? between : NULL;
-        const uint32_t told = quiet(seen, least, all, middle, t, done, asked);
-        for (uint32_t l = 0; l < lanes; l++) {
-            const double *own = middle ? middle + l : NULL;
             const uint32_t alone =
-                look_quietly(one + l, least + l, all + l, own, t + l, done, asked >> l & 1);
+                asked >> l & 1 ? look_alone(&one, l, lanes, blocks, lines, done) : 0;
             CHECK(alone == (told >> l & 1));
-            CHECK(memcmp(seen + l, one + l, sizeof *seen) == 0);
-            if (alone) check_left(seen + l, done);
+            if (alone) check_left(side.seen + l, side.course[l], blocks, done);
             some += alone;
         }
+        CHECK(memcmp(&side, &one, sizeof side) == 0);
     }
     CHECK(some > LOOKS / 4);
 }
@@ -171,7 +252,9 @@ static void never_again(void) {
     for (double x = 2.0; dm_graph_status(g) == DM_OK; x += 1.0) dm_constant(g, x);
     refuses = 0;
     dm_cache_entry *cache = NULL;
+    uint32_t room[3];
     const dm_model m = {.n = 1,
+                        .mass_blocks = dm_blocks_whole(1, room),
                         .structure = DM_QUADRATIC_IN_V,
                         .mass = {.eval = no_mass},
                         .source = {.arena = &arena,
@@ -187,6 +270,60 @@ static void never_again(void) {
     dm_arena_release(&arena);
 }
 
+/* ---- how often many masses that move alike are looked at ---- */
+
+static long evaluations;
+static dm_kernel counted;
+
+static void count_mass(const void *pool, const double *in, double *out) {
+    evaluations++;
+    counted.eval(pool, in, out);
+}
+
+/* L = sum_i exp(-q_i) v_i^2/2 from q = 0, v = 1/2: exp(-q/2) = 1 - t/4, p = (1 - t/4)/2. How often
+ * M is found in steps of 0.02 up to t = 3, when it is looked at as is due. */
+static long looks_at(uint32_t n) {
+    enum { STEPS = 150, ROOM = 4 * 64 + 8 };
+    static double at[ROOM];
+    const double h = 0.02;
+    dm_arena arena;
+    dm_arena_init(&arena, allocate, NULL);
+    dm_graph *g = dm_graph_new(&arena, 2 * n + 1);
+    dm_node L = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node v = dm_input(g, n + i), minus = dm_sub(g, 0, dm_input(g, i));
+        const dm_node M = dm_apply(g, DM_OP_EXP, minus, 0, 0);
+        L = dm_add(g, L, dm_mul(g, dm_constant(g, 0.5), dm_mul(g, M, dm_mul(g, v, v))));
+    }
+    dm_model m;
+    CHECK(dm_model_build(&m, g, L, n, DM_WANT_MASS, dm_tape_build, &arena) == DM_OK);
+    CHECK(m.mass_blocks.count == n);
+    counted = m.mass;
+    m.mass.eval = count_mass;
+    evaluations = 0;
+    double *room = malloc(dm_inertia_work(&m, 0, 1) * sizeof *room);
+    dm_inertia x;
+    dm_inertia_open(&x, &m, 0, room);
+    for (long k = 0; k <= STEPS; k++) {
+        const double left = 1.0 - 0.25 * h * (double)k;
+        for (uint32_t i = 0; i < n; i++) at[i] = -2.0 * log(left), at[n + i] = 0.5 * left;
+        if (k == 0) CHECK(dm_inertia_begin(&x, at, 0.0, h) == DM_OK);
+        if (k == 0 || k < x.seen.due) continue;
+        CHECK(dm_inertia_look(&x, at, h * (double)k, k, NULL) == 0);
+        dm_inertia_go_on(&x, at, h * (double)k);
+    }
+    free(room);
+    dm_arena_release(&arena);
+    return evaluations;
+}
+
+/* the product of all moves n times as fast as one */
+static void many_alike(void) {
+    const long few = looks_at(13);
+    CHECK(few > 5 && few < 60);
+    CHECK(looks_at(30) == few && looks_at(60) == few);
+}
+
 static void sides(void) {
     dm_mass_lanes_pivots *four = NULL, *eight = NULL;
 #ifdef __x86_64__
@@ -199,6 +336,7 @@ static void sides(void) {
 int main(void) {
     RUN(sides, "pivots of masses side by side are those of each alone, to the bit");
     RUN(quiet_looks, "quiet looks side by side leave what they leave alone, to the bit");
+    RUN(many_alike, "many masses that move alike are looked at as often as one");
     RUN(never_again, "a model whose masses cannot be side by side is not asked again");
     return check_finish();
 }
