@@ -4,8 +4,8 @@
 #define DM_MASS_LANES_TEXT_H
 
 #include "linalg/pivots_text.h"
-#include "run/inertia/urgent_text.h"
 #include "run/inertia/mass_lanes.h"
+#include "run/inertia/urgent_text.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* urgent_text.h - of all blocks of W masses, what is most urgent: it says when the next look is due;
- * a text for files that have numbers/lanes_text.h. */
+/* urgent_text.h - of all blocks of W masses, what is most urgent: it says when the next look is
+ * due; a text for files that have numbers/lanes_text.h. */
 #ifndef DM_URGENT_TEXT_H
 #define DM_URGENT_TEXT_H
 
