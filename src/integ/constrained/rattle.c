@@ -2,9 +2,8 @@
 #include "integ/constrained/rattle.h"
 #include "base/doubles.h"
 #include "base/written_out.h"
-#include "integ/constrained/rattle_cells.h"
-
 #include "integ/constrained/constrained.h"
+#include "integ/constrained/rattle_cells.h"
 #include "linalg/solve/newton.h"
 #include "linalg/solve/newton_limits.h"
 #include "mech/crossing.h"

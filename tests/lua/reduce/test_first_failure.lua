@@ -94,4 +94,22 @@ for _, rule in ipairs { "rk8", "gauss(4)" } do
     tap.near(run.q[i][1], a * (1 - e * cos(E)), 1e-8, rule .. " with controlled steps")
   end
 end
+
+-- where the momentum is that at rest there is no wall, and beside it all others are small: the
+-- locked inertia is at least 1.6, and the run goes on as the unreduced one
+local driven = dm.system { Q = dm.R(2), coordinates = { "x", "theta" }, L = function(q, v, t)
+  return (2 + 0.4 * sin(q[1])) * (v[1] ^ 2 + v[2] ^ 2) / 2 - q[1] ^ 2 / 2
+    + 0.3 * cos(t) * v[2] * sin(q[1])
+end }
+local mu = driven:momentum({ 0.1, 0 }, { 0.3, 0 }, 1.1)[2]
+local below = driven:routh { cyclic = "theta", q = { 0.1, 0 }, v = { 0.3, 0 }, mu = mu }
+for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)" } do
+  local way = { rule = rule, h = 0.05 }
+  local fine, reduced = pcall(function()
+    return below:solver(way):run { q = { 0.1 }, v = { 0.3 }, t0 = 1.1, steps = 100 }
+  end)
+  ok(fine, rule .. ": a start with the momentum at rest", tostring(reduced))
+  local whole = driven:solver(way):run { q = { 0.1, 0 }, v = { 0.3, 0 }, t0 = 1.1, steps = 100 }
+  tap.near(fine and reduced.q[101][1], whole.q[101][1], 1e-12, rule .. ": the unreduced run")
+end
 tap.done()

@@ -32,8 +32,15 @@ local function is_suspect(path, info)
   return false
 end
 
--- the first row to which a step jumped through a shape with a much smaller locked inertia than
--- either end has
+-- has some shape between a and b a much smaller locked inertia than either?
+local function collapses(shape, a, b, t)
+  local function inertia(x) return reason.inertia(shape, x, t) end
+  local before, now = inertia(a), inertia(b)
+  return before and now
+    and jumps.least_between(inertia, a, b, math.huge) < DEEP * min(before, now)
+end
+
+-- the first row to which a step jumped through such a shape
 local function first_beyond(path)
   local shape, t0 = path.system, path.t[1]
   local before = reason.inertia(shape, path.q[1], t0)
@@ -41,12 +48,8 @@ local function first_beyond(path)
     local a, b, t = path.q[i - 1], path.q[i], path.t[i]
     local now = reason.inertia(shape, b, t)
     if before and now then
-      local function inertia(x) return reason.inertia(shape, x, t) end
-      local middle = inertia(0.5 * (a + b)) or math.huge
-      if middle < min(before, now) and jumps.least_between(inertia, a, b, math.huge)
-        < DEEP * min(before, now) then
-        return i
-      end
+      local middle = reason.inertia(shape, 0.5 * (a + b), t) or math.huge
+      if middle < min(before, now) and collapses(shape, a, b, t) then return i end
     end
     before = now
   end
@@ -64,8 +67,9 @@ local SAFE = 2 -- r falls by less than so many times its fastest change in a ste
 
 -- The first row to which a step jumped through a shape with a wall of infinite height, where
 -- r = (mu I^-1 mu)^-1/2 vanishes: steps near it are looked at, and r tells how many steps are far
--- from it; where the energy has moved all of them. Where L is not quadratic in the velocities of
--- the group the wall may be finite, and it is the energy that tells.
+-- from it; where the energy has moved all of them. r is infinite where mu is the momentum at rest,
+-- beside which all others are small: it is a wall if the locked inertia vanishes. Where L is not
+-- quadratic in the velocities of the group the wall may be finite, and it is the energy that tells.
 local function first_through(path, info)
   if #path < 2 or not has_wall(info) then return nil end
   local all = is_suspect(path, info)
@@ -80,7 +84,7 @@ local function first_through(path, info)
     local now = distance(y, s)
     if j == i + 1 and bends(r, distance(0.5 * (x + y), s), now)
       and jumps.least_between(function(z) return distance(z, s) end, x, y, math.huge)
-        < DEEP ^ 0.5 * min(r, now) then
+        < DEEP ^ 0.5 * min(r, now) and collapses(path.system, x, y, s) then
       return j
     end
     if now < math.huge and r < math.huge then fastest = max(fastest, abs(now - r) / (j - i)) end
