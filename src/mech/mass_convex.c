@@ -22,7 +22,61 @@ typedef struct {
     long credit; /* nodes */
 } reading;
 
-/* Is no value of (c_ij) negative? Of w_i that stand alone, by their squares; of others together. */
+static int number(const dm_form *f, dm_node at, double *c) {
+    const dm_expr *e = dm_graph_at(f->g, at);
+    if (e->op != DM_OP_CONSTANT) return 0;
+    *c = e->as.value;
+    return 1;
+}
+
+/* The numbers that a node of first degree is a sum of velocities with, times `by`, into row[]; 0:
+ * it is no such sum. */
+static int find_row(dm_form *f, dm_node at, double by, double *row) {
+    const dm_expr *e = dm_graph_at(f->g, at);
+    const dm_node a = e->as.arg[0], b = e->as.arg[1];
+    double c;
+    if (f->degree[at] != 1 || f->visits-- <= 0) return 0;
+    switch (e->op) {
+    case DM_OP_INPUT:
+        row[e->as.input - f->first] += by;
+        return 1;
+    case DM_OP_NEG:
+        return find_row(f, a, -by, row);
+    case DM_OP_ADD:
+        return find_row(f, a, by, row) && find_row(f, b, by, row);
+    case DM_OP_SUB:
+        return find_row(f, a, by, row) && find_row(f, b, -by, row);
+    case DM_OP_MUL: /* a number comes first or last */
+        return number(f, a, &c) ? find_row(f, b, c * by, row)
+                                : number(f, b, &c) && find_row(f, a, c * by, row);
+    default:
+        return 0;
+    }
+}
+
+/* Are v = 0 where all w_i = 0? As those tell that are sums of velocities with numbers: the sum of
+ * their squares is definite then. */
+static int are_all_moving(dm_form *f) {
+    const uint32_t n = f->velocities;
+    double A[DM_SURELY_MOST * DM_SURELY_MOST] = {0}, none[DM_SURELY_MOST * DM_SURELY_MOST] = {0};
+    if (n > DM_SURELY_MOST) return 0;
+    for (uint32_t k = 0; k < f->count; k++) {
+        double row[DM_SURELY_MOST] = {0};
+        if (f->w[k].count || !find_row(f, f->w[k].node, 1.0, row)) continue;
+        for (uint32_t i = 0; i < n * n; i++) A[i] += row[i / n] * row[i % n];
+    }
+    return dm_surely_positive(A, none, n);
+}
+
+/* Has every w_i that stands alone a square that counts? */
+static int are_alone_positive(const dm_form *f) {
+    for (uint32_t i = 0; i < f->count; i++)
+        if (!(f->c[i][i].lo > 0.0)) return 0;
+    return 1;
+}
+
+/* Is no value of (c_ij) negative? Of w_i that stand alone, by their squares; of others together,
+ * where none is zero, either. */
 static int is_positive(const dm_form *f) {
     double centre[DM_FORM_MOST * DM_FORM_MOST], radius[DM_FORM_MOST * DM_FORM_MOST];
     uint32_t together[DM_FORM_MOST], m = 0;
@@ -41,27 +95,32 @@ static int is_positive(const dm_form *f) {
     return !m || dm_surely_positive(centre, radius, m);
 }
 
-/* In the box of r->in? So much is tried to be taken apart. */
-static int is_convex_in(reading *r, int most) {
+static dm_convexity lesser(dm_convexity a, dm_convexity b) {
+    return a < b ? a : b;
+}
+
+/* In the box of r->in; so much is tried to be taken apart. */
+static dm_convexity tell_in(reading *r, int most) {
     dm_form *f = &r->form;
-    int out = 0;
+    dm_convexity out = DM_NOT_CONVEX;
     r->credit -= (long)dm_graph_size(f->g);
     dm_bounds(f->g, r->in, f->value);
-    for (f->apart = DM_FORM_PLAIN; f->apart <= most && !out; f->apart++)
-        out = dm_form_read(f) && is_positive(f) && dm_form_turns(f);
+    for (f->apart = DM_FORM_PLAIN; f->apart <= most && out != DM_DEFINITE; f->apart++)
+        if (dm_form_read(f) && is_positive(f) && dm_form_turns(f))
+            out = are_alone_positive(f) && are_all_moving(f) ? DM_DEFINITE : DM_CONVEX;
     return out;
 }
 
-/* In it or in its parts, angles halved in turn? */
-static int is_convex_in_parts(reading *r, uint32_t halved) {
-    if (is_convex_in(r, DM_FORM_FACTORS)) return 1;
-    if (r->credit <= 0 || halved == HALVINGS * r->angles) return 0;
+/* In it or in its parts, angles halved in turn. */
+static dm_convexity tell_in_parts(reading *r, uint32_t halved) {
+    dm_convexity out = tell_in(r, DM_FORM_FACTORS);
+    if (out || r->credit <= 0 || halved == HALVINGS * r->angles) return out;
     dm_interval *angle = r->in + r->angle[halved % r->angles], whole = *angle;
     const double middle = 0.5 * (whole.lo + whole.hi);
     *angle = (dm_interval){whole.lo, middle};
-    int out = is_convex_in_parts(r, halved + 1);
+    out = tell_in_parts(r, halved + 1);
     *angle = (dm_interval){middle, whole.hi};
-    out = out && is_convex_in_parts(r, halved + 1);
+    if (out) out = lesser(out, tell_in_parts(r, halved + 1));
     *angle = whole;
     return out;
 }
@@ -76,11 +135,12 @@ static void find_angles(reading *r, unsigned char *scratch) {
 }
 
 /* In so many inputs of g, from one on. */
-static int is_convex(dm_graph *g, dm_node L, uint32_t first, uint32_t velocities, dm_arena *arena) {
+static dm_convexity tell(dm_graph *g, dm_node L, uint32_t first, uint32_t velocities,
+                         dm_arena *arena) {
     dm_node alone;
     reading *r = dm_arena_take(arena, sizeof *r);
     const dm_graph *own = dm_graph_copy(g, &L, 1, &alone);
-    if (!r || !own || dm_graph_size(own) > DM_MASS_MOST_NODES) return 0;
+    if (!r || !own || dm_graph_size(own) > DM_MASS_MOST_NODES) return DM_NOT_CONVEX;
     *r = (reading){.form = {.g = own, .L = alone, .first = first, .velocities = velocities},
                    .credit = MOST_BOUNDED};
     dm_form *f = &r->form;
@@ -88,21 +148,22 @@ static int is_convex(dm_graph *g, dm_node L, uint32_t first, uint32_t velocities
     unsigned char *scratch = dm_arena_take(arena, 2 * (size_t)size + 1);
     f->degree = dm_arena_take(arena, (size_t)size + 1);
     f->value = dm_arena_take(arena, ((size_t)size + inputs) * sizeof *f->value);
-    if (!scratch || !f->degree || !f->value) return 0;
+    if (!scratch || !f->degree || !f->value) return DM_NOT_CONVEX;
     r->in = f->value + size;
     for (uint32_t i = 0; i < inputs; i++) r->in[i] = (dm_interval)DM_ANYWHERE;
     dm_form_degrees(f);
-    if (is_convex_in(r, DM_FORM_COSINES)) return 1;
+    const dm_convexity anywhere = tell_in(r, DM_FORM_COSINES);
+    if (anywhere) return anywhere;
     find_angles(r, scratch);
     for (uint32_t k = 0; k < r->angles; k++)
         r->in[r->angle[k]] = (dm_interval){-PI_AND_MORE, PI_AND_MORE};
-    return r->angles && is_convex_in_parts(r, 0);
+    return r->angles ? tell_in_parts(r, 0) : DM_NOT_CONVEX;
 }
 
 /* What is least over y of an f(x, y) convex in both is convex in x (ensembles of reduced systems in
  * docs/benchmarks/reduction.md). */
-int dm_mass_is_convex(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena) {
+dm_convexity dm_mass_convexity(dm_graph *g, dm_node L, uint32_t n, dm_arena *arena) {
     const dm_extremum *e = dm_extremum_find(g, L);
-    if (e && e->n == 2 * n) return is_convex(e->of, e->f, n, n + e->m, arena);
-    return is_convex(g, L, n, n, arena);
+    if (e && e->n == 2 * n) return tell(e->of, e->f, n, n + e->m, arena);
+    return tell(g, L, n, n, arena);
 }

@@ -354,10 +354,11 @@ static void keep_bounds(builder *b) {
     if (!M) return;
     const size_t room = M->inputs + (size_t)M->size;
     dm_interval *scratch = dm_arena_take(b->arena, room * sizeof *scratch);
-    if (scratch && dm_mass_is_definite(M, scratch))
-        b->m.structure |= DM_DEFINITE_MASS;
-    else if (!dm_mass_is_convex(b->g, b->L, b->m.n, b->arena))
-        b->m.mass_bounds = M;
+    const dm_convexity convex = scratch && dm_mass_is_definite(M, scratch)
+                                    ? DM_DEFINITE
+                                    : dm_mass_convexity(b->g, b->L, b->m.n, b->arena);
+    if (convex == DM_DEFINITE) b->m.structure |= DM_DEFINITE_MASS;
+    if (convex == DM_NOT_CONVEX) b->m.mass_bounds = M;
 }
 
 /* of a mass that moves: which velocities does it couple? */

@@ -197,6 +197,48 @@ static void tells_products_by_their_factors(void) {
     }
 }
 
+/* The least pivot of the mass at random states with |q_i| <= 2. */
+static double least_somewhere(const built *b, uint32_t n, int tries) {
+    double x[9], out[20], least, all, found = INFINITY;
+    for (int k = 0; k < tries; k++) {
+        for (uint32_t i = 0; i < 2 * n + 1; i++) x[i] = 2.0 * random_number();
+        dm_kernel_prepare(&b->model.mass, out);
+        dm_kernel_eval(&b->model.mass, x, out);
+        dm_negative_values(out + n, n, &least, &all);
+        found = fmin(found, least);
+    }
+    return found;
+}
+
+/* Two sums of squares, (a v1 + b v2)^2 + (c v1 + d v2)^2, beside (q1 v1 + q2 v2)^2/q2^2, which bounds
+ * of entries do not tell: definite where a d != b c; else its values have no bound but 0, nor where a
+ * square has none. */
+static void tells_squares_that_leave_no_velocity(void) {
+    static const struct {
+        double a, b, c, d;
+        int curved, definite;
+    } of[] = {{1, 0, 0, 1, 0, 1},  {1, 1, 1, -1, 0, 1}, {1, 1, 0, 2, 0, 1}, {1, 1, 2, 2, 0, 0},
+              {1, -1, 0, 0, 0, 0}, {1, 0, 0, 0, 0, 0},  {1, 0, 0, 1, 1, 0}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        built b;
+        start(&b, 5);
+        const dm_node v1 = input(&b, 2), v2 = input(&b, 3), q2 = input(&b, 1);
+        const dm_node one =
+            dm_add(b.g, times(&b, number(&b, of[i].a), v1), times(&b, number(&b, of[i].b), v2));
+        const dm_node two =
+            dm_add(b.g, times(&b, number(&b, of[i].c), v1), times(&b, number(&b, of[i].d), v2));
+        const dm_node z =
+            dm_div(b.g, dm_add(b.g, times(&b, input(&b, 0), v1), times(&b, q2, v2)), q2);
+        dm_node first = times(&b, one, one);
+        if (of[i].curved) first = times(&b, times(&b, q2, q2), first);
+        const dm_node L = dm_add(b.g, first, dm_add(b.g, times(&b, two, two), times(&b, z, z)));
+        CHECK(finish(&b, L, 2) == DM_OK && b.model.mass_bounds == NULL);
+        CHECK(((b.model.structure & DM_DEFINITE_MASS) != 0) == of[i].definite);
+        CHECK((least_somewhere(&b, 2, 2000) > 1.0) == of[i].definite);
+        stop(&b);
+    }
+}
+
 /* c_(k+1) = c_k (cos(k q2) c_k) beside v1 v2: a tree of 2^60 factors, of few nodes */
 static void looks_at_shared_factors_once(void) {
     built b;
@@ -219,6 +261,7 @@ int main(void) {
     RUN(tells_links_that_keep_their_signs, "tells links that keep their signs");
     RUN(tells_arms_that_keep_their_signs, "tells arms that keep their signs");
     RUN(tells_products_by_their_factors, "tells products by their factors");
+    RUN(tells_squares_that_leave_no_velocity, "tells squares that leave no velocity");
     RUN(looks_at_shared_factors_once, "looks at shared factors once");
     return check_finish();
 }

@@ -42,6 +42,25 @@ for _, rule in ipairs { "verlet", "gauss(2)", "midpoint", "rk4", "yoshida(4)" } 
   end
 end
 
+-- two rods by their horizontal parts: a mass that is definite wherever it is a number, but grows at
+-- the level of their upper ends; a step that is too long leaves the domain there, and no more
+local function rod(x, y, dx, dy)
+  local z = dm.sqrt(1 - x * x - y * y)
+  return z, (x * dx + y * dy) / z
+end
+local chart = dm.system { Q = dm.R(4), L = function(q, v)
+  local d1, z1 = rod(q[1], q[2], v[1], v[2])
+  local d2, z2 = rod(q[3], q[4], v[3], v[4])
+  local first, second = v[1] ^ 2 + v[2] ^ 2 + z1 ^ 2, v[3] ^ 2 + v[4] ^ 2 + z2 ^ 2
+  return first + second / 2 + v[1] * v[3] + v[2] * v[4] + z1 * z2 + 9.81 * (2 * d1 + d2)
+end }
+for _, at in ipairs { { "midpoint", { -0.39, -0.57, 0.466, -0.435 }, { -0.134, -1.82, 2.05, -2.975 } },
+  { "gauss(3)", { 0.49, -0.048, -0.048, 0.567 }, { -2.03, 0.135, -2.466, 0.825 } } } do
+  local fine, e = run(chart, at[1], 0.2, { q = at[2], v = at[3], steps = 100 })
+  ok(not fine and tostring(e):find("domain", 1, true) and e.code ~= "inertia",
+    at[1] .. ": the edge of a chart is no change of inertia", tostring(e))
+end
+
 -- a mass that vanishes at q1 = 0: q1 q1'^2 = 2 E1, so that q1^(3/2) falls by 3/2 sqrt(2 E1) t
 local thin = dm.system { Q = dm.R(2), L = function(q, v)
   return q[1] * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 end }
