@@ -158,7 +158,7 @@ static int constrained(int run(double *, double *, double, long, long *), const 
     printf("step\t%s\trattle, double spherical pendulum in R^6\t%s\t%.2f\t%.2f\n", side, text,
            least / (double)steps, (double)iterations / (double)steps);
     if (!ends) return 1;
-    fprintf(ends, "rattle");
+    fprintf(ends, "double spherical pendulum in R^6");
     for (int i = 0; i < 6; i++) fprintf(ends, "\t%.17g", q[i]);
     fprintf(ends, "\n");
     return 1;

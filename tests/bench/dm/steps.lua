@@ -1,7 +1,6 @@
 -- dmlua tests/bench/dm/steps.lua [FILE]: ns per step with Lua-written models; the implicit runs are
 -- compared with the end states that the C program left in FILE.
 local dm = require "dm"
-local sin, cos, sqrt = math.sin, math.cos, math.sqrt
 
 local function best(f)
   local least = math.huge
@@ -51,44 +50,6 @@ do
   end
 end
 
-local J2 = 0.05
-local models = {
-  { "J2 satellite", h = 0.05, q = { 1.1, 0, 0.1 }, v = { 0, 0.95, 0.2 }, Q = dm.R(3), L = function(q, v)
-    local r = q:norm()
-    return v:dot(v) / 2 + 1 / r - J2 / (2 * r ^ 3) * (3 * q[3] ^ 2 / r ^ 2 - 1)
-  end },
-  { "double spherical pendulum", h = 0.01, q = { 1, 0, 0.7, 0.4 }, v = { 0, 1.5, 0, 2 }, Q = dm.R(4), L = function(q, v)
-    local function velocity(a, b, da, db)
-      return da * cos(a) * cos(b) - db * sin(a) * sin(b), da * cos(a) * sin(b) + db * sin(a) * cos(b), da * sin(a)
-    end
-    local x1, y1, z1 = velocity(q[1], q[2], v[1], v[2])
-    local x2, y2, z2 = velocity(q[3], q[4], v[3], v[4])
-    local T = (x1 * x1 + y1 * y1 + z1 * z1) / 2 + ((x1 + x2) ^ 2 + (y1 + y2) ^ 2 + (z1 + z2) ^ 2) / 2
-    return T + 9.81 * (2 * cos(q[1]) + cos(q[3]))
-  end },
-  { "three bodies", h = 0.01, q = { 0.97000436, -0.24308753, 0, -0.97000436, 0.24308753, 0, 0, 0, 0 },
-    v = { 0.466203685, 0.43236573, 0, 0.466203685, 0.43236573, 0, -0.93240737, -0.86473146, 0 }, Q = dm.R(9),
-    L = function(q, v)
-      local L = v:dot(v) / 2
-      for i = 4, 7, 3 do
-        for j = 1, i - 1, 3 do
-          L = L + 1 / sqrt((q[i] - q[j]) ^ 2 + (q[i + 1] - q[j + 1]) ^ 2 + (q[i + 2] - q[j + 2]) ^ 2)
-        end
-      end
-      return L
-    end },
-}
-
-models[#models + 1] = { "spherical pendulum in space", h = 0.02, q = { 0.6, 0, -0.8 }, v = { 0, 1, 0 }, Q = dm.R(3),
-  L = function(q, v) return v:dot(v) / 2 - q[3] end, constraint = function(q) return q:dot(q) - 1 end }
-
-models[#models + 1] = { "double spherical pendulum in space", h = 0.01, q = { 0.6, 0, -0.8, 0.6, 0.6, -1.6 },
-  v = { 0, 1, 0, 1, 1, 0 }, Q = dm.R(6), L = function(q, v) return v:dot(v) / 2 - 9.81 * (q[3] + q[6]) end,
-  constraint = function(q)
-    local x, y = dm.vector { q[1], q[2], q[3] }, dm.vector { q[4] - q[1], q[5] - q[2], q[6] - q[3] }
-    return { x:dot(x) - 1, y:dot(y) - 1 }
-  end }
-
 -- end states of the hand-written C
 local ends = {}
 if arg[1] then
@@ -99,32 +60,14 @@ if arg[1] then
   end
 end
 
-for _, model in ipairs(models) do
-  local system = dm.system { Q = model.Q, L = model.L, constraint = model.constraint }
-  local midpoint, count = system:solver { rule = "midpoint", h = model.h }, 20000
-  local ns = best(function() midpoint:run { q = model.q, v = model.v, steps = count, every = count } end) / count
-  local report = midpoint:report()
-  line("midpoint, " .. model[1], "midpoint, " .. report.backend, ns, report.newton_per_step)
-  local worst = 0
-  local path = midpoint:run { q = model.q, v = model.v, steps = 500, every = 500 }
-  for i = 1, #model.q do
-    worst = math.max(worst, math.abs(path.q[#path][i] - (ends[model[1]] or {})[i + 1] or 0))
-  end
-  io.stderr:write(("%s: after 500 steps %.1e from the C program's state\n"):format(model[1], worst))
+for _, model in ipairs(dofile "tests/bench/dm/step_models.lua") do
+  local rule = model.rule or "midpoint"
+  local one, count, known = model.system:solver { rule = rule, h = model.h }, 20000, ends[model.key]
+  local ns = best(function() one:run { q = model.q, v = model.v, steps = count, every = count } end) / count
+  local report = one:report()
+  line(("%s, %s"):format(rule, model.key), ("%s, %s"):format(rule, report.backend), ns, report.newton_per_step)
+  local path, worst = one:run { q = model.q, v = model.v, steps = 500, every = 500 }, 0
+  for i = 1, known and #model.q or 0 do worst = math.max(worst, math.abs(path.q[#path][i] - known[i + 1])) end
+  io.stderr:write(("%s: after 500 steps %.1e from the C program's state\n"):format(model.key, worst))
   assert(worst < 1e-9, "dmlua and the hand-written C step different equations")
 end
-
--- the double spherical pendulum in R^6, two constraints
-local double = dm.system { Q = dm.R(6), L = function(q, v) return v:dot(v) / 2 - 9.81 * (q[3] + q[6]) end,
-  constraint = function(q)
-    local x, y, z = q[4] - q[1], q[5] - q[2], q[6] - q[3]
-    return { (q[1] ^ 2 + q[2] ^ 2 + q[3] ^ 2 - 1) / 2, (x ^ 2 + y ^ 2 + z ^ 2 - 1) / 2 }
-  end }
-local q, v, count = { 0.6, 0, -0.8, 0.6, 0.6, -1.6 }, { 0, 1, 0, 0.5, 1, 0 }, 50000
-local rattle = double:solver { rule = "rattle", h = 0.01 }
-local ns = best(function() rattle:run { q = q, v = v, steps = count, every = count } end) / count
-line("rattle, double spherical pendulum in R^6", "rattle, " .. rattle:report().backend, ns, rattle:report().newton_per_step)
-local path, worst = rattle:run { q = q, v = v, steps = 500, every = 500 }, 0
-for i = 1, ends.rattle and 6 or 0 do worst = math.max(worst, math.abs(path.q[#path][i] - ends.rattle[i + 1])) end
-io.stderr:write(("rattle: after 500 steps %.1e from the C program's state\n"):format(worst))
-assert(worst < 1e-9, "dmlua and the hand-written C step different equations")

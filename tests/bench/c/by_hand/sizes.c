@@ -1,9 +1,9 @@
 /* sizes - what it costs sweeps by hand that they end by every coordinate's own size: the outer
- * solar system (P3), 100 days a step, by gauss(1) = midpoint to gauss(8) to round-off from the polynomial of
- * the step before, sums compensated; W = 4: members side by side, W = 1: one alone. Moves are
- * judged by the size of all coordinates; by their own where these differ by 2^10, as dmlua does
- * (src/integ/stage/sweep), in the mean of squares or in their sum. Arguments: stages, policy
- * 0 to 2, steps: one of these, to count its instructions (callgrind, --toggle-collect=run).
+ * solar system (P3), 100 days a step, by gauss(1) = midpoint to gauss(8) to round-off from the
+ * polynomial of the step before, sums compensated; W = 4: members side by side, W = 1: one alone.
+ * Moves are judged by the size of all coordinates; by their own where these differ by 2^10, as
+ * dmlua does (src/integ/stage/sweep), in the mean of squares or in their sum. Arguments: stages,
+ * policy 0 to 2, steps: one of these, to count its instructions (callgrind, --toggle-collect=run).
  *   cc -O2 -mavx2 -mfma -DW=4 -o sizes tests/bench/c/by_hand/sizes.c -lm */
 #define _DEFAULT_SOURCE
 #include <math.h>
@@ -35,7 +35,7 @@ static const double speed[N] = {0.0,         0.0,         0.0,        0.00565429
                                 0.00137102,  0.00055029,  0.00288930, 0.00114527, 0.00039677,
                                 0.00276725,  -0.00170702, -0.00136504};
 
-/* nodes, h^2 A^2 and h^2 b A, h b, the polynomial of the last step at the next one */
+/* nodes, h^2 A^2 and h^2 b A, h b; h^2 A^2 E, E: the polynomial of the last step at the next one */
 typedef struct {
     double c[MOST], AA[MOST][MOST], bA[MOST], b[MOST], ahead[MOST][MOST];
 } table;
@@ -94,11 +94,9 @@ static table table_of(int s) {
     table t = {.c = {0}};
     gauss(s, t.c, b);
     for (int i = 0; i < s; i++)
-        for (int j = 0; j < s; j++) {
-            t.ahead[i][j] = lagrange(s, t.c, j, 1.0 + t.c[i]);
+        for (int j = 0; j < s; j++)
             for (int k = 0; k < s; k++)
                 A[i][j] += t.c[i] * b[k] * lagrange(s, t.c, j, t.c[i] * t.c[k]);
-        }
     for (int i = 0; i < s; i++) {
         t.b[i] = h * b[i];
         for (int k = 0; k < s; k++) {
@@ -106,6 +104,10 @@ static table table_of(int s) {
             for (int j = 0; j < s; j++) t.AA[i][j] += h * h * A[i][k] * A[k][j];
         }
     }
+    for (int i = 0; i < s; i++)
+        for (int j = 0; j < s; j++)
+            for (int m = 0; m < s; m++)
+                t.ahead[i][m] += t.AA[i][j] * lagrange(s, t.c, m, 1.0 + t.c[j]);
     return t;
 }
 
@@ -160,11 +162,7 @@ static inline __attribute__((always_inline)) void set_off(const group *g, const 
     for (int i = 0; i < stages; i++)
         for (int k = 0; k < N; k++) {
             V sum = base[i][k] = g->q_low[k] + STEP * t->c[i] * g->v[k];
-            for (int j = 0; j < stages && warm; j++) {
-                V u = {0};
-                for (int m = 0; m < stages; m++) u += t->ahead[j][m] * g->u[m][k];
-                sum += t->AA[i][j] * u;
-            }
+            for (int j = 0; j < stages && warm; j++) sum += t->ahead[i][j] * g->u[j][k];
             x[i][k] = g->q[k] + sum;
         }
 }
