@@ -488,7 +488,8 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
         status = run(&l);
     else if (!plan->at)
         record(&l, state, plan->t0);
-    if (status == DM_OK && plan->control && !is_ended(&l) && time_now(&l) < plan->until)
+    if (status == DM_OK && l.own && isfinite(plan->until) && !is_ended(&l) &&
+        time_now(&l) < plan->until)
         status = DM_OUT_OF_TIME;
     const dm_status end = record_end(&l);
     if (status == DM_OK) status = end;

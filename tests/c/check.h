@@ -52,4 +52,11 @@ static inline int doubles_only(void) {
     return under && strcmp(under, "valgrind") == 0;
 }
 
+/* Steps or samples of which more of the same are taken: a tenth of them where sanitizers or
+ * valgrind watch, who see the same code. */
+static inline long check_count(long n) {
+    const char *under = getenv("UNDER");
+    return under && *under ? n / 10 : n;
+}
+
 #endif

@@ -1,6 +1,9 @@
 -- tap.lua - the whole Lua test harness: a line per claim, a plan at the end, exit code 1 on a failure
 local M, count, failed = {}, 0, 0
 
+--- watched: do sanitizers or valgrind look on, for whom a few of many like samples are enough?
+M.watched = (os.getenv "UNDER" or "") ~= ""
+
 --- ok(condition, sentence [, figure]): one claim
 function M.ok(condition, sentence, figure)
   count = count + 1

@@ -8,7 +8,7 @@ local engine = require "dm.reference.engine"
 
 local M = {}
 
-local abs, max, min, huge = math.abs, math.max, math.min, math.huge
+local abs, ceil, max, min, huge = math.abs, math.ceil, math.max, math.min, math.huge
 
 M.is_refusal, M.first_line = engine.is_refusal, engine.words
 
@@ -67,6 +67,7 @@ function M.is_even(rule) return not (M.controlled(rule) or has_own_time(rule)) e
 local STANDARD, PROBES = 1e-9, { 64, 4096 }
 local PLACES = 0.6180339887  -- where the mean of V is taken: never in step with the motion
 local FEWEST = 16            -- the part of the steps of a probe that must be made at least
+local OVER = 16              -- times the steps that were thought: such a run has lost its way
 
 -- ds/dt of log-hamiltonian, |V|, in the mean over the motion; where it is not known, 1; whether V
 -- has both signs; how many times the mean step the first one is
@@ -146,7 +147,7 @@ local function scale_of(model, rule)
   return known
 end
 
--- the solver, and what its runs have beside
+-- the solver, its control or nil, the most steps of a rule with lengths of its own or nil
 local function solver_of(model, rule, N)
   local problem = model.problem
   if M.is_even(rule) then
@@ -155,7 +156,7 @@ local function solver_of(model, rule, N)
   end
   local scale = scale_of(model, rule)
   if scale.length then
-    return model:ready().system:solver { rule = rule, h = scale.length / N }
+    return model:ready().system:solver { rule = rule, h = scale.length / N }, nil, OVER * ceil(N)
   end
   local tolerance = max(1e-17, STANDARD * (scale.N / N) ^ (scale.order + 1))
   return scale.solver, { tolerance = min(0.1, tolerance), largest = problem.T / 2,
@@ -165,7 +166,7 @@ end
 --- Run N steps of a rule on a model with the options `more` of solver:run; path, report. Without
 -- times to be kept it is the end.
 function M.go(model, rule, N, more)
-  local solver, control = solver_of(model, rule, N)
+  local solver, control, most = solver_of(model, rule, N)
   local options = options_of(model, more)
   if not more.at then
     if M.is_even(rule) then
@@ -175,7 +176,7 @@ function M.go(model, rule, N, more)
       options.at = { model.problem.t0 + model.problem.T }
     end
   end
-  options.control = control
+  options.control, options.most = control, most
   local path = solver:run(options)
   return path, solver:report()
 end

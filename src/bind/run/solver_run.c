@@ -114,13 +114,17 @@ static double find_start(lua_State *L, run *u) {
 }
 
 /* how long: steps = n, or t = duration, or up to the last of the times `at`, from the time
- * `from` */
+ * `from`; by a rule with a time of its own in at most so many steps (most = n), else it has
+ * taken too long */
 static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
     const int own = (s->method->traits & DM_OWN_TIME) != 0;
     plan->until = INFINITY;
     plan->h = s->h;
     if (has(L, "t") + has(L, "at") + has(L, "steps") > 1)
         luaL_error(L, "give one of 'steps', 't' (a duration) and 'at' (times)");
+    const long most = dml_count(L, 2, "most", 1, LONGEST_OWN_TIME);
+    if (has(L, "most") && !(own && has(L, "at")))
+        luaL_error(L, "'most' (steps) goes with 'at' and a rule that has a time of its own");
     if (has(L, "at") && has(L, "every"))
         luaL_error(L, "give either 'every' (rows of steps) or 'at' (rows at times), not both");
     plan->every = dml_count(L, 2, "every", 1, 1);
@@ -134,7 +138,7 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
         plan->steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan->until)) return;
     const int control = has(L, "control");
-    plan->steps = (own || control) && plan->at ? LONGEST_OWN_TIME
+    plan->steps = (own || control) && plan->at ? most
                   : control                    ? dml_control_most(s, has(L, "seconds"))
                                                : dml_stepping_cover(L, s, plan->until - from, s->h);
 }
@@ -354,7 +358,7 @@ int dml_solver_run(lua_State *L) {
                                         "p0",         "steps",   "t0",     "every",   "t",
                                         "at",         "watch",   "record", "events",  "file",
                                         "checkpoint", "project", "a",      "control", "seconds",
-                                        "energy",     "gaps",    NULL};
+                                        "energy",     "gaps",    "most",   NULL};
     run u;
     memset(&u, 0, offsetof(run, watch.list));
     u.r.solver = check(L), u.L = L;

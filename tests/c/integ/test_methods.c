@@ -114,7 +114,7 @@ static void angular_momentum_is_kept(void) {
         for (int i = 0; i < VARIATIONAL; i++) {
             problem p;
             session x;
-            const long steps = k ? 20000 : 100000;
+            const long steps = check_count(k ? 20000 : 100000);
             double worst = 0.0;
             makers[k](&p);
             CHECK(session_open(&x, &p, variational[i], 0.02));
@@ -136,7 +136,7 @@ static void angular_momentum_walks_at_random(void) {
             session x;
             makers[k](&p);
             CHECK(session_open(&x, &p, rules[i], 0.1));
-            CHECK(session_run(&x, 100000) == DM_OK);
+            CHECK(session_run(&x, check_count(100000)) == DM_OK);
             CHECK_NEAR(angular_momentum(x.state) / 0.8, 1.0, 3e-14);
             session_close(&x);
         }
@@ -150,25 +150,26 @@ static void vertical_angular_momentum_is_kept(void) {
         session x;
         CHECK(session_open(&x, &p, variational[i], 0.01));
         const double before = x.state[5] + x.state[7];
-        CHECK(session_run(&x, 10000) == DM_OK);
+        CHECK(session_run(&x, check_count(10000)) == DM_OK);
         CHECK_NEAR((x.state[5] + x.state[7]) / before, 1.0, 1e-13);
         session_close(&x);
     }
     problem_close(&p);
 }
 
-enum { SAMPLES = 400, STRIDE = 100 };
+enum { SAMPLES = 400 };
 
 /* fit the energy along a run: drift of E against time */
 static dm_drift energy_drift(const problem *p, const char *rule, double h) {
     static double t[SAMPLES + 1], E[SAMPLES + 1];
+    const long stride = check_count(100);
     dm_drift fit;
     session x;
     CHECK(session_open(&x, p, rule, h));
     for (int i = 0; i <= SAMPLES; i++) {
-        t[i] = i * STRIDE * h;
+        t[i] = (double)(i * stride) * h;
         E[i] = problem_energy_of(p, x.state);
-        if (i < SAMPLES) CHECK(session_run(&x, STRIDE) == DM_OK);
+        if (i < SAMPLES) CHECK(session_run(&x, stride) == DM_OK);
     }
     dm_drift_fit(&fit, t, 1, E, SAMPLES + 1);
     session_close(&x);
@@ -186,7 +187,7 @@ static void energy_does_not_drift(void) {
             problem p;
             cases[k].make(&p);
             const dm_drift fit = energy_drift(&p, variational[i], cases[k].h);
-            const double change = fabs(fit.slope) * SAMPLES * STRIDE * cases[k].h;
+            const double change = fabs(fit.slope) * SAMPLES * (double)check_count(100) * cases[k].h;
             const double rounding = 1e-12 * (1.0 + fabs(fit.mean));
             if (!CHECK(change < 0.1 * fit.largest + rounding) ||
                 !CHECK(fabs(fit.slope) < 5.0 * fit.error || change < rounding))

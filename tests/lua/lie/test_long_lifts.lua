@@ -3,6 +3,7 @@ local tap = require "tap"
 local dm = require "dm"
 local near, exp = tap.near, dm.SO(3).exp
 local G, max = dm.SO(3), math.max
+local STEPS = tap.watched and 1e4 or 1e5 -- in the same bounds
 -- round-off of a quarter of an ulp of 1 a step walks by 1.8e-14 in 10^5 steps: three times that (J
 -- of 10^6 steps is off by 2 to 3 times as much, not by 10); without fused products a step by a power
 -- of 2 leaves more (docs/benchmarks/groups.md)
@@ -41,7 +42,7 @@ for _, case in ipairs {
   for k = 0, 3 do
     local x = {}
     for i = 1, 6 do x[i] = random:uniform(1, 6 * k + i, 0, 1) end
-    local a, b = worst(top(case[1]), { rule = case[2], h = case[3], steps = 1e5,
+    local a, b = worst(top(case[1]), { rule = case[2], h = case[3], steps = STEPS,
       q = exp(G, { 2 * x[1] - 1, 2 * x[2] - 1, 2 * x[3] - 1 }), p = { x[4], x[5], 1 + x[6] } },
       vertical)
     off, norm = max(off, a), max(norm, b)

@@ -12,10 +12,10 @@ local all = tops:lyapunov { q = still, v = still, t = 1000, exponents = 4 }
 for i, rate in ipairs { 1, 0.5, -0.5, -1 } do near(all.exponents[i], rate, 2e-3, "rate " .. rate) end
 near(all.sum, 0, 1e-12, "volumes are kept")
 ok(all.exponent == all.exponents[1], "the first one is the largest")
-local long = tops:lyapunov { q = still, v = still, t = 1e5 }
-near(long.exponent, 1, 1e-4, "a vector that would grow by e^100000")
+local long = tops:lyapunov { q = still, v = still, t = 2e4 }
+near(long.exponent, 1, 1e-4, "a vector that would grow by e^20000")
 ok(#long.history.t == 1000, "a row every thousandth of the time, however short the blocks")
-near(long.megno, 1e5 / 2, 50, "MEGNO grows by half of the exponent")
+near(long.megno, 2e4 / 2, 10, "MEGNO grows by half of the exponent")
 
 -- MEGNO from its definition, by the growth of every step
 local few = tops:lyapunov { q = { 0.3, 0.1 }, v = { 0, 0.2 }, t = 8, every = 1 }.history

@@ -77,16 +77,16 @@ end
 near(kepler_limit(0.6, "midpoint") / 5, 0.24, 0.02, "Kepler e = 0.6, midpoint: up to h = 0.24")
 -- gauss(2) leaves the ellipse by chance, between 0.27 and 0.33 from starts 1e-13 apart: their median
 local turns = {}
-for i = 1, 7 do turns[i] = kepler_limit(0.6, "gauss(2)", 1e-13 * i) end
+for i = 1, 5 do turns[i] = kepler_limit(0.6, "gauss(2)", 1e-13 * i) end
 table.sort(turns)
-near(turns[4] / 5, 0.30, 0.02, "Kepler e = 0.6, gauss(2): up to h = 0.3")
+near(turns[3] / 5, 0.30, 0.02, "Kepler e = 0.6, gauss(2): up to h = 0.3")
 -- kahan-li(6) drifts or leaves from 0.3 on, at some h and not at others
 local lost = { 0, 0 }
-for i = 1, 9 do
+for i = 1, 5 do
   map = kepler_map(0.6, "kahan-li(6)", 1.4, 2.3, 2, 1e-13 * i, false)
   for j = 1, 2 do lost[j] = lost[j] + (map:at(1, j).class == "wrong" and 0 or 1) end
 end
-ok(lost[1] == 0 and lost[2] >= 7, "Kepler e = 0.6, kahan-li(6): never at h = 0.28, nearly always at 0.46", lost[1] .. " and " .. lost[2])
+ok(lost[1] == 0 and lost[2] >= 4, "Kepler e = 0.6, kahan-li(6): never at h = 0.28, nearly always at 0.46", lost[1] .. " and " .. lost[2])
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 local orbit = { q = { 0.4, 0 }, v = { 0, 2 }, t = 200 * pi }
 map = kepler:stability(with(orbit, { rules = { "rk4", "rk8", "verlet", "gauss(2)" }, h = 0.1, chaos = false }))

@@ -50,4 +50,16 @@ local times = why and tonumber(why:match "Take a tolerance (%d+) times as large"
 ok(times and why:find "%(tolerances%)", "by what the tolerance falls short", why)
 why = ellipse { until_t = 200, tolerance = tolerance * (times or 1), seconds = 10 }
 ok(why == nil, "which is then promised", why)
+
+-- a pilot run by a rule with a time of its own that stands still ends by its steps, not by seconds: 16 times as many as were
+-- thought (of a spring of 1e6 it made three million in the place of 7000, as long as the seconds allowed)
+do
+  local problem_of, pilot = require "dm.scene.model", require "dm.scene.pilot"
+  local problem = problem_of.problem(dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end },
+    { q = { 0.5, 0 }, v = { 0, sqrt(3) }, until_t = 20, watch = { "q1" }, tolerance = 1e-2 })
+  local model = problem_of.given(problem):ready()
+  model.scales = { ["log-hamiltonian(verlet)"] = { length = 20 / 1000 } } -- a thousandth of what it is
+  local fine, failure = pcall(pilot.go, model, "log-hamiltonian(verlet)", 100, { at = { 20 } })
+  ok(not fine and failure.code == "out_of_time" and failure.step == 1600, "and so do those that stand still", fine or failure.step)
+end
 tap.done()

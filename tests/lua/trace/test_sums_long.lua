@@ -75,7 +75,7 @@ local others = {
 local function run(n, L, how, backend, every)
   local q, v = start(n)
   return dm.system { Q = dm.R(n), L = L }:solver { rule = how.rule, sums = how.sums, h = 0.05, backend = backend }
-    :run { q = q, v = v, steps = 7, every = every }
+    :run { q = q, v = v, steps = how.steps or 7, every = every }
 end
 
 local function same(a, b)
@@ -91,9 +91,9 @@ local function same(a, b)
 end
 
 local function compare(name, n, L, how)
-  local whole = run(n, L, how, nil, 7)
+  local whole = run(n, L, how, nil, how.steps or 7)
   local what = ("%s, n = %d, %s, %s sums: "):format(name, n, how.rule, how.sums or "compensated")
-  ok(same(whole, run(n, L, how, "tape", 7)), what .. "tape and native code, bit for bit")
+  ok(same(whole, run(n, L, how, "tape", how.steps or 7)), what .. "tape and native code, bit for bit")
   ok(same(whole, run(n, L, how, nil, 1)), what .. "bursts of one step and of all, bit for bit")
   return whole
 end
@@ -134,15 +134,17 @@ for _, backend in ipairs { "jit", "tape" } do
   near(path.q[#path][200], 600, 0, "one between: " .. backend)
 end
 
--- longer than a cache
+-- longer than a cache: steps differ there by what loads and stores bring, not by how many there are
 local long = { ["equal bodies"] = systems, ["springs that vary, and an own force on each"] = systems, ["exponentials"] = others,
   ["an open chain"] = others }
 for name, from in pairs(long) do
-  for rule, sums in pairs { verlet = "plain", ["blanes-moan(6, 11)"] = "compensated", ["symplectic-euler"] = "plain" } do
-    compare(name, 8 * 4100 + 3, from[name](8 * 4100 + 3), { rule = rule, sums = sums })
+  local rules = tap.watched and { verlet = "plain" }
+    or { verlet = "plain", ["blanes-moan(6, 11)"] = "compensated", ["symplectic-euler"] = "plain" }
+  for rule, sums in pairs(rules) do
+    compare(name, 8 * 4100 + 3, from[name](8 * 4100 + 3), { rule = rule, sums = sums, steps = 2 })
   end
 end
-compare("two coordinates a body", 16 * 4100, systems["two coordinates a body"](), { rule = "yoshida(4)", sums = "plain" })
+compare("two coordinates a body", 16 * 4100, systems["two coordinates a body"](), { rule = "yoshida(4)", sums = "plain", steps = 2 })
 
 -- an independent road: the same ring written out by hand, by another backend and another rule of high order
 do
