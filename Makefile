@@ -122,7 +122,7 @@ programs: all $(C_TESTS) $(DRIVERS)
 TEST_FILES = $(STATE_TESTS) $(C_TESTS) $(LUA_TESTS) $(EXAMPLES)
 test: programs
 	@.ci/setup --install pictures test
-	@tests/run $(TEST_FILES) $(HOUSE_TESTS)
+	@tests/run $(HOUSE_TESTS) $(TEST_FILES)
 house: all
 	@tests/run $(HOUSE_TESTS)
 # what another compiler may change: the kernels, and the steps that scripts make with them
@@ -133,7 +133,9 @@ demo: all
 	@.ci/setup --install pictures
 	@tests/demo $(EXAMPLES)
 
-SAN = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+# null pointers and ends of objects are what the address sanitizer sees, too
+SAN = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null,object-size \
+  -fno-sanitize-recover=all
 san:
 	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
 # without the examples, which show what the tests try
