@@ -145,12 +145,13 @@ local FACTORS = { cholesky = "Cholesky factors (CHOLMOD)",
 local function below(S, weights, x) return (S - x * matrices.diagonal(weights)):negatives() end
 
 -- How many eigenvalues the iteration has left out that are better than the worst it found: by the
--- law of inertia, up to a little before that one, so that a cluster may be cut.
-local function left_out(S, weights, pairs_, options)
+-- law of inertia, up to a little before that one, so that a cluster may be cut: of zeros too, which
+-- rounding spreads, so that little is at least a part of `unit`.
+local function left_out(S, weights, pairs_, options, unit)
   local from, worst = options.above or options.near, pairs_[#pairs_].value
   local reach = options.near and pairs_[#pairs_].rank or worst - (from or 0)
   local high, low_ = (from or 0) + reach, options.near and from - reach or from
-  local margin = 1e-7 * math.max(math.abs(high), math.abs(low_ or 0))
+  local margin = 1e-7 * math.max(math.abs(high), math.abs(low_ or 0), unit)
   high, low_ = high - margin, low_ and options.near and low_ + margin or low_
   if low_ and high <= low_ then return 0 end
   local found, there = 0, below(S, weights, high)
@@ -165,9 +166,10 @@ local ROUNDS = 4
 
 -- around a given shift, or from a shift below all eigenvalues (above those of negative operators)
 local function lanczos(A, S, weights, m, options)
-  local given, n = options.above or options.near, S.rows
+  local given, most = options.above or options.near, S.rows - 1 - count_zeros(weights)
   local sign = not given and S:diagonal():sum() < 0 and -1 or 1
-  local shift = given or -low(A.mesh)
+  local unit = low(A.mesh)
+  local shift = given or -unit
   if sign < 0 then S = -1 * S end
   local factor = factored(S, weights, shift, not given)
   local rank, count, pairs_, missing, all = order_of(options), m, nil, 0, 0
@@ -176,9 +178,9 @@ local function lanczos(A, S, weights, m, options)
       S:eigenpairs(weights, factor, shift, count, options.above ~= nil)
     pairs_, all = best(zipped(values, vectors, residuals), m, rank), all + solves
     local counts = given or factor.kind == "cholesky"
-    missing = #pairs_ > 0 and counts and left_out(S, weights, pairs_, options) or 0
-    if missing <= 0 or count == n - 1 then break end
-    count = math.min(n - 1, count + missing + 2)
+    missing = #pairs_ > 0 and counts and left_out(S, weights, pairs_, options, unit) or 0
+    if missing <= 0 or count == most then break end
+    count = math.min(most, count + missing + 2)
   end
   if missing > 0 then fail("%d eigenvalues are left out: ask for more, or for fewer", missing) end
   for _, pair in ipairs(pairs_) do pair.value = sign * pair.value end
