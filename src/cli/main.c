@@ -1,5 +1,6 @@
 /* main.c - dmlua: a Lua 5.4 interpreter with dm, and with lua's command line. */
 #include "bind/core/bind_terminal.h"
+#include "bind/core/state.h"
 #include "cli/call.h"
 #include "cli/coroutine.h"
 #include "cli/home.h"
@@ -262,6 +263,7 @@ static int protected_main(lua_State *L) {
     open_libraries(L, &c);
     make_arg(L, argv, argc, c.script);
     lua_gc(L, LUA_GCGEN, 0, 0);
+    lua_gc(L, LUA_GCSTEP, -DML_ROOM);
     lua_pushboolean(L, execute(L, &c, argv, argc));
     return 1;
 }

@@ -101,7 +101,7 @@ local function blocks(xi)
   local W, V = so3.hat(omega), so3.hat(v)
   local Q = V * c[2] + (W * V + V * W) * c[3] + W * (0.5 * dt * (2 * c[4] - c[3]))
     + W * W * (0.5 * dt * (3 * c[5] - c[4]))
-  return so3.combine(W, c[2], c[3]), Q
+  return so3.combine(omega, c[2], c[3]), Q
 end
 
 -- a quaternion and a shift (group/flat.lua), given those of R and the matrices of the group
@@ -156,9 +156,15 @@ local function three()
     return { omega:dot(omega) }
   end
   function kit.exp(xi)
-    local v, omega = parts(xi)
-    local R, slope = so3.exp_and_slope(omega)
-    return joined(R, slope * v)
+    local u, v, w = xi[1], xi[2], xi[3]
+    local rows, slope = so3.exp_and_slope(xi[4], xi[5], xi[6])
+    for i, s in ipairs(slope) do rows[i][4] = s[1] * u + s[2] * v + s[3] * w end
+    rows[4] = { 0, 0, 0, 1 }
+    return core.matrix(rows)
+  end
+  function kit.flat(g)
+    local rows = g:totable()
+    return sequence(so3.quaternion(g), { rows[1][4], rows[2][4], rows[3][4] })
   end
   function kit.log(g)
     local omega = so3.log(rotation(g, 3))

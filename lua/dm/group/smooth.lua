@@ -95,7 +95,9 @@ end
 --- The same for t >= 0: two branches instead of three.
 function M.stumpff_circular(k, t)
   local far = t - NEAR
-  if type(t) == "number" and far <= 0 then return horner(series[k], t) end
+  if type(t) == "number" then
+    return far > 0 and closed[k](sqrt(t), t, false) or horner(series[k], t)
+  end
   return choose(far, function()
     local safe = guarded(far, t)
     return closed[k](sqrt(safe), safe, false)

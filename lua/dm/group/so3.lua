@@ -23,12 +23,21 @@ function M.vee(m)
     0.5 * (m[2][1] - m[1][2]) }
 end
 
+-- rows of 1 + a X + b X^2, X = hat((x, y, z)); entry by entry, which is 4 % of the first SE(3) of
+-- docs/benchmarks/frames.md
+local function combined(x, y, z, a, b)
+  local xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y * b, x * z * b, y * z * b
+  return { 1 + (-zz - yy) * b, xy - z * a, y * a + xz },
+    { z * a + xy, 1 + (-zz - xx) * b, yz - x * a },
+    { xz - y * a, x * a + yz, 1 + (-yy - xx) * b }
+end
+
 --- 1 + a X + b X^2, X = hat(xi)
-function M.combine(X, a, b) return core.identity(3) + X * a + X * X * b end
+function M.combine(xi, a, b) return core.matrix { combined(xi[1], xi[2], xi[3], a, b) } end
 
 function M.exp(xi)
   local t = xi:dot(xi)
-  return M.combine(M.hat(xi), circular(1, t), circular(2, t))
+  return M.combine(xi, circular(1, t), circular(2, t))
 end
 
 -- 4 q q^T from the entries of R; its largest row gives q without a loss of digits (Shepperd 1978)
@@ -77,18 +86,16 @@ end
 --- dexp of so(3) as a matrix, and its inverse
 function M.dexp(xi)
   local t = xi:dot(xi)
-  return M.combine(M.hat(xi), circular(2, t), circular(3, t))
+  return M.combine(xi, circular(2, t), circular(3, t))
 end
 
---- exp and dexp together; the same bits at 0, where all terms but the first are 0
-function M.exp_and_slope(xi)
-  local t, one = xi:dot(xi), core.identity(3)
-  if t == 0 then return one, one end
-  local X, c2 = M.hat(xi), circular(2, t)
-  local square = X * X
-  return one + X * circular(1, t) + square * c2, one + X * c2 + square * circular(3, t)
+--- Rows of exp and of dexp together.
+function M.exp_and_slope(x, y, z)
+  local t = x * x + y * y + z * z
+  local c2 = circular(2, t)
+  return { combined(x, y, z, circular(1, t), c2) }, { combined(x, y, z, c2, circular(3, t)) }
 end
-function M.dexpinv(xi) return M.combine(M.hat(xi), -0.5, smooth.half_cotangent(xi:dot(xi))) end
+function M.dexpinv(xi) return M.combine(xi, -0.5, smooth.half_cotangent(xi:dot(xi))) end
 
 --- A uniform rotation.
 function M.sample(stream, i)
@@ -99,7 +106,7 @@ end
 local function cayley_maps(kit)
   function kit.cayley(xi)
     local a = 1 / (1 + 0.25 * xi:dot(xi))
-    return M.combine(M.hat(xi), a, 0.5 * a)
+    return M.combine(xi, a, 0.5 * a)
   end
   function kit.dcay(xi, eta) return (eta + xi:cross(eta) * 0.5) * (1 / (1 + 0.25 * xi:dot(xi))) end
   function kit.dcayinv(xi, eta) return eta - xi:cross(eta) * 0.5 + xi * (0.25 * xi:dot(eta)) end

@@ -46,14 +46,16 @@ static int make_block(lua_State *L) {
 
 /* LUA_GCRESTART alone forgets how much had been allocated: in the generational mode a collection of
  * what is young, which goes through all stacks, would begin with every block. A negative step gives
- * room again, for a fifth of the least memory seen since it last shrank, less what came since. */
+ * room again, for a fifth of the least memory seen since it last shrank, or DML_ROOM where
+ * that is more, less what came since. */
 static void restart(lua_State *L) {
     dml_state *state = dml_getstate(L);
     const int now = lua_gc(L, LUA_GCCOUNT); /* KB */
     if (now < state->memory_seen || !state->memory_least) state->memory_least = now;
     state->memory_seen = now;
     lua_gc(L, LUA_GCRESTART);
-    const int room = state->memory_least / 5 - (now - state->memory_least);
+    const int fifth = state->memory_least / 5;
+    const int room = (fifth > DML_ROOM ? fifth : DML_ROOM) - (now - state->memory_least);
     if (room > 0) lua_gc(L, LUA_GCSTEP, -room);
 }
 

@@ -114,6 +114,10 @@ dml_frame *dml_findframe(lua_State *L, uint32_t serial);
  * instead. */
 int dml_refusesymbol(lua_State *L, const char *how, uint32_t serial);
 
+/* KB that Lua takes before its collector begins: what a first model or frame leaves behind (first
+ * frames of docs/benchmarks/frames.md, 8 %). */
+enum { DML_ROOM = 4096 };
+
 /* Push what keeps the memory of an arena of dml_pusharena alive. */
 void dml_pushkeeper(lua_State *L, const dm_arena *arena);
 

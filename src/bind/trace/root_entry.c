@@ -142,7 +142,7 @@ static dml_scalar of_hyperduals(lua_State *L, const dm_implicit *f, const dml_sc
     dm_arena *arena = dml_pusharena(L);
     dml_scalar *in = lua_newuserdatauv(L, (n + 3 * (size_t)r) * sizeof *in, 0);
     memset(in, 0, (n + 3 * (size_t)r) * sizeof *in);
-    if (dm_root_solver_build(&solver, f, dm_tape_build, arena, 1) != DM_OK)
+    if (dm_root_solver_build(&solver, f, dm_tape_build, dm_tape_build, arena, 1) != DM_OK)
         luaL_error(L, "not enough memory");
     memcpy(in + r, a, n * sizeof *a);
     dml_roothyper(L, f, &solver, a, in);

@@ -254,6 +254,14 @@ static uint64_t read_angles(lua_State *L, const shape *s) {
     return angles;
 }
 
+/* F_x, which here tells how well roots are known and nothing else, as it stands: fewer operations
+ * are not worth what it takes to find them (first frames of docs/benchmarks/frames.md). */
+static dm_status slopes(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                        dm_arena *arena) {
+    return dm_has_roots(g, roots, m) ? dm_tape_build(out, g, roots, m, arena)
+                                     : dm_tape_build_exact(out, g, roots, m, arena);
+}
+
 /* f, from equations, start and branch in one graph. */
 static void make_function(lua_State *L, shape *s) {
     const uint32_t r = s->unknowns;
@@ -281,7 +289,8 @@ static void make_function(lua_State *L, shape *s) {
     dm_status status = dm_graph_status(g);
     if (status == DM_OK) s->f = dm_implicit_make(&draft, s->arena, &status);
     check_status(L, name, status);
-    check_status(L, name, dm_root_solver_build(&s->solver, s->f, dm_tape_build, s->arena, 1));
+    check_status(L, name,
+                 dm_root_solver_build(&s->solver, s->f, dm_tape_build, slopes, s->arena, 1));
     if (stationary)
         check_status(L, name, dm_tape_build(&s->value, s->f->graph, s->f->value, 1, s->arena));
     lua_pop(L, 3);

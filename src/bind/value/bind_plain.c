@@ -111,7 +111,7 @@ static int images(lua_State *L) {
     double most = 0;
     size_t size;
     lua_settop(L, 3);
-    lua_createtable(L, 0, 0);
+    lua_createtable(L, (int)count, 0);
     for (lua_Integer i = 1; i <= count; i++, lua_settop(L, 4)) {
         lua_rawgeti(L, 3, i);
         const double *x = numbers(L, 5, &size);

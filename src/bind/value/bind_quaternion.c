@@ -83,28 +83,28 @@ static const double *numbers_of(lua_State *L, uint32_t *n) {
     return dml_numbersof(m);
 }
 
-/* 4 q q^T of R; its largest row gives q without a loss of digits (Shepperd 1978) */
-static void outer_square(double K[4][4], const double *R) {
-    const double a = R[0], b = R[4], c = R[8];
+/* 4 q q^T of the rows R, S, T; its largest row gives q without a loss of digits (Shepperd 1978) */
+static void outer_square(double K[4][4], const double *R, const double *S, const double *T) {
+    const double a = R[0], b = S[1], c = T[2];
     K[W][W] = 1 + a + b + c;
     K[X][X] = 1 + a - b - c;
     K[Y][Y] = 1 - a + b - c;
     K[Z][Z] = 1 - a - b + c;
-    K[W][X] = K[X][W] = R[7] - R[5];
-    K[W][Y] = K[Y][W] = R[2] - R[6];
-    K[W][Z] = K[Z][W] = R[3] - R[1];
-    K[X][Y] = K[Y][X] = R[3] + R[1];
-    K[X][Z] = K[Z][X] = R[6] + R[2];
-    K[Y][Z] = K[Z][Y] = R[7] + R[5];
+    K[W][X] = K[X][W] = T[1] - S[2];
+    K[W][Y] = K[Y][W] = R[2] - T[0];
+    K[W][Z] = K[Z][W] = S[0] - R[1];
+    K[X][Y] = K[Y][X] = S[0] + R[1];
+    K[X][Z] = K[Z][X] = T[0] + R[2];
+    K[Y][Z] = K[Z][Y] = T[1] + S[2];
 }
 
 static int quaternion(lua_State *L) {
     uint32_t n;
     double K[4][4];
     const double *R = numbers_of(L, &n);
-    luaL_argcheck(L, n == 3, 1, "a matrix of 3 x 3 expected");
+    luaL_argcheck(L, n >= 3, 1, "a matrix of 3 x 3 or more expected");
     if (!R) return 0;
-    outer_square(K, R);
+    outer_square(K, R, R + n, R + 2 * (size_t)n);
     int best = W;
     for (int k = X; k <= Z; k++)
         if (K[k][k] > K[best][best]) best = k;
@@ -137,19 +137,19 @@ static int orthonormality(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] =
-    {{"rotation", rotation,
-      "core.rotation(q) -> matrix of 3 x 3\n"
-      "The rotation of a quaternion (w, x, y, z), a vector or table of numbers or symbols; times "
-      "|q|^2 where that is not 1."},
-     {"quaternion", quaternion,
-      "core.quaternion(R) -> {w, x, y, z} or nothing\n"
-      "The unit quaternion of a rotation matrix with w >= 0; nothing where its entries are no "
-      "numbers."},
-     {"orthonormality", orthonormality,
-      "core.orthonormality(R, n) -> number or nothing\n"
-      "Largest entry of R^T R - 1 of the upper left n x n corner of a matrix of numbers."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"rotation", rotation,
+     "core.rotation(q) -> matrix of 3 x 3\n"
+     "The rotation of a quaternion (w, x, y, z), a vector or table of numbers or symbols; times "
+     "|q|^2 where that is not 1."},
+    {"quaternion", quaternion,
+     "core.quaternion(R) -> {w, x, y, z} or nothing\n"
+     "The unit quaternion with w >= 0 of a rotation matrix, or of the upper left 3 x 3 corner of a "
+     "larger one; nothing where its entries are no numbers."},
+    {"orthonormality", orthonormality,
+     "core.orthonormality(R, n) -> number or nothing\n"
+     "Largest entry of R^T R - 1 of the upper left n x n corner of a matrix of numbers."},
+    {NULL, NULL, NULL}};
 
 const dml_class dml_class_quaternion = {
     .functions = functions,

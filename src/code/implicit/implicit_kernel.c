@@ -268,7 +268,7 @@ static dm_status make_stage(stage *s, const cut *c, const instance *x, dm_compil
     memset(s->next, 0, (n + (size_t)1) * sizeof *s->next);
     const dm_status status = make_arguments(s, c, x, compile, arena);
     if (status != DM_OK) return status;
-    return dm_root_solver_build(&s->solver, x->f, compile, arena, arena == c->from->arena);
+    return dm_root_solver_build(&s->solver, x->f, compile, compile, arena, arena == c->from->arena);
 }
 
 /* room for inputs, roots and the rest of the memory; 0 without memory */

@@ -76,7 +76,7 @@ static void find_strides(dm_root_solver *s) {
 
 /* Starts that are numbers are read once; else they have a kernel of x. */
 dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_compile *compile,
-                               dm_arena *arena, int noted) {
+                               dm_compile *slopes, dm_arena *arena, int noted) {
     const uint32_t r = f->unknowns;
     dm_root_solver s = {.r = r,
                         .n = f->inputs,
@@ -88,7 +88,7 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_com
     if (!take_memory(&s, f, arena)) return DM_NO_MEMORY;
     dm_status status =
         compile(&s.equation, f->graph, f->equation, r + r * r + (uint32_t)f->has_branch, arena);
-    if (status == DM_OK) status = compile(&s.slope, f->graph, f->slope, r * f->inputs, arena);
+    if (status == DM_OK) status = slopes(&s.slope, f->graph, f->slope, r * f->inputs, arena);
     if (status == DM_OK && !all_constant(f, s.from)) {
         status = compile(&s.start, f->graph, f->start, f->starts * r, arena);
         if (status == DM_OK) dm_kernel_prepare(&s.start, s.from);

@@ -23,9 +23,10 @@ typedef struct {
     dm_root_trouble *trouble; /* NULL: nobody asks */
 } dm_root_solver;
 
-/* Kernels by `compile` in `arena`; troubles are noted in those of f where `noted`. */
+/* Kernels by `compile` in `arena`, that of F_x by `slopes`; troubles are noted in those of f where
+ * `noted`. */
 dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_compile *compile,
-                               dm_arena *arena, int noted);
+                               dm_compile *slopes, dm_arena *arena, int noted);
 
 /* y[r] = the root at x[n], to round-off; inverse[r*r] = (dF/dy)^-1 there (may be NULL). NaN and
  * the reason where there is none: Newton's method, damped so that it follows its flow, from
