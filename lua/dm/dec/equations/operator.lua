@@ -1,6 +1,7 @@
 --- dm.operator: linear maps of forms as sparse matrices. An operator knows which forms it takes and
 -- gives; self-adjoint ones also have their stiffness S = M A, the symmetric matrix of the product
 -- a . (A b), from which A itself is made when it is asked for.
+local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
 local option = require "dm.base.options"
@@ -11,6 +12,7 @@ local Operator = core.class({ __name = "dm.operator" }, [[
 dm.operator: a linear map of forms as a sparse matrix, made by K:d, K:star, K:laplacian, ...
 fields: mesh, from, to ({ degree, side }), matrix (dm.sparse), nonzeros (entries that are not 0);
 A * form, A * B, A + B, A - B, number * A]])
+class.later("dm.operator", "eigen", "dm.dec.equations")
 
 local fail = option.fail
 local getmetatable, rawget, rawequal, type = getmetatable, rawget, rawequal, type
