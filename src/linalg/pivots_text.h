@@ -58,18 +58,34 @@ INLINE void eliminate_by_pivot(double *A, uint32_t n, uint32_t k, V pivot) {
     }
 }
 
-/* The lanes of `fine` whose pivots are all above `far`; the least pivot, the product of all. The
- * lower triangle of A is overwritten, the pivots stay on the diagonal. Where no lane is left the
- * rest is not done. */
+/* What the diagonal of A[n*n] has in common, of more rows than are written out: the number nearest
+ * to 1 of its sizes and all between them; a zero counts as 1.
+ * Speed: tests/bench/moving_masses.lua: 1.7x for n = 20, 7x for 60, M full, against the product. */
+INLINE V common_of(const double *A, uint32_t n) {
+    V least = same(INFINITY), most = same(0.0);
+    for (uint32_t i = 0; i < n && n > PIVOTS_WRITTEN_OUT; i++) {
+        const V entry = magnitude(load(A + (i * n + i) * (size_t)W));
+        const V size = pick(WHERE(entry == same(0.0)), same(1.0), entry);
+        least = pick(WHERE(size < least), size, least);
+        most = larger_of(most, size);
+    }
+    const V below = pick(WHERE(most < same(1.0)), most, same(1.0));
+    return n > PIVOTS_WRITTEN_OUT ? larger_of(least, below) : same(1.0);
+}
+
+/* The lanes of `fine` whose pivots are all above `far`; the least pivot, and what is told of all
+ * values (signature.h). The lower triangle of A is overwritten, the pivots stay on the diagonal.
+ * Where no lane is left the rest is not done. */
 INLINE I find_pivots(double *A, uint32_t n, double far, I fine, V *least, V *all) {
-    *least = same(INFINITY), *all = same(1.0);
+    const V common = common_of(A, n), share = same(1.0) / common;
+    *least = same(INFINITY), *all = common;
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         const V pivot = bring_pivot(A, n, k);
         *least = pick(WHERE(pivot < *least), pivot, *least);
         fine &= WHERE(pivot > same(far));
         if (!some(fine)) return fine;
-        *all *= pivot;
+        *all *= n > PIVOTS_WRITTEN_OUT ? pivot * share : pivot;
         eliminate_by_pivot(A, n, k, pivot);
     }
     return fine & WHERE(*least < same(INFINITY));

@@ -82,9 +82,10 @@ static double eliminate_two(const rest *r) {
 
 uint32_t dm_negative_values(double *A, uint32_t n, double *least, double *all) {
     static const double SINGLE = 0.6403882032022076; /* (1 + sqrt 17)/8: growth is least */
+    const double common = common_of(A, n), share = 1.0 / common;
     rest r = {.A = A, .n = n};
     uint32_t negative = 0;
-    double product = 1.0;
+    double product = common;
     *least = INFINITY, *all = 0.0;
     while (r.first < n) {
         const uint32_t diagonal = find_diagonal(&r);
@@ -97,7 +98,7 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least, double *all) {
             exchange(&r, r.first, diagonal);
             negative += *at(&r, r.first, r.first) < 0.0;
             eliminate_one(&r);
-            product *= one;
+            product *= one * share;
             r.first++;
             continue;
         }
@@ -106,26 +107,25 @@ uint32_t dm_negative_values(double *A, uint32_t n, double *least, double *all) {
         exchange(&r, r.first, column); /* column < row, so that row is still in its place */
         exchange(&r, r.first + 1, row == r.first ? column : row);
         negative++; /* one value of each sign */
-        product *= fabs(eliminate_two(&r));
+        product *= fabs(eliminate_two(&r)) * share * share;
         r.first += 2;
     }
     *all = product;
     return negative;
 }
 
-int dm_all_positive(double *A, uint32_t n, double far, double *least) {
-    double all;
+int dm_all_positive(double *A, uint32_t n, double far, double *least, double *all) {
     switch (n) {
     case 1:
-        return find_pivots(A, 1, far, 1, least, &all);
+        return find_pivots(A, 1, far, 1, least, all);
     case 2:
-        return find_pivots(A, 2, far, 1, least, &all);
+        return find_pivots(A, 2, far, 1, least, all);
     case 3:
-        return find_pivots(A, 3, far, 1, least, &all);
+        return find_pivots(A, 3, far, 1, least, all);
     case 4:
-        return find_pivots(A, 4, far, 1, least, &all);
+        return find_pivots(A, 4, far, 1, least, all);
     default:
-        return find_pivots(A, n, far, 1, least, &all);
+        return find_pivots(A, n, far, 1, least, all);
     }
 }
 
@@ -134,19 +134,19 @@ static const double FAR = 1e-6; /* of ones on the diagonal, far above round-off 
 /* Where all entries may have either sign at once: x.M x >= |x|.C |x|, C the centre with minus the
  * largest sizes beside its diagonal. */
 static int is_positive_by_size(double *A, const double *radius, uint32_t n) {
-    double least;
+    double least, all;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++) {
             if (i == j) continue;
             A[i * n + j] = -(fabs(A[i * n + j]) + radius[i * n + j]);
             if (!(A[i * n + j] > -1.0)) return 0;
         }
-    return dm_all_positive(A, n, FAR, &least);
+    return dm_all_positive(A, n, FAR, &least, &all);
 }
 
 /* Where they stay near to the centre: its least value is above the largest row sum of radii. */
 static int is_positive_around(double *A, const double *radius, uint32_t n) {
-    double least, largest = 0.0;
+    double least, all, largest = 0.0;
     for (uint32_t i = 0; i < n; i++) {
         double sum = 0.0;
         for (uint32_t j = 0; j < n; j++) sum += radius[i * n + j];
@@ -154,7 +154,7 @@ static int is_positive_around(double *A, const double *radius, uint32_t n) {
     }
     if (!(largest < 1.0)) return 0;
     for (uint32_t i = 0; i < n; i++) A[i * n + i] -= largest;
-    return dm_all_positive(A, n, FAR, &least);
+    return dm_all_positive(A, n, FAR, &least, &all);
 }
 
 int dm_surely_positive(double *A, double *radius, uint32_t n) {

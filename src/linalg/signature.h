@@ -6,13 +6,16 @@
 
 /* How many values of A[n*n] are negative, by elimination with symmetric pivots (Bunch & Parlett
  * 1971: Sylvester's law of inertia keeps the signs), the least size of a pivot, which goes to zero
- * with a value, and the size of the product of all. A is overwritten; values that are zero to
- * round-off may count as either. */
+ * with a value, and in `all` the size of the product of all values; of more than four, over the
+ * (n - 1)th power of what the diagonal has in common, the number nearest to 1 of its sizes and all
+ * between them. With values that all move alike that moves as one of them does, not n times as
+ * fast; it is the product as long as some entry of the diagonal is 1. A is overwritten; values that
+ * are zero to round-off may count as either. */
 uint32_t dm_negative_values(double *A, uint32_t n, double *least, double *all);
 
-/* Are all values of A[n*n] positive by far? With the pivots, and the least of them, that
+/* Are all values of A[n*n] positive by far? With the pivots, the least of them and `all` that
  * dm_negative_values finds for such a matrix. 0 where one is not above `far`. A is overwritten. */
-int dm_all_positive(double *A, uint32_t n, double far, double *least);
+int dm_all_positive(double *A, uint32_t n, double far, double *least, double *all);
 
 /* Are all values positive, by far, of every symmetric matrix whose diagonal entries are at least
  * those of A[n*n], and whose others are within radius[n*n] of theirs? 0: it is not told. n of

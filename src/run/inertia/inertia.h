@@ -33,7 +33,7 @@ typedef struct {
  * Speed: tests/bench/moving_masses.lua: 4.8x for n = 20, 30x for 60, against one product. */
 typedef struct {
     double least;     /* size of its value next to zero, when it was looked at last */
-    double all;       /* size of the product of its values; 0: it is not known */
+    double all;       /* size of the product of its values (signature.h); 0: it is not known */
     double ones;      /* `all` where the scales were found */
     double nearest;   /* `left`, or steps until a value could vanish by how that product moved */
     double left;      /* steps until it vanishes, as it fell before that; infinite: it did not */

@@ -107,27 +107,19 @@ dm_inertia_form dm_inertia_place(const dm_inertia *x, uint32_t b) {
     return f;
 }
 
-/* Are all values of A[n*n] positive by far? A is overwritten. */
-static int find_positive(double *A, uint32_t n, dm_inertia_value *out) {
-    if (!dm_all_positive(A, n, DM_INERTIA_FAR, &out->least)) return 0;
-    out->all = 1.0;
-    for (size_t i = 0; i < n; i++) out->all *= A[i * n + i];
-    return 1;
-}
-
 /* Without constraints. */
 int dm_inertia_is_far(const dm_inertia *x, uint32_t b, dm_inertia_value *out) {
     const dm_model *m = x->model;
     const uint32_t size = dm_block_size(&x->blocks, b);
     if (x->holonomic || x->rolling || dm_momenta(m) != m->n) return 0;
     place_block(x, x->A, b);
-    return find_positive(x->A, size, out);
+    return dm_all_positive(x->A, size, DM_INERTIA_FAR, &out->least, &out->all);
 }
 
 uint32_t dm_inertia_negative_in(const dm_inertia_form *f, uint32_t n, dm_inertia_value *out) {
     const size_t size = (size_t)n * n * sizeof *f->A;
     memcpy(f->copy, f->A, size);
-    const int positive = find_positive(f->copy, n, out);
+    const int positive = dm_all_positive(f->copy, n, DM_INERTIA_FAR, &out->least, &out->all);
     memcpy(f->copy, f->A, size);
     if (positive) return 0;
     return dm_negative_values(f->A, n, &out->least, &out->all);

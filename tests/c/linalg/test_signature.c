@@ -36,6 +36,16 @@ static double determinant(double *S, const double *D, uint32_t n) {
     return out;
 }
 
+/* of the sizes on the diagonal: what all are above or below at least, 1 where it is neither */
+static double common_of(const double *A, uint32_t n) {
+    double least = INFINITY, most = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        least = fmin(least, fabs(A[i * n + i]));
+        most = fmax(most, fabs(A[i * n + i]));
+    }
+    return least > 1.0 ? least : most < 1.0 ? most : 1.0;
+}
+
 static void counts_random_matrices(void) {
     double A[MOST * MOST], S[MOST * MOST], D[MOST], least, all;
     for (uint32_t n = 1; n <= MOST; n++)
@@ -48,16 +58,40 @@ static void counts_random_matrices(void) {
                 negative += D[i] < 0.0;
             }
             congruent(A, S, D, n);
-            const double product = determinant(S, D, n);
+            const double size = n > 4 ? common_of(A, n) : 1.0;
+            const double product = determinant(S, D, n) / pow(size, n - 1.0);
             memcpy(S, A, sizeof S);
-            const int positive = dm_all_positive(S, n, 0.0, &least);
+            const int positive = dm_all_positive(S, n, 0.0, &least, &all);
             if (!CHECK(positive == (negative == 0))) return;
-            const double least_positive = least;
+            const double least_positive = least, all_positive = all;
             if (!CHECK(dm_negative_values(A, n, &least, &all) == negative)) return;
             if (!CHECK(!positive || least == least_positive)) return;
+            if (!CHECK(!positive || fabs(all - all_positive) < 1e-12 * all)) return;
             if (!CHECK(least > 0.0 && least < INFINITY)) return;
             if (!CHECK(fabs(all - product) < 1e-10 * product)) return;
         }
+}
+
+/* Ones on the diagonal, c beside it: n - 1 values 1 - c and one 1 - c + n c, all times g, then but for
+ * the first row and column, whose pivot alone stays. */
+static void tells_what_moves_alike(void) {
+    const double c = 0.3;
+    for (uint32_t n = 5; n <= MOST; n++)
+        for (double g = 1e-3; g < 1e4; g *= 100.0)
+            for (int but_one = 0; but_one < 2; but_one++) {
+                double A[MOST * MOST], copy[MOST * MOST], least, all;
+                const double rest = pow(1.0 - c, n - 1.0) * (1.0 - c + n * c);
+                for (uint32_t i = 0; i < n * n; i++) {
+                    const double by =
+                        but_one ? (i / n ? sqrt(g) : 1.0) * (i % n ? sqrt(g) : 1.0) : g;
+                    A[i] = copy[i] = (i / n == i % n ? 1.0 : c) * by;
+                }
+                const double expected = rest * (but_one ? pow(g, n - 1.0) : g);
+                CHECK(dm_all_positive(A, n, 0.0, &least, &all));
+                CHECK(fabs(all - expected) < 1e-12 * expected);
+                CHECK(dm_negative_values(copy, n, &least, &all) == 0);
+                CHECK(fabs(all - expected) < 1e-12 * expected);
+            }
 }
 
 /* [0, G^T; G, 0] has k of each sign and zeros, [1, g; g, 0] one of each */
@@ -77,13 +111,13 @@ static void counts_without_a_diagonal(void) {
 
 /* [1, c; c, 1] with the pivots 1 and 1 - c^2 */
 static void knows_positive_ones(void) {
-    double least, near[] = {1.0, 0.9, 0.9, 1.0}, none[] = {1.0, NAN, NAN, 1.0};
+    double least, all, near[] = {1.0, 0.9, 0.9, 1.0}, none[] = {1.0, NAN, NAN, 1.0};
     double far[] = {1.0, 0.9, 0.9, 1.0}, over[] = {1.0, 1.1, 1.1, 1.0};
-    CHECK(dm_all_positive(near, 2, 0.1, &least));
+    CHECK(dm_all_positive(near, 2, 0.1, &least, &all));
     CHECK(fabs(least - 0.19) < 1e-15);
-    CHECK(!dm_all_positive(far, 2, 0.2, &least));
-    CHECK(!dm_all_positive(over, 2, 0.0, &least));
-    CHECK(!dm_all_positive(none, 2, 0.0, &least));
+    CHECK(!dm_all_positive(far, 2, 0.2, &least, &all));
+    CHECK(!dm_all_positive(over, 2, 0.0, &least, &all));
+    CHECK(!dm_all_positive(none, 2, 0.0, &least, &all));
 }
 
 /* The pivot goes to zero with the value. */
@@ -164,6 +198,7 @@ static void restricts_forms(void) {
 int main(void) {
     RUN(restricts_forms, "restricts forms to the vectors that rows leave at zero");
     RUN(counts_random_matrices, "counts negative values of 1 to 12");
+    RUN(tells_what_moves_alike, "tells what all values have in common once");
     RUN(counts_without_a_diagonal, "counts where the diagonal is zero");
     RUN(knows_positive_ones, "knows matrices that are positive by far");
     RUN(is_sure_of_bounds, "is sure of matrices within bounds");

@@ -160,14 +160,14 @@ static void tells_links_that_keep_their_signs(void) {
     int told[2] = {0, 0}, missed[2] = {0, 0}, negative[2] = {0, 0};
     for (int trial = 0; trial < 400; trial++) {
         const int odd = trial % 2;
-        double K[16] = {0}, copy[16], least;
+        double K[16] = {0}, copy[16], least, all;
         built b;
         for (int i = 0; i < 4; i++)
             for (int j = 0; j <= i; j++)
                 K[4 * i + j] = K[4 * j + i] =
                     i == j ? 0.7 + 0.3 * random_number() : 0.45 * random_number();
         memcpy(copy, K, sizeof K);
-        const int definite = dm_all_positive(copy, 4, 1e-3, &least);
+        const int definite = dm_all_positive(copy, 4, 1e-3, &least, &all);
         start(&b, 9);
         CHECK(finish(&b, links(&b, K, odd), 4) == DM_OK);
         const int is_told = (b.model.structure & DM_DEFINITE_MASS) || b.model.mass_bounds == NULL;
