@@ -90,7 +90,9 @@ function M.lists(options, of)
   local system = type(of) == "userdata" and (of.system or of)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
-  for _, key in ipairs(KEYS) do out[key] = M.list(out[key], system, key) end
+  for _, key in ipairs(KEYS) do
+    if out[key] ~= nil then out[key] = M.list(out[key], system, key) end
+  end
   return reduced(out, of, system)
 end
 

@@ -318,10 +318,13 @@ local function matrix_of(system, options, kept)
   return A, is_constant, w
 end
 
---- The same with coefficients as they are at the state, whatever the motion; kept: a table that one
--- call leaves to the next, of the same system and parameters.
+--- What oscillates with coefficients as they are at the state, whatever the motion: { matrix,
+-- frequencies = list, fastest }; kept: a table that one call leaves to the next, of the same system
+-- and parameters.
 function M.frozen(system, options, kept)
-  return result_of((matrix_of(system, options, kept)))
+  local A = matrix_of(system, options, kept)
+  local frequencies = select(2, A:eigenvalues()):totable()
+  return { matrix = A, frequencies = frequencies, fastest = max(0, table.unpack(frequencies)) }
 end
 
 M.linearize = blame.caller(function(system, options)

@@ -13,26 +13,32 @@ local M = {}
 
 local abs, sqrt, max, min, huge = math.abs, math.sqrt, math.max, math.min, math.huge
 
--- Runge-Kutta rules take any linear system apart into its oscillations; rules that treat q and v
--- differently those without forces that are linear in v (Coriolis, magnetic, friction) alone
-local function takes_apart(rule, matrix)
+-- does a rule take any linear system apart into its oscillations, as Runge-Kutta methods do?
+local function takes_all_apart(rule)
   local name = tostring(rule)
+  if name:find "^galerkin" or name:find "^sprk" then return false end
   for _, pattern in ipairs { "^gauss%(", "^midpoint$", "^rk%d", "^rkf45", ",%s*midpoint%s*%)$",
     ",%s*gauss%(1%)%s*%)$" } do
-    if name:find(pattern) and not name:find "^galerkin" and not name:find "^sprk" then
-      return true
-    end
+    if name:find(pattern) then return true end
   end
+  return false
+end
+
+-- has a system linearised forces that are linear in v (Coriolis, magnetic, friction)? Rules that
+-- treat q and v differently do not take these apart
+local function is_coupled(matrix)
   local n, size = matrix.rows // 2, 0
-  for i = 1, n do
-    for j = 1, n do size = max(size, sqrt(abs(matrix[n + i][j]))) end
+  for i = n + 1, 2 * n do
+    local row = matrix[i]
+    for j = 1, n do size = max(size, sqrt(abs(row[j]))) end
   end
-  for i = 1, n do
-    for j = 1, n do
-      if abs(matrix[n + i][n + j]) > 1e-9 * size then return false end
+  for i = n + 1, 2 * n do
+    local row = matrix[i]
+    for j = n + 1, 2 * n do
+      if abs(row[j]) > 1e-9 * size then return true end
     end
   end
-  return true
+  return false
 end
 
 ---- along an orbit ----
@@ -48,8 +54,9 @@ local PLACES = 32  -- states that are looked at; as many where steps are short; 
 local function differ(a, b)
   local worst, size = 0, 0
   for i = 1, a.rows do
+    local x, y = a[i], b[i]
     for k = 1, a.columns do
-      worst, size = max(worst, abs(a[i][k] - b[i][k])), max(size, abs(a[i][k]))
+      worst, size = max(worst, abs(x[k] - y[k])), max(size, abs(x[k]))
     end
   end
   return worst > 1e-12 * size
@@ -58,7 +65,7 @@ end
 -- the frequencies above 0, the largest first
 local function oscillations(linear)
   local out = {}
-  for _, w in ipairs(linear.frequencies:totable()) do
+  for _, w in ipairs(linear.frequencies) do
     if w > 1e-9 * linear.fastest then out[#out + 1] = w end
   end
   table.sort(out, function(a, b) return a > b end)
@@ -75,6 +82,7 @@ local function note(out, system, state)
   local first = out.matrices[1]
   out.constant = out.constant and not (first and differ(its.matrix, first))
   out.matrices[#out.matrices + 1] = its.matrix
+  out.coupled = out.coupled or is_coupled(its.matrix)
   out.fastest = max(out.fastest, its.fastest)
   local seen = oscillations(its)
   seen.t = state.t
@@ -191,7 +199,7 @@ end
 
 ---- of a cell ----
 
--- The system linearised along the orbit of a cell: { fastest, matrices, ranges of its
+-- The system linearised along the orbit of a cell: { fastest, matrices, coupled, ranges of its
 -- frequencies, constant, states, T = the time that was looked at, where it is less than all }; nil
 -- and why. Where states have unlike matrices it is looked at again about the fastest
 -- one.
@@ -228,19 +236,26 @@ local function found_once(map, cell)
   return table.unpack(map.orbits[key], 1, 2)
 end
 
--- the same, and what the rule does; nil and why
-local function theory_of(map, cell)
-  local rule = map.rule_list[cell.rule]
-  local fine, z, told = blame.try(rules.stability_limit, rule)
+-- what linear theory says of rule number i of a map, found once: its limit, and what it tells; nil
+-- and why
+local function limit_of(map, i)
+  map.limits = map.limits or {}
+  map.limits[i] = map.limits[i] or table.pack(blame.try(rules.stability_limit, map.rule_list[i]))
+  local fine, z, told = table.unpack(map.limits[i], 1, 3)
   if not fine then return nil, (tostring(z):gsub("^[^\n]-lua:%d+: ", "")) end
+  return z, told
+end
+
+-- the system linearised along the orbit of a cell, and what the rule does; nil and why
+local function theory_of(map, cell)
+  local z, told = limit_of(map, cell.rule)
+  if not z then return nil, told end
   local linear, why = found_once(map, cell)
   if not linear then return nil, why end
-  for _, matrix in ipairs(linear.matrices) do
-    if not takes_apart(rule, matrix) then
-      local what = linear.system.place and "the turn of the motion (its frame is that of the body)"
-        or "a force linear in v (magnetic, Coriolis, friction)"
-      return nil, what .. " couples the oscillations, and this rule does not step each by itself"
-    end
+  if linear.coupled and not takes_all_apart(map.rule_list[cell.rule]) then
+    local what = linear.system.place and "the turn of the motion (its frame is that of the body)"
+      or "a force linear in v (magnetic, Coriolis, friction)"
+    return nil, what .. " couples the oscillations, and this rule does not step each by itself"
   end
   return linear, z, told
 end

@@ -56,29 +56,30 @@ function M.states(system, start, T, fastest, project)
   return out, done
 end
 
--- the steps before the states of an orbit, the shortest first
+-- the steps before the states of an orbit, from the second one on, and the same sorted
 local function steps_of(states)
   local out = {}
   for i = 2, #states do out[i - 1] = states[i].t - states[i - 1].t end
-  table.sort(out)
-  return out
+  local sorted = table.move(out, 1, #out, 1, {})
+  table.sort(sorted)
+  return out, sorted
 end
 
 --- Numbers of `count` states of an orbit { states = } that are evenly far apart in it, and of as
--- many that have the shortest steps before them, where most happens; its sorted steps are kept.
+-- many that have the shortest steps before them, where most happens; its steps are kept.
 function M.places(orbit, count)
-  local states, out = orbit.states, {}
-  orbit.steps = orbit.steps or steps_of(states)
-  local longest = orbit.steps[min(count, #orbit.steps)]
-  local taken, every, left = {}, max(1, (#states - 1) / count), count
-  for x = 1, #states, every do taken[math.floor(x + 0.5)] = true end
-  local function take(fits)
-    for i = 2, #states do
-      if left > 0 and fits(states[i].t - states[i - 1].t) then taken[i], left = true, left - 1 end
+  local states, taken, equal, out = orbit.states, {}, {}, {}
+  if not orbit.steps then orbit.steps, orbit.sorted = steps_of(states) end
+  for x = 1, #states, max(1, (#states - 1) / count) do taken[math.floor(x + 0.5)] = true end
+  local longest, left = orbit.sorted[min(count, #orbit.sorted)], count
+  for i, step in ipairs(orbit.steps) do
+    if step < longest then
+      taken[i + 1], left = true, left - 1
+    elseif step == longest then
+      equal[#equal + 1] = i + 1
     end
   end
-  take(function(step) return step < longest end)
-  take(function(step) return step == longest end)
+  for k = 1, min(left, #equal) do taken[equal[k]] = true end
   for i = 1, #states do if taken[i] then out[#out + 1] = i end end
   return out
 end
