@@ -19,26 +19,26 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
 
 /* Memory begins empty, and roots of implicit functions at those that the kernel has. */
 static dm_status open(dm_stepper *s) {
-    const dm_del e = dm_del_lay_out(s);
+    const dm_del *e = dm_del_lay_out(s);
     const dm_constraints *c = s->model->constraints;
-    dm_kernel_prepare(&s->model->pair, e.out);
-    memset(e.constraint_x, 0, (2 * (size_t)e.n + 1 + e.k + e.l) * sizeof *e.constraint_x);
-    if (e.k) dm_kernel_prepare(&c->holonomic_kernel, e.here);
-    if (e.k) dm_kernel_prepare(&c->holonomic_kernel, e.there);
-    if (e.l) dm_kernel_prepare(&c->rolling_kernel, e.roll);
-    if (e.l) dm_kernel_prepare(&c->reaction, e.turn);
-    if (c && c->forced) dm_kernel_prepare(&c->force_curve, e.push);
-    memset(e.memory, 0, dm_del_memory(s->model) * sizeof *e.memory);
+    dm_kernel_prepare(&s->model->pair, e->out);
+    if (s->model->pair_sum.eval) dm_kernel_prepare(&s->model->pair_sum, e->sum);
+    memset(e->constraint_x, 0, (2 * (size_t)e->n + 1 + e->k + e->l) * sizeof *e->constraint_x);
+    if (e->k) dm_kernel_prepare(&c->holonomic_kernel, e->here);
+    if (e->k) dm_kernel_prepare(&c->holonomic_kernel, e->there);
+    if (e->l) dm_kernel_prepare(&c->rolling_kernel, e->roll);
+    if (e->l) dm_kernel_prepare(&c->reaction, e->turn);
+    if (c && c->forced) dm_kernel_prepare(&c->force_curve, e->push);
+    memset(e->memory, 0, dm_del_memory(s->model) * sizeof *e->memory);
     dm_kernel_remember(&s->model->pair, 1);
-    dm_del_leave_roots(&e);
+    dm_del_leave_roots(e);
     return DM_OK;
 }
 
 /* a step that is known to lead to q1 begins there, as one that continues others */
 static void begin_toward(const dm_stepper *s, const double *state) {
     const uint32_t n = s->model->n;
-    double *memory = dm_del_lay_out(s).memory, *end = memory + DM_DEL_END,
-           *last = end + 4 * (size_t)n;
+    double *memory = dm_del_of(s)->memory, *end = memory + DM_DEL_END, *last = end + 4 * (size_t)n;
     memory[DM_DEL_COUNT] = 1.0;
     memcpy(end, state, 4 * (size_t)n * sizeof *end);
     for (uint32_t i = 0; i < n; i++) last[i] = s->toward[i] - state[i];
@@ -54,7 +54,7 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
 
 /* The last steps, then the roots. */
 static size_t memory(dm_stepper *s, double **place) {
-    *place = dm_del_lay_out(s).memory;
+    *place = dm_del_of(s)->memory;
     return dm_del_memory(s->model);
 }
 
@@ -73,32 +73,34 @@ static dm_status look_for_crossing(dm_stepper *s, const dm_del *e, double t, dou
 
 /* h is in Ld; it only helps where Ld(q, q) is not defined. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
-    dm_del e = dm_del_lay_out(s);
+    dm_del *e = dm_del_of(s);
     dm_newton_report report = {0};
-    e.state = state;
+    e->state = state;
+    e->sign = 0.0;
+    e->evaluations = 0;
     s->report.trouble = (dm_trouble){0};
-    dm_del_take_roots(&e);
-    dm_del_constrain_at(&e, e.here, state);
+    dm_del_take_roots(e);
+    dm_del_constrain_at(e, e->here, state);
     int follows;
-    dm_status status = dm_del_solve(&e, s, h, &report, &follows);
-    if (status == DM_OK) status = dm_del_finish(&e);
-    if (status == DM_OK) status = look_for_crossing(s, &e, t, h);
-    if (status == DM_OK) status = dm_del_look(&e);
+    dm_status status = dm_del_solve(e, s, h, &report, &follows);
+    if (status == DM_OK) status = dm_del_finish(e);
+    if (status == DM_OK) status = look_for_crossing(s, e, t, h);
+    if (status == DM_OK) status = dm_del_look(e);
     s->report.iterations = report.iterations;
     s->report.residual = report.residual;
     s->report.solves++;
     s->report.newton += report.iterations;
     s->report.matrices += report.jacobians;
-    s->report.evaluations += e.evaluations;
+    s->report.evaluations += e->evaluations;
     if (status != DM_OK) {
         /* where constraints cross the determinant vanishes by them */
-        s->report.trouble.fading = !s->report.trouble.crosses && dm_del_is_fading(&e);
+        s->report.trouble.fading = !s->report.trouble.crosses && dm_del_is_fading(e);
         return status;
     }
-    dm_del_keep(&e, follows);
-    memcpy(state, e.next, 4 * (size_t)e.n * sizeof *state);
-    s->report.constraint = fmax(s->report.constraint, dm_del_norm(e.there, e.k));
-    s->report.rolling = fmax(s->report.rolling, dm_del_norm(e.roll, e.l));
+    dm_del_keep(e, follows);
+    dm_del_copy_state(state, e->next, e->n);
+    if (e->k) s->report.constraint = fmax(s->report.constraint, dm_del_norm(e->there, e->k));
+    if (e->l) s->report.rolling = fmax(s->report.rolling, dm_del_norm(e->roll, e->l));
     return DM_OK;
 }
 
@@ -116,10 +118,10 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
 
 /* the discrete equations put all of it at the start of the step */
 static void impulses(const dm_stepper *s, double *out) {
-    const dm_del e = dm_del_lay_out(s);
-    const uint32_t all = e.k + e.l;
+    const dm_del *e = dm_del_of(s);
+    const uint32_t all = e->k + e->l;
     for (uint32_t c = 0; c < all; c++) {
-        out[c] = e.pull[c] * e.z[e.n + c];
+        out[c] = e->pull[c] * e->z[e->n + c];
         out[all + c] = 0.0;
     }
 }

@@ -9,6 +9,7 @@
 #include "mech/crossing.h"
 
 #include <math.h>
+#include <string.h>
 
 /* p0 + D1 Ld(q0, q0 + z) = 0 for z[n]; out = D1[n], D2[n], D1D2[n*n]. What a step leaves to the
  * next one: how many steps there are, the state at the end of the last [4n], the last four z,
@@ -51,6 +52,11 @@ enum {
     DM_DEL_KEPT = 4
 };
 
+/* 4n numbers */
+static inline void dm_del_copy_state(double *to, const double *state, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++, to += 4, state += 4) memcpy(to, state, 4 * sizeof *to);
+}
+
 /* Holonomic ones alone are known. */
 static inline uint32_t dm_del_constraints(const dm_model *m) {
     return m->constraints ? m->constraints->holonomic : 0;
@@ -86,11 +92,15 @@ static inline double dm_del_norm(const double *a, uint32_t n) {
     return largest;
 }
 
-/* Doubles of the workspace, and of what a step leaves to the next one; the workspace of a stepper,
- * whose places follow from the sizes. */
+/* Doubles of the workspace, and of what a step leaves to the next one; that of a stepper, whose
+ * places follow from the sizes, laid out where it is opened. */
 size_t dm_del_work(const dm_model *m);
 size_t dm_del_memory(const dm_model *m);
-dm_del dm_del_lay_out(const dm_stepper *s);
+dm_del *dm_del_lay_out(const dm_stepper *s);
+
+static inline dm_del *dm_del_of(const dm_stepper *s) {
+    return (dm_del *)(void *)s->work;
+}
 
 /* what the kernel remembers of its implicit functions, from the memory and into it */
 void dm_del_take_roots(const dm_del *e);

@@ -26,8 +26,8 @@ int dm_del_has_turned(const dm_del *e) {
 
 dm_status dm_del_look(const dm_del *e) {
     double *memory = e->memory;
-    if (dm_del_has_turned(e)) return DM_INERTIA;
     if (!is_told(e)) return DM_OK;
+    if (memory[DM_DEL_SIGN] == -e->sign) return DM_INERTIA;
     memory[DM_DEL_FALL] = memory[DM_DEL_SIGN] == 0.0 ? 1.0 : e->inverse / memory[DM_DEL_INVERSE];
     memory[DM_DEL_SIGN] = e->sign, memory[DM_DEL_INVERSE] = e->inverse;
     return DM_OK;

@@ -30,7 +30,7 @@ static void evaluate_pair(dm_del *e, const double *z) {
 }
 
 /* (q0, q0 + z) */
-static void place_pair(dm_del *e, const double *z) {
+static inline void place_pair(dm_del *e, const double *z) {
     const uint32_t n = e->n;
     const double *low = e->state + 2 * n;
     for (uint32_t i = 0; i < n; i++) {
@@ -47,7 +47,7 @@ static inline void evaluate_beside(dm_del *e, const double *z) {
 }
 
 /* D1, D2, D1D2 at (q0, q0 + z), and that. */
-static void evaluate(dm_del *e, const double *z) {
+static inline void evaluate(dm_del *e, const double *z) {
     place_pair(e, z);
     dm_kernel_eval(&e->m->pair, e->x, e->out);
     evaluate_beside(e, z);
@@ -108,12 +108,13 @@ static void lay_matrix(const dm_del *e, double *J) {
  * stop up to half a unit of the last place of q1 from the root, always on the side that it comes
  * from: momentum maps drifted by that times p a step. The difference q1 - q0 is z exactly, and
  * D11 + D1D2, the rest, is of the order of h. */
-static void add_rounded(const dm_del *e, double *r, const double *z) {
+static inline void add_rounded(const dm_del *e, double *r, const double *z) {
     const size_t n = e->n;
     const double *D12 = e->out + 2 * n;
     for (size_t j = 0; j < n; j++) {
         const double rest = z[j] - (e->x[n + j] - e->x[j]);
-        for (size_t i = 0; i < n && rest != 0.0; i++) r[i] += D12[i * n + j] * rest;
+        if (rest == 0.0) continue;
+        for (size_t i = 0; i < n; i++) r[i] += D12[i * n + j] * rest;
     }
 }
 
@@ -122,11 +123,9 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     const uint32_t n = e->n;
     const double *p0 = e->state + n, *low = e->state + 3 * n;
     evaluate(e, z);
-    e->size = 0.0;
-    for (uint32_t i = 0; i < n; i++) {
-        r[i] = (p0[i] + e->out[i]) + low[i];
-        e->size = fmax(e->size, fmax(fabs(p0[i]), fabs(e->out[i])));
-    }
+    const double ours = dm_largest_of(p0, n), theirs = dm_largest_of(e->out, n);
+    e->size = ours > theirs ? ours : theirs;
+    for (uint32_t i = 0; i < n; i++) r[i] = (p0[i] + e->out[i]) + low[i];
     add_rounded(e, r, z);
     if (e->m->constraints) {
         add_impulse(e, r, z);
@@ -145,10 +144,24 @@ static void evaluate_end(dm_del *e) {
         return;
     }
     place_pair(e, e->z);
-    dm_kernel_prepare(sum, e->sum); /* constants, to which impulses were added */
+    /* constants, to which impulses were added; no roots of before */
+    if (e->m->constraints || sum->memory_size) dm_kernel_prepare(sum, e->sum);
     dm_kernel_eval(sum, e->x, e->sum);
     evaluate_beside(e, e->z);
     e->evaluations++;
+}
+
+/* next = state + d of a quarter of the state, whose low parts stand two quarters on; NaN where
+ * that is not finite */
+static inline double add_up(double *next, const double *state, const double *d, uint32_t n) {
+    double bad = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        double high = state[i], low = state[2 * (size_t)n + i];
+        dm_sum_add(&high, &low, d[i]);
+        next[i] = high, next[2 * (size_t)n + i] = low;
+        bad += 0.0 * low;
+    }
+    return bad;
 }
 
 /* q1 = q0 + z; p1 = D2 Ld + F2, written p0 + (D1 + F1 + G^T lambda + E^T mu + D2 + F2): velocity
@@ -158,12 +171,8 @@ dm_status dm_del_finish(dm_del *e) {
     evaluate_end(e);
     if (e->m->constraints) add_impulse(e, e->sum, e->z);
     for (uint32_t i = 0; i < n && dm_del_is_forced(e->m); i++) e->sum[i] += e->push[n + i];
-    memcpy(e->next, e->state, 4 * (size_t)n * sizeof *e->next);
-    dm_sum_add_n(e->next, e->next + 2 * n, e->z, n);
-    for (uint32_t i = 0; i < n; i++) dm_sum_add(e->next + n + i, e->next + 3 * n + i, e->sum[i]);
-    for (uint32_t i = 0; i < 4 * n; i++)
-        if (!isfinite(e->next[i])) return DM_NOT_FINITE;
-    return DM_OK;
+    const double bad = add_up(e->next, e->state, e->z, n);
+    return bad + add_up(e->next + n, e->state + n, e->sum, n) == 0.0 ? DM_OK : DM_NOT_FINITE;
 }
 
 /* ---- their root ---- */
@@ -192,9 +201,11 @@ void dm_del_keep(dm_del *e, int follows) {
     double *end = e->memory + DM_DEL_END, *last = end + 4 * (size_t)n;
     const double count = follows ? e->memory[DM_DEL_COUNT] + 1.0 : 1.0;
     e->memory[DM_DEL_COUNT] = fmin(count, DM_DEL_KEPT);
-    memmove(last + N, last, (DM_DEL_KEPT - 1) * N * sizeof *last);
-    memcpy(last, e->z, N * sizeof *last);
-    memcpy(end, e->next, 4 * n * sizeof *end);
+    for (uint32_t i = 0; i < N; i++, last++) {
+        last[3 * N] = last[2 * N], last[2 * N] = last[N], last[N] = last[0];
+        last[0] = e->z[i];
+    }
+    dm_del_copy_state(end, e->next, n);
     dm_del_leave_roots(e);
 }
 
@@ -234,6 +245,12 @@ static dm_newton_problem problem_of(dm_del *e, const dm_stepper *s) {
                                .max_iterations = s->max_iterations};
 }
 
+static int have_small_settled(dm_del *e, const dm_stepper *s, dm_newton_wait *wait,
+                              const double *r) {
+    const dm_newton_problem problem = problem_of(e, s);
+    return dm_newton_small_settled(wait, &problem, e->z, r);
+}
+
 /* Newton's method from the continued z with the exact matrix at every iterate, which the kernel
  * gives anyway. Errors are squared: the last increment need not be small, but the next one,
  * foretold by the last two. 0: it does not go that well. */
@@ -241,7 +258,6 @@ static int solve_near(dm_del *e, const dm_stepper *s, dm_newton_report *report) 
     enum { MOST = 6 };
     static const double FAST = 0.1, NEGLIGIBLE = 1e-17;
     const uint32_t n = e->N;
-    dm_newton_problem problem = problem_of(e, s);
     dm_newton_wait wait = {0};
     double *r = e->scratch, *J = r + n, before = INFINITY;
     uint32_t *pivot = (uint32_t *)(void *)(J + n * (size_t)n);
@@ -259,7 +275,7 @@ static int solve_near(dm_del *e, const dm_stepper *s, dm_newton_report *report) 
         const int all = step <= s->tolerance * size || rate * rate * step <= NEGLIGIBLE * size ||
                         (rate > 0.5 && noise);
         const int done = all && (!dm_newton_has_small(e->z, r, e->n, size) ||
-                                 dm_newton_small_settled(&wait, &problem, e->z, r));
+                                 have_small_settled(e, s, &wait, r));
         for (uint32_t i = 0; i < n; i++) e->z[i] -= r[i];
         report->iterations++;
         if (done) dm_del_note(e, J, pivot);

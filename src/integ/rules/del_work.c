@@ -1,5 +1,6 @@
 /* del_work.c - the workspace of a step of a discrete Lagrangian and the memory from step to
  * step. */
+#include "base/doubles.h"
 #include "integ/rules/del.h"
 
 #include <string.h>
@@ -37,15 +38,15 @@ static size_t scratch_size(const dm_model *m) {
 
 size_t dm_del_work(const dm_model *m) {
     const size_t n = m->n, r = dm_del_rows(m);
-    return 2 * n + (2 * n + n * n) + n + (n + r) + 4 * n + dm_del_memory(m) + 2 * n + 1 + r +
-           2 * constraint_outputs(m) + 2 * r + roll_outputs(m) + turn_outputs(m) + push_outputs(m) +
-           scratch_size(m);
+    return dm_doubles(sizeof(dm_del)) + 2 * n + (2 * n + n * n) + n + (n + r) + 4 * n +
+           dm_del_memory(m) + 2 * n + 1 + r + 2 * constraint_outputs(m) + 2 * r + roll_outputs(m) +
+           turn_outputs(m) + push_outputs(m) + scratch_size(m);
 }
 
-/* No struct in the workspace: its places follow from the sizes. */
-dm_del dm_del_lay_out(const dm_stepper *s) {
+/* Not in every step. Speed: instructions, Kepler by del. */
+dm_del *dm_del_lay_out(const dm_stepper *s) {
     const size_t n = s->model->n, outputs = constraint_outputs(s->model);
-    dm_del e = {.m = s->model, .x = s->work, .n = s->model->n};
+    dm_del e = {.m = s->model, .x = s->work + dm_doubles(sizeof e), .n = s->model->n};
     e.k = dm_del_constraints(s->model);
     e.l = dm_del_rolling(s->model);
     e.N = e.n + e.k + e.l;
@@ -64,7 +65,8 @@ dm_del dm_del_lay_out(const dm_stepper *s) {
     e.turn = e.roll + roll_outputs(s->model);
     e.push = e.turn + turn_outputs(s->model);
     e.scratch = e.push + push_outputs(s->model);
-    return e;
+    *dm_del_of(s) = e;
+    return dm_del_of(s);
 }
 
 /* what the kernel remembers is that of the last step, whatever it was asked for since */

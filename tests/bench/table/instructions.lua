@@ -80,7 +80,7 @@ end
 if arg[1] == "run" then
   run(ROWS[tonumber(arg[2])], tonumber(arg[3]))
 else
-  assert(os.execute("mkdir -p build/bench && cc -shared -fPIC -o " .. CLOCK .. " tests/bench/c/still_clock.c"))
+  assert(os.execute("mkdir -p build/bench && cc -shared -fPIC -o " .. CLOCK .. " tests/bench/table/still_clock.c"))
   print(("%-34s %-16s %7s %9s %9s %7s"):format("row", "rule", "members", "before", "now", "ratio"))
   for i, row in ipairs(ROWS) do
     local key, rule, steps, members = table.unpack(row)
