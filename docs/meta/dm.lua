@@ -3058,7 +3058,8 @@ function dm_mesh_class:quality() end
 ---The mesh as .off or .obj (surfaces and lines, read back with the same bits) or .vtk (dimension 1 to
 ---3) with forms = {name = form}: those of degree 0 at the points, those of the highest degree as
 ---densities, others of degree 1, and of degree 2 in space (those that flow through the faces), as
----vectors in the cells. Cells are written in their coherent orientation.
+---vectors in the cells. Cells are written in their coherent orientation, and behind them those of
+---lower degree that are faces of none.
 ---@param file? string
 ---@param options? table
 ---@return string

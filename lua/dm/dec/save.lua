@@ -32,6 +32,17 @@ local function oriented(K)
   return cells
 end
 
+-- top cells, and cells of lower degree that are faces of none
+local function maximal(K)
+  local cells = oriented(K)
+  for k = K.dimension - 1, K.pure and K.dimension or 1, -1 do
+    for i, cell in ipairs(K:simplices(k)) do
+      if #K:cofaces(k, i) == 0 then cells[#cells + 1] = cell end
+    end
+  end
+  return cells
+end
+
 local function need_surface(K, format)
   if K.dimension > 2 then
     fail("%s files hold surfaces and lines; a mesh of dimension %d goes into .vtk", format,
@@ -43,7 +54,7 @@ local writers = {}
 
 function writers.off(K)
   need_surface(K, ".off")
-  local cells = oriented(K)
+  local cells = maximal(K)
   local lines = { "OFF", ("%d %d 0"):format(K:count(0), #cells) }
   table.move(point_lines(K, ""), 1, K:count(0), 3, lines)
   for _, cell in ipairs(cells) do
@@ -57,8 +68,8 @@ end
 function writers.obj(K)
   need_surface(K, ".obj")
   local lines = point_lines(K, "v ")
-  for _, cell in ipairs(oriented(K)) do
-    lines[#lines + 1] = (K.dimension == 2 and "f " or "l ") .. table.concat(cell, " ")
+  for _, cell in ipairs(maximal(K)) do
+    lines[#lines + 1] = (#cell == 3 and "f " or "l ") .. table.concat(cell, " ")
   end
   return lines
 end
@@ -135,19 +146,24 @@ end
 
 function writers.vtk(K, forms)
   if K.dimension > 3 then fail(".vtk files hold meshes of dimension 1 to 3") end
-  local n, cells = K.dimension, oriented(K)
+  local cells, size = maximal(K), 0
   local at_points, at_cells = split(K, forms)
+  if #at_cells > 0 and not K.pure then
+    fail("option 'forms': '%s' has values on top cells alone, and this mesh has cells of lower "
+      .. "degree that are faces of none", at_cells[1][1])
+  end
+  for _, cell in ipairs(cells) do size = size + #cell + 1 end
   local lines = { "# vtk DataFile Version 3.0", "mesh", "ASCII", "DATASET UNSTRUCTURED_GRID",
     ("POINTS %d double"):format(K:count(0)) }
   table.move(point_lines(K, ""), 1, K:count(0), #lines + 1, lines)
-  lines[#lines + 1] = ("CELLS %d %d"):format(#cells, #cells * (n + 2))
+  lines[#lines + 1] = ("CELLS %d %d"):format(#cells, size)
   for _, cell in ipairs(cells) do
     local ids = {}
     for j, v in ipairs(cell) do ids[j] = v - 1 end
-    lines[#lines + 1] = (n + 1) .. " " .. table.concat(ids, " ")
+    lines[#lines + 1] = #cell .. " " .. table.concat(ids, " ")
   end
   lines[#lines + 1] = "CELL_TYPES " .. #cells
-  for _ = 1, #cells do lines[#lines + 1] = tostring(TYPES[n]) end
+  for _, cell in ipairs(cells) do lines[#lines + 1] = tostring(TYPES[#cell - 1]) end
   for _, data in ipairs { { "POINT_DATA", K:count(0), at_points }, { "CELL_DATA", #cells,
     at_cells } } do
     if #data[3] > 0 then lines[#lines + 1] = data[1] .. " " .. data[2] end
@@ -174,6 +190,7 @@ K:save(file, {forms=}) -> file name
 The mesh as .off or .obj (surfaces and lines, read back with the same bits) or .vtk (dimension 1 to
 3) with forms = {name = form}: those of degree 0 at the points, those of the highest degree as
 densities, others of degree 1, and of degree 2 in space (those that flow through the faces), as
-vectors in the cells. Cells are written in their coherent orientation.]])
+vectors in the cells. Cells are written in their coherent orientation, and behind them those of
+lower degree that are faces of none.]])
 
 return M

@@ -77,6 +77,18 @@ for line in io.open(base .. ".vtk"):read "a":match "VECTORS flow double\n(.*)":g
   rows, off = rows + 1, math.max(off, math.abs(x - 0.3), math.abs(y + 1.1), math.abs(z - 0.7))
 end
 ok(rows == slanted:count(3) and off < 1e-14, "vtk: a flow in space, a vector a cell", off)
+-- a triangle with a path of two edges: cells that are faces of none are kept
+local kite = dm.mesh { points = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 }, { 2, 2, 0 }, { 3, 1, 0 } },
+  simplices = { { 1, 2, 3 }, { 2, 4 }, { 4, 5 } } }
+for _, extension in ipairs { ".off", ".obj" } do
+  local L = dm.mesh(kite:save(base .. extension))
+  ok(L:count(1) == 5 and L:find { 2, 4 } and L:find { 4, 5 } and L:points() == kite:points(), "a tail comes back from " .. extension, L:count(1))
+  os.remove(base .. extension)
+end
+kite:save(base .. ".vtk", { forms = { height = kite:form(0, { 1, 2, 3, 4, 5 }) } })
+local tailed = io.open(base .. ".vtk"):read "a"
+ok(tailed:find("CELLS 3 10\n3 0 1 2\n2 1 3\n2 3 4\nCELL_TYPES 3\n5\n3\n3\n", 1, true), ".vtk has its cells by their types", tailed)
+raises("faces of none", function() kite:save(base .. ".vtk", { forms = { area = kite:form(2, { 1 }) } }) end)
 raises(".vtk", function() K:save(base .. ".off") end)
 raises("degree", function() K:save(base .. ".vtk", { forms = { x = f:d():star() } }) end)
 raises("points", function() dm.mesh { named = "rp2" }:save(base .. ".obj") end)
