@@ -596,14 +596,14 @@ function dm_chart_class:cheapest(error) end
 ---@return string
 function dm_chart_class:csv(file) end
 
----chart:order(rule) -> number   or   nil, sentence
+---chart:order([rule]) -> number   or   nil, sentence
 ---
----The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
----whose error is well above (30 times) what the references differ by, above the rule's own round-off
----where finer steps have larger errors, and below 0.3 of the range of the motion, as far as the slopes
----between neighbours agree to a tenth or 0.4. nil, and why, with fewer than three such steps ("not
----measurable", or "not asymptotic" where they are too coarse), or where slopes do not agree ("not
----asymptotic").
+---The measured order of a rule, of the only one where none is named: the slope of ln error over ln h,
+---least squares over the finest steps whose error is well above (30 times) what the references differ
+---by, above the rule's own round-off where finer steps have larger errors, and below 0.3 of the range
+---of the motion, as far as the slopes between neighbours agree to a tenth or 0.4. nil, and why, with
+---fewer than three such steps ("not measurable", or "not asymptotic" where they are too coarse), or
+---where slopes do not agree ("not asymptotic").
 ---@param rule? any
 ---@return number|nil
 ---@return any
@@ -2213,6 +2213,55 @@ function dm_level_class:routhian(x, x_, nu) end
 ---@return dm.reduced_solver
 function dm_level_class:solver(options) end
 
+---dm.level_set: the points of a cross-section of orbits, made by core.section(F, moved, inside)
+---@class dm.level_set
+local dm_level_set_class = {}
+
+---level_set:approach(x, goal) -> dm.vector   or nothing
+---
+---The algebra vector that moves the point x as close to the goal as it can, to first order: y of least squares in psi y = goal - x. Nothing where the generators psi depend on each other.
+---@param x? any
+---@param goal? any
+---@return dm.vector|nil
+function dm_level_set_class:approach(x, goal) end
+
+---level_set:cut(x) -> J psi, condition
+---
+---Slopes of the section at x, which need not be on it, by the generators of the action: r x r. Its condition number in the norm of Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is larger, how much the frame turns for a relative change of the points, |(J psi)^-1| |J| |x|: near a fixed point psi itself vanishes. Raises where J or psi is not finite.
+---@param x? any
+---@return any
+---@return any
+function dm_level_set_class:cut(x) end
+
+---level_set:distance(x, Z) -> number, condition, number
+---
+---|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, however the section is written; the condition number as of cut, and |(J psi)^-1|.
+---@param x? any
+---@param Z? any
+---@return number
+---@return any
+---@return number
+function dm_level_set_class:distance(x, Z) end
+
+---level_set:folds(starts, nodes, most) -> list
+---
+---Where the sine changes its sign along curves from the starts { { x, step } ... }, each brought to F = 1 within its step: pairs { a, b } of points beside a fold, or { a, b, c, d } where a curve leaves what is inside between c and d and comes back between a and b; at most so many of them, by about so many nodes of three kinds. F is followed with steps that fit what is narrow in it, as its graph tells. A search, not a proof.
+---@param starts? any
+---@param nodes? any
+---@param most? any
+---@return table
+function dm_level_set_class:folds(starts, nodes, most) end
+
+---level_set:node(x, step) -> x, sine, inside   or nothing
+---
+---The point of F = 1 beside x, by Newton steps of least length, which fit a step of that length; the product of the sines of the angles of that level set with the orbits of the group, with a sign; do the conditions hold there?
+---@param x? any
+---@param step? any
+---@return any
+---@return any
+---@return any|nil
+function dm_level_set_class:node(x, step) end
+
 ---dm.levi_civita: a discrete Levi-Civita connection, made by K:levi_civita{frames=, rule=, on=,
 ---metric=}
 ---fields: mesh, rule ("face" or "thesis"), on ("dual": frames in top cells, or "primal": frames at the
@@ -3370,7 +3419,7 @@ function dm_pair_tuple_class:inverse() end
 function dm_pair_tuple_class:product() end
 
 ---dm.path: what a run recorded, one row per kept step
----fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that recorded them), columns (names), steps, h, rule, system, solver, title, units, ns_per_step, events (of a run that looked for some), file (of a run that wrote its rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); #path rows.
+---fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that recorded them), columns (names), any column by its name (path.q1, path.p_x), steps, h, rule, system, solver, title, units, ns_per_step, events (of a run that looked for some), file (of a run that wrote its rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); #path rows.
 ---Printed, it says how far the energy was off at its rows ("at these rows" where not every step was kept), from when on where it jumped to another level, and whether it drifts: "no drift" within three standard errors, "drift" beyond six, nothing between or with fewer than 12 rows; "slope" where rows are sparser than steps, which may show a fast oscillation as a slow one. path:drift gives the numbers.
 ---@class dm.path
 local dm_path_class = {}
@@ -3469,7 +3518,7 @@ function dm_path_class:mass(q, t) end
 
 ---path:momentum(group [, {block=, side=, action=}]) -> dm.vector   or   (generator) -> dm.vector   or   path:momentum(action)
 ---
----Noether's momentum map at every row: of a group by its standard action on blocks of coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. Of coordinates that are angles (dm.T) groups that act on vectors are refused. On a group G, of G itself the spatial momentum ({ side = "right" }: the body momentum), of SO(3), SO(2) and R(n) that of rotations and translations of space, of any group that of its action on elements, { action = function(k, g) ... end }; a generator returns the body velocity of its field.
+---Noether's momentum map at every row: of a group by its standard action on blocks of coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. Of coordinates that are angles (dm.T), or whose kinetic energy is another where they are turned (r and phi), groups that act on vectors are refused. On a group G, of G itself the spatial momentum ({ side = "right" }: the body momentum), of SO(3), SO(2) and R(n) that of rotations and translations of space, of any group that of its action on elements, { action = function(k, g) ... end }; a generator returns the body velocity of its field.
 ---@param group? any
 ---@param options? table
 ---@return dm.vector
@@ -3855,51 +3904,6 @@ function dm_schroedinger_class:stability_limit(rule) end
 ---all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.
 ---@class dm.section
 local dm_section_class = {}
-
----section:approach(x, goal) -> dm.vector   or nothing
----
----The algebra vector that moves the point x as close to the goal as it can, to first order: y of least squares in psi y = goal - x. Nothing where the generators psi depend on each other.
----@param x? any
----@param goal? any
----@return dm.vector|nil
-function dm_section_class:approach(x, goal) end
-
----section:cut(x) -> J psi, condition
----
----Slopes of the section at x, which need not be on it, by the generators of the action: r x r. Its condition number in the norm of Frobenius, with rows of J as long as 1, since a section may have any units; or, if that is larger, how much the frame turns for a relative change of the points, |(J psi)^-1| |J| |x|: near a fixed point psi itself vanishes. Raises where J or psi is not finite.
----@param x? any
----@return any
----@return any
-function dm_section_class:cut(x) end
-
----section:distance(x, Z) -> number, condition, number
----
----|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, however the section is written; the condition number as of cut, and |(J psi)^-1|.
----@param x? any
----@param Z? any
----@return number
----@return any
----@return number
-function dm_section_class:distance(x, Z) end
-
----section:folds(starts, nodes, most) -> list
----
----Where the sine changes its sign along curves from the starts { { x, step } ... }, each brought to F = 1 within its step: pairs { a, b } of points beside a fold, or { a, b, c, d } where a curve leaves what is inside between c and d and comes back between a and b; at most so many of them, by about so many nodes of three kinds. F is followed with steps that fit what is narrow in it, as its graph tells. A search, not a proof.
----@param starts? any
----@param nodes? any
----@param most? any
----@return table
-function dm_section_class:folds(starts, nodes, most) end
-
----section:node(x, step) -> x, sine, inside   or nothing
----
----The point of F = 1 beside x, by Newton steps of least length, which fit a step of that length; the product of the sines of the angles of that level set with the orbits of the group, with a sign; do the conditions hold there?
----@param x? any
----@param step? any
----@return any
----@return any
----@return any|nil
-function dm_section_class:node(x, step) end
 
 ---section:plot{file=, title=, ...} -> file name or nothing
 ---

@@ -40,6 +40,7 @@ return {
     rods = "curves by arclength, no rule of time",
     boosts = "jets of waves, no rule of time",
     mesh_curvature = "angles of a mesh, no rule of time",
+    kdv = "boxes of a multisymplectic equation, no rule of systems",
     kinks = "cells of space and time, no rule of systems",
     free_knots = "a least energy, no rule of time",
     cavity = "frequencies on a mesh, no rule of time",

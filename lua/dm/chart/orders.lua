@@ -16,13 +16,13 @@ local function of_rule(chart, rule)
 end
 
 local doc_order = [[
-chart:order(rule) -> number   or   nil, sentence
-The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
-whose error is well above (30 times) what the references differ by, above the rule's own round-off
-where finer steps have larger errors, and below 0.3 of the range of the motion, as far as the slopes
-between neighbours agree to a tenth or 0.4. nil, and why, with fewer than three such steps ("not
-measurable", or "not asymptotic" where they are too coarse), or where slopes do not agree ("not
-asymptotic").]]
+chart:order([rule]) -> number   or   nil, sentence
+The measured order of a rule, of the only one where none is named: the slope of ln error over ln h,
+least squares over the finest steps whose error is well above (30 times) what the references differ
+by, above the rule's own round-off where finer steps have larger errors, and below 0.3 of the range
+of the motion, as far as the slopes between neighbours agree to a tenth or 0.4. nil, and why, with
+fewer than three such steps ("not measurable", or "not asymptotic" where they are too coarse), or
+where slopes do not agree ("not asymptotic").]]
 
 -- where errors of a rule grow again with finer steps its own round-off is what is seen there
 local function round_off(points)
@@ -89,6 +89,10 @@ local COUNTS = { [0] = "no step", "one step", "two steps" }
 
 local function order_of(chart, rule)
   if type(rule) ~= "string" and rule ~= nil then rule = tostring(rule):gsub("^rule ", "") end
+  if rule == nil and #chart.rules == 1 then rule = chart.rules[1] end
+  if rule == nil then
+    fail("chart:order takes the rule whose order is asked for: %s", table.concat(chart.rules, ", "))
+  end
   if not find_name(chart.rules, rule) then
     fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(chart.rules, ", "))
   end

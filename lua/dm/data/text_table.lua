@@ -265,6 +265,15 @@ local function fail_ragged(at, fields, names, fail)
     #fields, #fields == 1 and "" or "s", #names)
 end
 
+local function fail_field(at, name, field, fail)
+  if field == "" then
+    fail("line %d, column %s: not a number: nothing is there; where one is missing write nan", at,
+      shown(name))
+  end
+  fail("line %d, column %s: not a number: %q%s", at, shown(name), shown(field),
+    looks_like_numbers(field) or "")
+end
+
 --- Names and columns (lists of numbers) of an open file; `where` names it in messages. given: {
 -- separator, decimal, names, skip (lines) }, what is left out is seen from the text.
 function M.read(handle, where, given)
@@ -277,8 +286,7 @@ function M.read(handle, where, given)
     rows = rows + 1
     for c, field in ipairs(fields) do
       local x = number_of(field, r.comma)
-        or fail("line %d, column %s: not a number: %q%s", at, shown(names[c]), shown(field),
-          looks_like_numbers(field) or "")
+      if not x then fail_field(at, names[c], field, fail) end
       if (x == huge or x == -huge) and not field:lower():find("inf", 1, true) then
         fail("line %d, column %s: %s is beyond the largest number, 1.8e308 (infinity is written "
           .. "inf)", at, names[c], field)

@@ -140,7 +140,7 @@ local function level_of(frame)
   return core.section(F, moved(frame), inside_of(frame, n)), left
 end
 
---- The dm.section of a frame, and its number of dimensions.
+--- The dm.level_set of a frame, and its number of dimensions.
 function M.level(frame)
   if not frame.level then frame.level, frame.left = level_of(frame) end
   return frame.level, frame.left
@@ -150,7 +150,7 @@ local function flat(frame, list)
   return points.flat(#list == frame.k and list or { table.unpack(list, 1, frame.k) })
 end
 
---- J psi of the cross-section at these very points, and its condition number (section:cut).
+--- J psi of the cross-section at these very points, and its condition number (level_set:cut).
 function M.transversality(frame, list) return M.level(frame):cut(flat(frame, list)) end
 
 --- How far the points are from the section, as the length of the algebra vector (J psi)^-1 Z that

@@ -33,9 +33,14 @@ local fail = option.failing(WHERE)
 -- the same on a group: entries of the element, and flat coordinates where they do not jump
 local function columns_on_group(own)
   local read, names = { t = function(_, _, t) return t end }, { q = {}, p = {}, also = ", R31" }
+  local angles = own.size == own.kit.coordinates and own.kit.angles or {}
+  names.angles, names.entry = angles, function(g, i) return own.flat(g)[i] end
   for i = 1, own.jumps and 0 or own.size do
     names.q[i] = "q" .. i
-    read[names.q[i]] = function(g) return own.flat(g)[i] end
+    read[names.q[i]] = function(g)
+      local x = own.flat(g)[i]
+      return angles[i] and circle.principal(x) or x
+    end
   end
   for i = 1, own.dimension do
     names.p[i] = "p" .. i
@@ -137,7 +142,9 @@ local function surface(o, columns, names)
   end
   local i = coordinate(o.g, names)
   if i and names.angles and names.angles[i] then
-    return function(q) return math.sin(q[i]) end, function(q) return math.cos(q[i]) > 0 end
+    local entry = names.entry or function(q) return q[i] end
+    return function(q) return math.sin(entry(q, i)) end,
+      function(q) return math.cos(entry(q, i)) > 0 end
   end
   return function(q, _, t, p) return f(q, p, t) end
 end

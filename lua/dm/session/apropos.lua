@@ -195,6 +195,16 @@ local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "
   collision = "encounter", integrator = "rule", scheme = "rule", error = "drift",
   conserved = "noether", invariant = "noether", ["error message"] = "failure" }
 
+-- and how it is written here
+local CHAIN = "masses on springs are a chain: the examples ?chain, ?pendulum_chain; ?dm.sum_over"
+local CHARGE = "a charge in a magnetic field is L = v:dot(v)/2 + v:dot(A(q)) - V(q), A its vector "
+  .. "potential, which gauss(s), midpoint and others step: the examples ?charged_particle, "
+  .. "?guiding_centre"
+local SKATES = "what rolls or skates has rolling = beside L: the examples ?chaplygin_sleigh, "
+  .. "?link_chain, ?rolling_disk"
+local WRITTEN = { fpu = CHAIN, fput = CHAIN, fermi = CHAIN, boris = CHARGE, lorentz = CHARGE,
+  snake = SKATES, snakeboard = SKATES }
+
 local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
 
 -- everything of whose text `has` is true; returns how many
@@ -264,13 +274,17 @@ function look_for(word)
   local function has(what) return what:lower():find(plain, 1, true) end
   if mentions(has) > 0 then return end
   local other = OTHER_WORDS[plain] or OTHER_WORDS[plain:match "^(.-)s?$"]
+  if WRITTEN[plain] then
+    return write(text.wrapped(("nothing mentions %q; "):format(word) .. WRITTEN[plain],
+      text.width(), "  ", ""))
+  end
+  if other then
+    write(("nothing mentions %q, but %q is spoken of:"):format(word, other))
+    return mentions(function(what) return what:lower():find(other, 1, true) end)
+  end
   local near = nearest(word)
   write(("nothing mentions %q; %s"):format(word, near and ("did you mean %s?"):format(near)
     or "?topics lists where to look"))
-  if other then
-    write(("but %q is spoken of:"):format(other))
-    mentions(function(what) return what:lower():find(other, 1, true) end)
-  end
 end
 
 M.apropos = blame.caller(pager.paged(look_for))

@@ -19,7 +19,8 @@ M.names = { "kepler", "figure_for_paper", "outer_solar_system", "satellite", "re
   "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential",
   "rossby_haurwitz", "wave_map", "own_steps",
   "bending_bar", "argon", "star_cluster",
-  "rough_rod", "two_scales", "tunnel", "soliton", "kinks", "free_knots" }
+  "rough_rod", "two_scales", "tunnel", "soliton", "kinks", "kdv",
+  "free_knots" }
 
 local function text_of(file)
   local handle = io.open(file)

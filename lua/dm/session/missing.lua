@@ -8,6 +8,8 @@ local getregistry = debug.getregistry
 local next, type, tonumber, find, match = next, type, tonumber, string.find, string.match
 local OWN = { params = "the table of params", dm = "dm" }
 local MOST = 12  -- names that are listed
+local FEW = 4    -- classes that are
+local FIRST = { ["dm.solver"] = 1, ["dm.path"] = 2, ["dm.system"] = 3 } -- of these
 
 local function sorted(list)
   table.sort(list)
@@ -33,12 +35,22 @@ local function owners(name)
       found[#found + 1] = class
     end
   end
-  return #found > 0 and table.concat(sorted(found), ", ") or nil
+  table.sort(found, function(a, b)
+    local first, second = FIRST[a] or 4, FIRST[b] or 4
+    if first ~= second then return first < second end
+    return a < b
+  end)
+  local rest = #found - FEW
+  return #found > 0 and table.concat(found, ", ", 1, math.min(#found, FEW))
+    .. (rest > 0 and (" and %d more"):format(rest) or "") or nil
 end
 
--- a system takes no step itself
+-- what takes no step itself, and how a solver of it is made
+local SOLVERS = { ["dm.system"] = "system:solver { rule =, h = }",
+  ["dm.discrete_lagrangian"] = "Ld:solver {}" }
+
 local function of_solver(note)
-  return note.of == "dm.system" and (require "dm.session.complete".methods_of "dm.solver"
+  return SOLVERS[note.of] and (require "dm.session.complete".methods_of "dm.solver"
     or {})[note.key]
 end
 
@@ -50,7 +62,7 @@ local function what_there_is(note)
   end
   if near then return ("; did you mean '%s'?"):format(near) end
   if of_solver(note) then
-    return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key)
+    return ("; a solver of it has: %s:%s"):format(SOLVERS[note.of], note.key)
   end
   local here = note.of ~= "dm" and rawget(require "dm", note.key)
   if type(here) == "function" and not math[note.key] then

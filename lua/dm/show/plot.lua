@@ -113,8 +113,11 @@ local function sort_arguments(a, b, c)
   if type(a) == "table" and type(a[1]) == "table" then
     return a, b or {}
   end
+  local got = b == nil and option.got(a) or option.got(a) .. " and " .. option.got(b)
   fail("needs two columns (vectors or tables of numbers), one column and a list of columns, "
-    .. "or a list of series { x =, y =, name = }")
+    .. "or a list of series { x =, y =, name = } (got %s%s)", got,
+    is_column(a) and b == nil and ": against what? A path has plot of its own, path:plot(y)"
+      or "")
 end
 
 ---- from series to a panel ----

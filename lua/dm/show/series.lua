@@ -1,6 +1,7 @@
 --- Series: pairs of columns as plain numbers, what can be drawn of them, and no more points of them
 -- than a picture can show.
 local blame = require "dm.base.blame"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -27,7 +28,9 @@ end
 function M.numbers(values, what)
   if type(values) == "userdata" then values = as_table(values) end
   if type(values) ~= "table" then
-    error(("%s must be a vector or a table of numbers (got %s)"):format(what, type(values)), 0)
+    local columns = option.got(values) == "dm.columns"
+    error(("%s must be a vector or a table of numbers (got %s%s)"):format(what, option.got(values),
+      columns and ", all columns together: name one, as q1, \"q1\" in a plot of a path" or ""), 0)
   end
   local out = {}
   for i = 1, #values do

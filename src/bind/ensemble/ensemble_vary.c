@@ -4,7 +4,7 @@
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/bind_system.h"
 #include "bind/model/model_params.h"
-#include "bind/run/stepping_params.h"
+#include "bind/run/stepping.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* bind_space.c - `dm.R(n)`, `dm.T(n)`, `dm.SO(n)`: one constructor per row of
  * geom/spaces.def. */
 #include "bind/model/bind_space.h"
+#include "base/largest.h"
 #include "bind/model/bind_system.h"
 
 #include <math.h>
@@ -67,6 +68,63 @@ dm_action dml_standard_action(lua_State *L, int arg, int options, int system, ui
                    "block = %d }",
                    s->row->name, (int)s->n, (int)n, (int)block, (int)other, (int)block);
     return (dm_action){.group = s->row, .k = s->n, .block = block};
+}
+
+/* to = (q, v) moved by e along generator g: v by its linear part */
+static void move(const dm_action *a, uint32_t n, uint32_t g, double e, const double *x,
+                 double *to) {
+    static const double origin[DM_MAX_BLOCK];
+    double xi[DM_MAX_BLOCK], still[DM_MAX_BLOCK];
+    a->group->generator(still, origin, a->k, a->block, g);
+    for (uint32_t i = 0; i < 2 * n; i++) {
+        const uint32_t k = i % a->block; /* n is a whole number of blocks */
+        if (k == 0) a->group->generator(xi, x + i, a->k, a->block, g);
+        to[i] = x[i] + e * (i < n ? xi[k] : xi[k] - still[k]);
+    }
+}
+
+/* M X + X^T M of the linear part X of generator g, M and out n x n; 0: X is zero, a shift */
+static int turn_mass(const dm_action *a, uint32_t n, uint32_t g, const double *M, double *out) {
+    static const double origin[DM_MAX_BLOCK];
+    double unit[DM_MAX_BLOCK] = {0}, still[DM_MAX_BLOCK], xi[DM_MAX_BLOCK];
+    int any = 0;
+    memset(out, 0, (size_t)n * n * sizeof *out);
+    a->group->generator(still, origin, a->k, a->block, g);
+    for (uint32_t j = 0; j < n; j++) { /* column j of X */
+        const uint32_t first = j - j % a->block;
+        unit[j % a->block] = 1.0;
+        a->group->generator(xi, unit, a->k, a->block, g);
+        unit[j % a->block] = 0.0;
+        for (uint32_t k = 0; k < a->block; k++) {
+            const double X = xi[k] - still[k];
+            any |= X != 0.0;
+            for (uint32_t i = 0; i < n; i++) {
+                out[i * (size_t)n + j] += M[i * (size_t)n + first + k] * X;
+                out[j * (size_t)n + i] += M[i * (size_t)n + first + k] * X;
+            }
+        }
+    }
+    return any;
+}
+
+double dml_turned_mass(const dm_action *action, const dm_kernel *mass, uint32_t n, const double *x,
+                       double *work) {
+    static const double E = 1e-5; /* of central differences */
+    const size_t size = (size_t)n * n;
+    double *here = work, *up = here + n + size, *down = up + n + size, *at = down + n + size;
+    double *turned = at + 2 * n + 1, worst = 0.0;
+    at[2 * n] = x[2 * n];
+    dm_kernel_eval(mass, x, here);
+    for (uint32_t g = 0; g < action->group->dimension(action->k); g++) {
+        if (!turn_mass(action, n, g, here + n, turned)) continue;
+        move(action, n, g, E, x, at), dm_kernel_eval(mass, at, up);
+        move(action, n, g, -E, x, at), dm_kernel_eval(mass, at, down);
+        for (size_t i = 0; i < size; i++)
+            worst = dm_largest(worst, turned[i] + (up[n + i] - down[n + i]) / (2.0 * E));
+    }
+    double largest = 0.0;
+    for (size_t i = 0; i < size; i++) largest = dm_largest(largest, here[n + i]);
+    return largest > 0.0 ? worst / largest : 0.0;
 }
 
 dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n) {

@@ -3,6 +3,7 @@
 #define DML_SPACE_H
 
 #include "bind/core/bind.h"
+#include "code/kernel.h"
 #include "geom/action/momentum.h"
 
 /* user values: 1, of a product: its factors; 2, of a semidirect product: how the first moves
@@ -35,5 +36,11 @@ dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n);
  * block may be given by field `block` of the options table at `options` (0: none). Raises when
  * there is no such action. */
 dm_action dml_standard_action(lua_State *L, int arg, int options, int system, uint32_t n);
+
+/* d2L/dv2 at x = (q, v, t), of a kernel that gives L_v[n] before it: by how much the action turns
+ * it, beside its own size. 0: the kinetic energy is the same for all turned states near x.
+ * work: 4 n^2 + 5 n + 1 numbers. */
+double dml_turned_mass(const dm_action *action, const dm_kernel *mass, uint32_t n, const double *x,
+                       double *work);
 
 #endif

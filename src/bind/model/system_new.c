@@ -151,6 +151,32 @@ static void check_arguments(lua_State *L) {
     check_argument(L, "constraint", 2, "t");
 }
 
+/* is `name` among the names of coordinates, or a parameter? */
+static int is_named(lua_State *L, const char *name) {
+    const int top = lua_gettop(L);
+    int found = lua_getfield(L, 1, "params") == LUA_TTABLE && lua_getfield(L, -1, name) != LUA_TNIL;
+    if (lua_getfield(L, 1, "coordinates") == LUA_TTABLE)
+        for (lua_Integer i = luaL_len(L, -1); i > 0 && !found; i--, lua_pop(L, 1))
+            found = lua_geti(L, -1, i) == LUA_TSTRING && !strcmp(lua_tostring(L, -1), name);
+    lua_settop(L, top);
+    return found;
+}
+
+/* Units are of what is drawn or printed. Any name may be that of a watched function, but for those
+ * of dimensions, which mean something else than was done. */
+static void check_unit_name(lua_State *L, const char *name) {
+    static const char *const dimensions[] = {"length", "mass", "time", NULL};
+    const char *const *d = dimensions;
+    while (*d && strcmp(*d, name) != 0) d++;
+    if (*d && !is_named(L, name))
+        luaL_error(L,
+                   "field 'units': '%s' is no column: units stand under q and p (all positions, "
+                   "all "
+                   "momenta), t, energy, names of coordinates (q1, ...), of params or of what runs "
+                   "watch, for instance { q = \"m\", t = \"s\" }",
+                   name);
+}
+
 /* name -> unit */
 static void check_units(lua_State *L) {
     dml_field(L, 1, "units");
@@ -161,12 +187,14 @@ static void check_units(lua_State *L) {
                    "\"s\" } (got %s)",
                    luaL_typename(L, -1));
     if (type == LUA_TTABLE)
-        for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+        for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
             if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TSTRING)
                 luaL_error(L,
                            "field 'units'[%s] must be a text under the name of what has it, for "
                            "instance { q1 = \"m\", t = \"s\" }",
                            luaL_tolstring(L, -2, NULL));
+            check_unit_name(L, lua_tostring(L, -2));
+        }
     lua_pop(L, 1);
 }
 

@@ -307,6 +307,16 @@ static int recorded(lua_State *L, const char *key, const char *stem) {
     return dml_path_columns(L, key, first, count);
 }
 
+/* path.q1, path.energy of a run that watched: what path:column gives, where no method has the
+ * name */
+static int named_column(lua_State *L, const char *key) {
+    const int top = lua_gettop(L);
+    luaL_getmetafield(L, 1, "methods");
+    const int is_method = lua_getfield(L, -1, key) != LUA_TNIL;
+    lua_settop(L, top);
+    return !is_method && dml_path_has(L, key) ? dml_path_column(L) : 0;
+}
+
 /* Fields of the path at 1 by the key at 2; 0 results: a method is looked for. */
 static int path_field(lua_State *L) {
     const dml_path *p = check(L);
@@ -347,7 +357,7 @@ static int path_field(lua_State *L) {
     else if (strcmp(key, "units") == 0)
         lua_getiuservalue(L, 1, DML_PATH_SYSTEM), dml_systemfield(L, -1, "units");
     else
-        return 0;
+        return named_column(L, key);
     return 1;
 }
 
@@ -359,7 +369,8 @@ const dml_class dml_class_path = {
     .name = DML_PATH,
     .doc = "dm.path: what a run recorded, one row per kept step\n"
            "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that "
-           "recorded them), columns (names), steps, h, rule, system, solver, title, units, "
+           "recorded them), columns (names), any column "
+           "by its name (path.q1, path.p_x), steps, h, rule, system, solver, title, units, "
            "ns_per_step, events (of a run that looked for some), file (of a run that wrote its "
            "rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); "
            "#path rows.\n"

@@ -70,11 +70,27 @@ uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first);
 int dml_path_names(lua_State *L);
 uint32_t dml_path_find(lua_State *L, const char *name);
 
+/* Is there a column of that name? */
+int dml_path_has(lua_State *L, const char *name);
+
 /* dm.path{system =, h =, columns =}, as a C function (path_new.c). */
 int dml_path_new(lua_State *L);
 
-/* path:energy(), as a C function of the path. */
+/* The model that the path was stepped with, with the kernels `want` made now; a path loaded from
+ * elsewhere has one, too. */
+dml_model *dml_path_kernels(lua_State *L, unsigned want);
+
+/* Push room for x = (q, v, t) and, behind it, for the Legendre transform; v of the first row starts
+ * from p. */
+double *dml_path_scratch(lua_State *L, const dml_path *p, const dml_model *m);
+
+/* x of row i, v from p by the inverse Legendre transform starting from the v in x. */
+dm_status dml_path_row(const dml_path *p, const dml_model *m, long i, double *x, double *work);
+
+/* path:column(name), path:energy() and path:momentum(), as C functions of the path. */
+int dml_path_column(lua_State *L);
 int dml_path_energy(lua_State *L);
+int dml_path_momentum(lua_State *L);
 extern const dml_row dml_path_quantities[]; /* the methods that compute along the path */
 extern const dml_row dml_path_functions[];  /* functions of dm beside them */
 

@@ -217,6 +217,10 @@ static void unknown_column(lua_State *L, const char *name) {
                !check(L)->watched ? ", and \"energy\"" : "");
 }
 
+int dml_path_has(lua_State *L, const char *name) {
+    return find_column(L, name) >= 0;
+}
+
 /* "time" is t by another name. */
 uint32_t dml_path_find(lua_State *L, const char *name) {
     const int c = find_column(L, strcmp(name, "time") == 0 ? "t" : name);

@@ -1,5 +1,4 @@
-/* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
- */
+/* path_quantities.c - energy, velocity and drifts along a recorded path. */
 #include "base/largest.h"
 #include "bind/model/bind_space.h"
 #include "bind/model/model_sums.h"
@@ -17,11 +16,10 @@ static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
 }
 
-/* The model that the path was stepped with, with the kernels `want` made now; a path loaded from
- * elsewhere has one, too. */
-static dml_model *model_for(lua_State *L, unsigned want) {
+/* Kept by the path. */
+dml_model *dml_path_kernels(lua_State *L, unsigned want) {
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
-    dml_model *m = dml_standin(L, -1, want); /* kept by the path */
+    dml_model *m = dml_standin(L, -1, want);
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     const dml_system *s = dml_checksystem(L, -1);
     if (s->pair || s->stand_in)
@@ -32,20 +30,18 @@ static dml_model *model_for(lua_State *L, unsigned want) {
     return m;
 }
 
-/* x = (q, v, t) of row i, v from p by the inverse Legendre transform starting from the v
- * in x */
-static dm_status read_row(const dml_path *p, const dml_model *m, long i, double *x, double *work) {
+/* On a group p has zeros behind it, which rows leave out. */
+dm_status dml_path_row(const dml_path *p, const dml_model *m, long i, double *x, double *work) {
     const double *row = p->data + (size_t)i * dml_path_width(p);
     memcpy(x, row + 1, p->n * sizeof *x);
     x[2 * p->n] = row[0];
-    double *full = work + dm_legendre_work(&m->model); /* with the zeros that rows leave out */
+    double *full = work + dm_legendre_work(&m->model);
     memset(full, 0, p->n * sizeof *full);
     memcpy(full, row + 1 + p->n, p->momenta * sizeof *full);
     return dm_legendre_inverse(&m->model, x + p->n, row + 1, full, row[0], work);
 }
 
-/* room for x and the Legendre transform; v of the first row starts from p */
-static double *scratch(lua_State *L, const dml_path *p, const dml_model *m) {
+double *dml_path_scratch(lua_State *L, const dml_path *p, const dml_model *m) {
     const size_t size = 3 * (size_t)p->n + 1 + dm_legendre_work(&m->model);
     double *x = lua_newuserdatauv(L, size * sizeof *x, 0);
     memset(x, 0, size * sizeof *x);
@@ -79,11 +75,11 @@ static int watched_energy(lua_State *L) {
 int dml_path_energy(lua_State *L) {
     if (check(L)->watched && watched_energy(L)) return 1;
     const dml_path *p = dml_path_states(L, "the energy");
-    dml_model *m = model_for(L, DM_WANT_ENERGY);
-    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
+    dml_model *m = dml_path_kernels(L, DM_WANT_ENERGY);
+    double *x = dml_path_scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *E = dml_pushvector(L, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++) {
-        check_row(L, m, read_row(p, m, i, x, work), i);
+        check_row(L, m, dml_path_row(p, m, i, x, work), i);
         if (m->hamiltonian) /* of p, not of v */
             memcpy(x + p->n, work + dm_legendre_work(&m->model), p->n * sizeof *x);
         dm_kernel_prepare(&m->model.energy, E + i);
@@ -101,14 +97,14 @@ static double largest(double so_far, const double *y, uint32_t count) {
 
 /* largest |g| or |phi| over the rows: the outputs that a kernel of the constraints begins with */
 static double worst_of_rows(lua_State *L, const dml_path *p, int rolling) {
-    dml_model *m = model_for(L, rolling ? DM_WANT_ROLLING : DM_WANT_HOLONOMIC);
+    dml_model *m = dml_path_kernels(L, rolling ? DM_WANT_ROLLING : DM_WANT_HOLONOMIC);
     const dm_constraints *t = m->model.constraints;
     const dm_kernel *kernel = rolling ? &t->rolling_kernel : &t->holonomic_kernel;
-    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1, worst = 0.0;
+    double *x = dml_path_scratch(L, p, m), *work = x + 2 * p->n + 1, worst = 0.0;
     double *y = lua_newuserdatauv(L, kernel->outputs * sizeof *y, 0);
     dm_kernel_prepare(kernel, y);
     for (long i = 0; i < p->rows; i++) {
-        check_row(L, m, read_row(p, m, i, x, work), i);
+        check_row(L, m, dml_path_row(p, m, i, x, work), i);
         dm_kernel_eval(kernel, x, y);
         worst = largest(worst, y, rolling ? t->rolling : t->holonomic);
     }
@@ -145,8 +141,8 @@ static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
     if (i < 1 || i > p->rows)
         luaL_error(L, "path:velocity: there are rows 1 to %d (got %I)", (int)p->rows,
                    (LUAI_UACINT)i);
-    double *x = scratch(L, p, m), *v = dml_pushvector(L, p->momenta);
-    check_row(L, m, read_row(p, m, (long)i - 1, x, x + 2 * p->n + 1), (long)i - 1);
+    double *x = dml_path_scratch(L, p, m), *v = dml_pushvector(L, p->momenta);
+    check_row(L, m, dml_path_row(p, m, (long)i - 1, x, x + 2 * p->n + 1), (long)i - 1);
     memcpy(v, x + p->n, p->momenta * sizeof *v);
     return 1;
 }
@@ -154,14 +150,14 @@ static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
 /* v of all rows as a matrix, or of the row at 2. */
 static int path_velocity(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the velocity");
-    dml_model *m = model_for(L, 0);
+    dml_model *m = dml_path_kernels(L, 0);
     if (m->model.structure & DM_LINEAR_IN_V)
         luaL_error(L, "L is linear in v: no momentum determines a velocity");
     if (!lua_isnoneornil(L, 2)) return velocity_of_row(L, p, m);
-    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
+    double *x = dml_path_scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->momenta);
     for (long i = 0; i < p->rows; i++) {
-        check_row(L, m, read_row(p, m, i, x, work), i);
+        check_row(L, m, dml_path_row(p, m, i, x, work), i);
         memcpy(v + (size_t)i * p->momenta, x + p->n, p->momenta * sizeof *v);
     }
     return 1;
@@ -184,10 +180,10 @@ static void position_argument(lua_State *L, const dml_path *p, double *q) {
 static int path_mass(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the mass matrix");
     const double t = luaL_optnumber(L, 3, p->t0);
-    dml_model *m = model_for(L, DM_WANT_MASS);
+    dml_model *m = dml_path_kernels(L, DM_WANT_MASS);
     if (m->hamiltonian) luaL_error(L, "this H has no Lagrangian, and hence no mass matrix");
     const dm_kernel *mass = &m->model.mass;
-    double *x = scratch(L, p, m), *y = lua_newuserdatauv(L, mass->outputs * sizeof *y, 0);
+    double *x = dml_path_scratch(L, p, m), *y = lua_newuserdatauv(L, mass->outputs * sizeof *y, 0);
     position_argument(L, p, x);
     memset(x + p->n, 0, p->n * sizeof *x);
     x[2 * p->n] = t;
@@ -200,44 +196,6 @@ static int path_mass(lua_State *L) {
     double *M = dml_pushmatrix(L, p->momenta, p->momenta);
     for (size_t i = 0; i < p->momenta; i++)
         memcpy(M + i * p->momenta, y + p->n + i * p->n, p->momenta * sizeof *y);
-    return 1;
-}
-
-/* J = p . xi(q) along the path for a generator xi written in Lua, at stack index 2 */
-static int momentum_of_generator(lua_State *L, const dml_path *p) {
-    const dml_signature s = {.what = "generator",
-                             .arguments = 1,
-                             .length = {(int)p->n},
-                             .outputs = (int)p->n};
-    double *xi = lua_newuserdatauv(L, p->n * sizeof *xi, 0);
-    double *J = dml_pushvector(L, (uint32_t)p->rows);
-    for (long i = 0; i < p->rows; i++) {
-        const double *row = p->data + (size_t)i * dml_path_width(p);
-        dml_call_numbers(L, 2, &s, row + 1, xi, p->n);
-        J[i] = 0.0;
-        for (uint32_t k = 0; k < p->n; k++) J[i] += row[1 + p->n + k] * xi[k];
-    }
-    return 1;
-}
-
-/* J = p . (generator of the group at q), by rows. */
-static int path_momentum(lua_State *L) {
-    const dml_path *p = dml_path_states(L, "a momentum map");
-    lua_settop(L, 3);
-    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    if (dml_placed(L, -1)) return dml_place_momentum(L, -1);
-    if (lua_isfunction(L, 2)) {
-        if (!lua_isnil(L, 3))
-            luaL_error(L, "momentum: a surplus argument: path:momentum(generator)");
-        return momentum_of_generator(L, p);
-    }
-    const dm_action action = dml_standard_action(L, 2, 3, 4, p->n);
-    const uint32_t d = action.group->dimension(action.k), rows = (uint32_t)p->rows;
-    double *J = d == 1 ? dml_pushvector(L, rows) : dml_pushmatrix(L, rows, d);
-    for (long i = 0; i < p->rows; i++) {
-        const double *row = p->data + (size_t)i * dml_path_width(p);
-        dm_momentum(J + (size_t)i * d, &action, p->n, row + 1, row + 1 + p->n);
-    }
     return 1;
 }
 
@@ -258,7 +216,7 @@ static int field_column(lua_State *L, const char *name) {
 }
 
 /* (path, name) -> vector */
-static int path_column(lua_State *L) {
+int dml_path_column(lua_State *L) {
     const dml_path *p = check(L);
     const char *name = luaL_checkstring(L, 2);
     if (!p->watched && field_column(L, name)) return 1;
@@ -292,7 +250,7 @@ static void push_drift(lua_State *L, const dm_drift *d) {
 static const double *quantity(lua_State *L, const dml_path *p) {
     double *y = lua_newuserdatauv(L, (size_t)p->rows * sizeof *y, 0);
     if (lua_type(L, 2) == LUA_TSTRING) {
-        path_column(L);
+        dml_path_column(L);
         lua_replace(L, 2);
     }
     if (dml_length(L, 2) != p->rows)
@@ -348,7 +306,7 @@ const dml_row dml_path_quantities[] =
       "path:worst(\"constraint\" | \"rolling\") -> number\n"
       "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, where the "
       "rule looks at it in every step, over all of its steps."},
-     {"column", path_column,
+     {"column", dml_path_column,
       "path:column(name) -> dm.vector of #path entries\n"
       "A column by its name (see path.columns; \"time\" and \"energy\" too)."},
      {"energy", dml_path_energy,
@@ -361,13 +319,14 @@ const dml_row dml_path_quantities[] =
       "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
       "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L again; t: "
       "default that of the first row. Raises where it is not finite."},
-     {"momentum", path_momentum,
+     {"momentum", dml_path_momentum,
       "path:momentum(group [, {block=, side=, action=}]) -> dm.vector   or   (generator) -> "
       "dm.vector\n"
       "Noether's momentum map at every row: of a group by its standard action on blocks of "
       "coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . "
       "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. Of coordinates that "
-      "are angles (dm.T) groups that act on vectors are refused. On a group G, of G itself the "
+      "are angles (dm.T), or whose kinetic energy is another where they are turned (r and phi), "
+      "groups that act on vectors are refused. On a group G, of G itself the "
       "spatial momentum ({ side = \"right\" }: the body momentum), of SO(3), SO(2) and "
       "R(n) that of rotations and translations of space, of any group that of its action on "
       "elements, { action = function(k, g) ... end }; a generator returns the body velocity of its "

@@ -10,7 +10,6 @@
 #include "bind/rule/bind_step.h"
 #include "bind/rule/rule_sum.h"
 #include "bind/run/start_constraints.h"
-#include "bind/run/stepping_params.h"
 #include "bind/trace/bind_root.h"
 
 #include <math.h>

@@ -143,4 +143,16 @@ int dml_stepping_energy(lua_State *L, const dml_solver *s, double *out);
  * time of its own, whose steps cover no duration that is known beforehand. */
 long dml_stepping_cover(lua_State *L, const dml_solver *s, double duration, double h);
 
+/* ---- varied parameters that are inputs of its kernels (stepping_params.c, model_params.h) ---- */
+
+/* Let *r step the model with inputs where it can: r->inputs and its values; the stack grows by
+ * what keeps them. */
+void dml_stepping_inputs(lua_State *L, dml_stepping *r);
+
+/* Push the list of names of the inputs of r->inputs. */
+void dml_pushnames(lua_State *L, const dml_stepping *r);
+
+/* True when L with inputs is L at r->state. */
+int dml_stepping_agrees(dml_stepping *r);
+
 #endif

@@ -1,5 +1,5 @@
 /* stepping_params.c - a run steps the model whose parameters are inputs where its rule can. */
-#include "bind/run/stepping_params.h"
+#include "bind/run/stepping.h"
 
 #include "bind/model/model_params.h"
 

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SECTION "dm.section"
+#define SECTION "dm.level_set"
 enum { ARENA = 1, INSIDE, VALUES };
 
 /* inside: of dm_level_function conditions, which must be > 0; NULL: a function of Lua, or none */
@@ -191,28 +191,28 @@ static int folds(lua_State *L) {
 
 static const dml_row methods[] =
     {{"node", node,
-      "section:node(x, step) -> x, sine, inside   or nothing\n"
+      "level_set:node(x, step) -> x, sine, inside   or nothing\n"
       "The point of F = 1 beside x, by Newton steps of least length, which fit a step of that "
       "length; the product of the sines of the angles of that level set with the orbits of the "
       "group, with a sign; do the conditions hold there?"},
      {"cut", cut,
-      "section:cut(x) -> J psi, condition\n"
+      "level_set:cut(x) -> J psi, condition\n"
       "Slopes of the section at x, which need not be on it, by the generators of the action: r x "
       "r. Its condition number in the norm of Frobenius, with rows of J as long as 1, since a "
       "section may have any units; or, if that is larger, how much the frame turns for a relative "
       "change of the points, |(J psi)^-1| |J| |x|: near a fixed point psi itself vanishes. Raises "
       "where J or psi is not finite."},
      {"distance", distance,
-      "section:distance(x, Z) -> number, condition, number\n"
+      "level_set:distance(x, Z) -> number, condition, number\n"
       "|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, "
       "however the section is written; the condition number as of cut, and |(J psi)^-1|."},
      {"approach", approach,
-      "section:approach(x, goal) -> dm.vector   or nothing\n"
+      "level_set:approach(x, goal) -> dm.vector   or nothing\n"
       "The algebra vector that moves the point x as close to the goal as it can, to first order: y "
       "of "
       "least squares in psi y = goal - x. Nothing where the generators psi depend on each other."},
      {"folds", folds,
-      "section:folds(starts, nodes, most) -> list\n"
+      "level_set:folds(starts, nodes, most) -> list\n"
       "Where the sine changes its sign along curves from the starts { { x, step } ... }, each "
       "brought to F = 1 within its step: pairs { a, b } of points beside a fold, or { a, b, c, d } "
       "where a curve leaves what is inside between c and d and comes back between a and b; at "
@@ -222,7 +222,7 @@ static const dml_row methods[] =
 
 static const dml_row functions[] =
     {{"section", new,
-      "core.section(F, moved, inside) -> dm.section\n"
+      "core.section(F, moved, inside) -> dm.level_set\n"
       "The level set F = 1, F a dm.function of x whose first entries are a cross-section; moved: "
       "one of (y, x), x moved by y in the algebra of a group. inside: a dm.function of x whose "
       "entries are conditions > 0, or a function that gives true or false, or nil."},
@@ -230,7 +230,7 @@ static const dml_row functions[] =
 
 const dml_class dml_class_section = {
     .name = SECTION,
-    .doc = "dm.section: the points of a cross-section of orbits, made by core.section(F, moved, "
+    .doc = "dm.level_set: the points of a cross-section of orbits, made by core.section(F, moved, "
            "inside)",
     .methods = methods,
     .functions = functions,

@@ -98,7 +98,7 @@ ok(data.columns_[1] == 3 and data.columns__[1] == 5 and data.columns[2] == "colu
 data = dm.load(spit(csv, "t,x\n"))
 ok(#data.t == 0 and #data.x == 0, "names without rows")
 raises("line 2, column c2: nothing is there: the line has 1 field, the first one 2", dm.load, spit(csv, "1;2\n3\n"))
-raises("line 1, column c3: not a number", dm.load, spit(csv, "1,2,\n3,4,5\n"))
+raises("line 1, column c3: not a number: nothing is there; where one is missing write nan", dm.load, spit(csv, "1,2,\n3,4,5\n"))
 raises("line 3, column c2: not a number", dm.load, spit(csv, "# data\n1 2\n3 x\n"))
 -- a first row with a fault is not taken for names
 raises('line 1: "1.O5" is no number, and 1.0 no name', dm.load, spit(csv, "1.0,1.O5\n2,3\n"))

@@ -62,6 +62,31 @@ for i, x in ipairs(far.x:totable()) do
   if math.abs(math.sin((x - path.q[i][1]) / 2)) > 1e-9 then widest = 1 / 0 end
 end
 ok(widest > 2 and widest <= pi and path.q[#path][1] > 60, "an angle is read off between -pi and pi, whole turns from the path's", widest)
+-- the same on groups: SO(2) is one angle, and factors of products are
+local disc = dm.system { Q = dm.SO(2), L = function(g, xi) return xi[1] ^ 2 / 2 + dm.cos(g) end }
+for _, rule in ipairs { "gauss(6)", "lie(3)" } do
+  local turns = disc:solver({ rule = rule, h = 0.05 }):section { g = "q1", q = { -1e-9 }, v = { 3 }, t = 20 }.orbits[1]
+  local times = 0
+  for i = 1, #turns.t do times = math.max(times, math.abs(turns.t[i] - (i - 1) * turn_of(2 / 3))) end
+  ok(#turns.t == 9 and times < 1e-5 and turns.x:norm() < 1e-12, "an element of SO(2) comes round, by " .. rule, times)
+end
+for _, row in ipairs { { dm.product(dm.SO(2), dm.R(1)), 1 }, { dm.product(dm.R(1), dm.SO(2)), 2 }, { dm.product(dm.SO(2), dm.SO(2)), 1 } } do
+  local free = dm.system { Q = row[1], L = function(_, xi) return xi:dot(xi) / 2 end }
+  local angle, other = row[2], 3 - row[2]
+  local v = { [angle] = 2, [other] = 3 }
+  local cuts = free:solver({ rule = "gauss(2)", h = 0.1 }):section { g = "q" .. angle, q = { -1, -1 }, v = v, t = 10 }.orbits[1]
+  ok(#cuts.t == 4, "an angle of " .. tostring(row[1]) .. " comes round", #cuts.t)
+  local worst, is_angle = 0, tostring(row[1]) == "SO(2) x SO(2)"
+  for i, t in ipairs(cuts.t:totable()) do
+    local x = 3 * t - 1
+    local off = is_angle and sin((cuts.x[i] - x) / 2) or cuts.x[i] - x
+    worst = math.max(worst, math.abs(t - 0.5 - (i - 1) * pi), math.abs(off), is_angle and math.abs(cuts.x[i]) - pi or 0)
+  end
+  ok(worst < 1e-9, "  at each turn, with the other coordinate there", worst)
+end
+local plane = dm.system { Q = dm.SE(2), L = function(_, xi) return xi:dot(xi) / 2 end }
+local heading = plane:solver({ rule = "lie(2)", h = 0.1 }):section { g = "q3", q = { 0, 0, -1 }, v = { 0, 0, 2 }, t = 10, x = "q3", y = "t" }.orbits[1]
+ok(#heading.t == 4 and math.abs(heading.t[4] - 0.5 - 3 * pi) < 1e-9 and heading.x:norm() < 1e-9, "the heading of SE(2), not its place", heading.t)
 local mixed = dm.system { Q = dm.product(dm.R(1), dm.T(1)), coordinates = { "s", "th" }, L = function(_, v) return v:dot(v) / 2 end }
 local line = mixed:solver({ rule = "verlet", h = 0.1 }):section { g = "th", q = { 0, -1 }, v = { 1, 2 }, t = 10, x = "s", y = "t" }
 near((line.orbits[1].x - dm.vector { 0.5, 0.5 + pi, 0.5 + 2 * pi, 0.5 + 3 * pi }):norm(), 0, 1e-9, "of a product the angles alone")

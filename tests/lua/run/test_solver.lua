@@ -72,6 +72,25 @@ local M = cross:momentum(dm.SO(3))
 near(M[1][1], 0.2 * 0.1 - 0.3 * 0.9, 1e-16, "SO(3): q x p, first component"); near(M[1][3], 0.9, 1e-16, "third component")
 near(cross:momentum(dm.SO(2))[1], 0.9, 1e-16, "SO(2) on R^3 turns about the third axis")
 
+-- coordinates that do not turn so: the kinetic energy tells, and what has the symmetry or a constant mass is taken
+local polar = dm.system { Q = dm.R(2), coordinates = { "r", "phi" }, L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }
+local turned = polar:solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 1, 0 }, v = { 0.1, 1 }, steps = 40 }
+raises("turns coordinates as those of points in space", turned.momentum, turned, dm.SO(2))
+raises("function(q) return { 0, 1 } end", turned.momentum, turned, dm.SE(2))
+ok(turned:momentum(function() return { 0, 1 } end) == turned.p_phi and turned:momentum(dm.R(2))[3][2] == turned.p[3][2], "by its generator, or of shifts")
+near(turned:momentum(function(q) return { -q[2], q[1] } end)[1], 1, 1e-15, "a generator is taken as it is given")
+local bowl = function(skew) -- a bead in z = (x^2 + (1 + skew) y^2)/2, of x and y
+  return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + (q[1] * v[1] + (1 + skew) * q[2] * v[2]) ^ 2 / 2 - q:dot(q) / 2 end }
+    :solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 1, 0.2 }, v = { 0.1, 1 }, steps = 40 }
+end
+local round = bowl(0)
+near(round:momentum(dm.SO(2))[1], round.q[1][1] * round.p[1][2] - round.q[1][2] * round.p[1][1], 1e-15, "a mass that turns along")
+ok(round:drift(round:momentum(dm.SO(2))).largest < 1e-12, "  whose momentum stays")
+raises("the kinetic energy of this system is not the same", function() bowl(0.5):momentum(dm.SO(2)) end)
+local fast = dm.system { Q = dm.R(3), L = function(q, v) return -dm.sqrt(1 - v:dot(v)) + 1 / q:norm() end }
+  :solver({ rule = "gauss(3)", h = 0.05 }):run { q = { 3, 0.2, 0.1 }, v = { 0.1, 0.4, 0.2 }, steps = 40 }
+ok(fast:drift(fast:momentum(dm.SO(3)):column(3)).largest < 1e-12, "a mass of the velocity")
+
 -- drift: a damped-looking explicit method drifts, a symplectic one does not
 local rk = kepler:solver { rule = "rk4", h = 0.05 }:run { q = start.q, v = start.v, steps = 20000, every = 10 }:drift "energy"
 local sy = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, steps = 100000, every = 10 }:drift "energy"

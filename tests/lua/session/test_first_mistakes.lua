@@ -93,6 +93,65 @@ raises("fields 'v' and 'p' are missing", round.run, round, { steps = 2 })
 ok(dm.resume(round:run { v = { 0, 0, 1 }, steps = 2 }):run({ steps = 2 }).t[3] == 0.4,
   "a reduced run goes on")
 
+-- columns: a path has them as fields, what is no column is called by its class
+local orbit = dm.system { Q = dm.R(2), coordinates = { "x", "csv" },
+  L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 end }
+  :solver({ rule = "verlet", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 1 }, steps = 9 }
+for name, of in pairs { x = { "q", 1 }, q1 = { "q", 1 }, q2 = { "q", 2 }, p_x = { "p", 1 },
+  p2 = { "p", 2 } } do
+  local column, alike = orbit[name], true
+  for i = 1, #orbit do alike = alike and column[i] == orbit[of[1]][i][of[2]] end
+  ok(alike and #column == 10, "path." .. name .. " is that column")
+end
+ok(type(orbit.csv) == "function" and #orbit.q == 10, "methods and fields keep their names")
+ok(orbit.q3 == nil and orbit.time == nil, "what is no column is nil")
+raises("y must be a vector or a table of numbers (got dm.columns, all columns together", orbit.plot,
+  orbit, orbit.q)
+raises("(got dm.path)", orbit.plot, orbit, orbit)
+raises("or a list of series { x =, y =, name = } (got nil)", dm.plot)
+raises("(got dm.vector: against what?", dm.plot, orbit.x)
+raises("(got nil and dm.vector)", dm.plot, nil, orbit.x)
+for got, draw in pairs { ["got dm.vector"] = function(q) return q end,
+  ["got points = a dm.vector"] = function(q) return { points = q } end,
+  ["holds a dm.path"] = function() return { points = { { orbit, 1 } } } end } do
+  raises(got, orbit.animate, orbit, "x.html", { draw = draw })
+end
+
+-- the only rule of a chart needs no name, of several one does
+raises("chart:order takes the rule whose order is asked for: verlet, midpoint", function()
+  spring:chart({ q = { 1 }, v = { 0 }, t = 1, h = { 0.1, 0.05 }, rules = { "verlet", "midpoint" } })
+    :order()
+end)
+ok(select("#", chart:order()) > 0 and chart:order() == chart:order "verlet", "the only rule")
+
+-- units stand under names of columns; a dimension is none, unless something is called so
+local function with(units, more)
+  local o = { Q = dm.R(1), units = units, L = function(_, v) return v[1] ^ 2 / 2 end }
+  for key, value in pairs(more or {}) do o[key] = value end
+  return dm.system(o)
+end
+for _, name in ipairs { "length", "mass", "time" } do
+  raises(("'%s' is no column: units stand under q and p"):format(name), with, { [name] = "m" })
+  ok(with({ [name] = "m" }, { params = { [name] = 1 } }).units[name] == "m", "a parameter " .. name)
+  ok(name == "time" or with({ [name] = "m" }, { coordinates = { name } }).units[name] == "m",
+    "a coordinate " .. name)
+end
+ok(with({ q = "m", reach = "m", t = "s" }).units.reach == "m", "what a run will watch")
+
+-- what a solver has
+local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(a, b, h)
+  return (b[1] - a[1]) ^ 2 / (2 * h)
+end }
+local function explained(f)
+  local _, text = xpcall(f, debug.getregistry().dm_explain)
+  return text
+end
+local said = explained(function() Ld:run { steps = 1 } end)
+ok(said:find("a solver of it has: Ld:solver {}:run", 1, true), "Ld:run", said)
+said = explained(function() dm.R(2):run() end)
+ok(said:find("a method of dm.solver, dm.avi_cells, dm.box_solver, dm.euler_solver and ", 1, true),
+  "few classes are named, the usual ones first", said)
+
 -- bundles
 for _, form in ipairs { function(x) return { -x[2] } end, function(x) return { x[3], 1 } end } do
   raises("option 'form' has no value at 120 random points", dm.connection,

@@ -192,7 +192,13 @@ ok(lines < 10 and said:find('"v" has no doc of its own', 1, true) and said:find(
   "?v of a name without a doc: ten lines", said)
 has(text, "Henon and Heiles (1964): is a star's motion in a galaxy orderly or chaotic?", "?name of an example")
 has(text, "guiding_centre", "?examples lists them")
-has(text, 'but "friction" is spoken of:', "apropos knows what others call it")
+has(text, '"friction" is spoken of:', "apropos knows what others call it")
+asked = session { "?fpu", "?boris", "?Lorentz", "?snake", "?section" }
+for word, there in pairs { fpu = "?dm.sum_over", boris = "?charged_particle", Lorentz = "?guiding_centre", snake = "?chaplygin_sleigh" } do
+  said = asked:match("> %?" .. word .. "\n(.-)\n> ") or asked
+  ok(said:find(there, 1, true) and not said:find "did you mean", "?" .. word .. " says how it is written here", said)
+end
+ok(asked:find("solver:section{g=", 1, true) and not asked:find("Newton steps of least length", 1, true), "?section is that of runs alone", asked)
 has(text, "  log-hamiltonian  Splitting of the logarithmic", "and rules")
 has(text, "> apropos 'Poincaré'\nG:coad  ", "accents do not count")
 

@@ -231,7 +231,7 @@ M["core.section"] = [=[
 > core.section(line, turned, nil):node({ 2, 0.25 }, 1)
 [2, 0]	1.0	true]=]
 
-M["section.node"] = [=[
+M["level_set.node"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
 > turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
@@ -240,7 +240,7 @@ M["section.node"] = [=[
 > x, math.abs(sine - 3/10^.5) < 1e-14, inside
 [1, 1]	true	false]=]
 
-M["section.cut"] = [=[
+M["level_set.cut"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
 > turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
@@ -248,7 +248,7 @@ M["section.cut"] = [=[
 > slope, math.abs(condition - 50^.5/7) < 1e-14
 [[7]]	true]=]
 
-M["section.distance"] = [=[
+M["level_set.distance"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)
 > turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
@@ -256,14 +256,14 @@ M["section.distance"] = [=[
 > math.abs(off - 2/7) < 1e-15, math.abs(inverse - 1/7) < 1e-15
 true	true]=]
 
-M["section.approach"] = [=[
+M["level_set.approach"] = [=[
 > core = require "dm.core"
 > line = core.trace(function(x) return { 1 + x[2] } end, 2)
 > turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
 > core.section(line, turned, nil):approach({ 2, 0 }, { 7, 1 })
 [0.5]]=]
 
-M["section.folds"] = [=[
+M["level_set.folds"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - 0.9*dm.sin(3*x[1]) } end, 2)
 > turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)

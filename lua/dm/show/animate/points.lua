@@ -111,9 +111,13 @@ end
 local function read_points(drawing, i, out)
   local points = type(drawing) == "table" and (drawing.points or drawing[1] and drawing) or nil
   if type(points) ~= "table" or #points == 0 then
+    local got = option.got(drawing)
+    if type(drawing) == "table" then
+      got = type(points) == "userdata" and "points = a " .. option.got(points)
+        or "a table without points"
+    end
     fail("draw must return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } (row %d: got %s)",
-      i,
-      type(drawing) == "table" and "a table without points" or type(drawing))
+      i, got)
   end
   local dim
   for k, point in ipairs(points) do
@@ -126,7 +130,8 @@ local function read_points(drawing, i, out)
     for axis = 1, n do
       local x = point[axis]
       if type(x) ~= "number" then
-        fail("draw: point %d of row %d holds a %s, not a number", k, i, type(x))
+        fail("draw: point %d of row %d holds a %s, not a number", k, i,
+          type(x) == "userdata" and option.got(x) or type(x))
       end
       out[#out + 1] = x * 1.0
     end
