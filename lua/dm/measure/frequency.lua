@@ -96,6 +96,9 @@ local function check(w, T, dt)
 end
 
 class.method("dm.path", "frequency", function(path, name, more)
+  if type(name) ~= "string" then
+    options.fail(WHERE, "takes the name of a column, as \"q1\" (got %s)", options.got(name))
+  end
   more = options.check(more or {}, { "above" }, WHERE, "{ above = }")
   local above = options.positive(more, "above", WHERE, "a frequency", 0)
   local dt = distance(path)

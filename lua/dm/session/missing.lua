@@ -102,6 +102,7 @@ end
 local ELSEWHERE = { len = "#x", range = "for i = 1, n do ... end", enumerate = "ipairs(x)",
   str = "tostring(x)", int = "x // 1", float = "tonumber(x)", sum = "x:sum(), of a vector",
   np = "math and dm", numpy = "math and dm", plt = "dm.plot", array = "dm.vector { 1, 2 }",
+  norm = "x:norm(), of a vector", dot = "a:dot(b), of vectors", cross = "a:cross(b), of vectors",
   zeros = "dm.zeros(n)", linspace = "a loop: for i = 1, n do ... end" }
 
 -- a global that is not there but in math or dm, as sin and pi are: where it is
@@ -117,6 +118,24 @@ local function of_library(message)
   return where and ("%s: it is %s.%s"):format(message, where, name) or message
 end
 
+local FAILED = 4  -- level of the function that raised, seen from what the handler calls
+
+-- a parameter that the caller, a function of dm, gave nothing for: L of (x, y, vx, vy)
+local function of_parameter(message)
+  local name = match(message, "a nil value %(local '([%a_][%w_]*)'%)")
+  local f, caller = debug.getinfo(FAILED, "Su"), debug.getinfo(FAILED + 1, "S")
+  if not name or not caller or caller.what ~= "C" or f.what ~= "Lua" then return "" end
+  local place, given = 0, 0
+  for i = 1, f.nparams do
+    local parameter, value = debug.getlocal(FAILED, i)
+    if parameter == name then place = i end
+    if value ~= nil then given = i end
+  end
+  if given >= place then return "" end
+  return (": it is argument %d of a function that is called with %d (q and v of a system are one "
+    .. "vector each: q[1], q[2])"):format(place, given)
+end
+
 --- The message with what was noted about the nil in it, or where a global of that name is; any
 -- other message as it is.
 function M.explain(message)
@@ -126,7 +145,7 @@ function M.explain(message)
     or find(message, ": cannot compute [^\n]* nil$")
   local name = of_nil and variable.of_nil(2) or ""
   if not note or not note.of or not is_about(note, message) then
-    return of_library(message) .. name
+    return of_library(message) .. name .. of_parameter(message)
   end
   local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
   note.of = nil

@@ -255,8 +255,8 @@ static const double *quantity(lua_State *L, const dml_path *p) {
     }
     if (dml_length(L, 2) != p->rows)
         luaL_error(L,
-                   "a column name or a vector of %d numbers (one a row) is needed, for instance "
-                   "M:column(1) of a matrix (got %s)",
+                   "a column name (\"energy\", \"q1\") or a vector of %d numbers (one a row) is "
+                   "needed, for instance M:column(1) of a matrix (got %s)",
                    (int)p->rows, dml_kindname(L, 2));
     dml_vectorarg(L, 2, "quantity", y, (uint32_t)p->rows);
     return y;

@@ -22,7 +22,7 @@ static int splitting(dm_splitting *out, const dm_rule *rule) {
 
 const dm_method dm_method_verlet = {
     .name = "verlet",
-    .aliases = "leapfrog, stoermer-verlet, stormer-verlet, strang",
+    .aliases = "leapfrog, velocity-verlet, stoermer-verlet, stormer-verlet, strang",
     .signature = "verlet",
     .doc = "Stoermer-Verlet, kick-drift-kick, order 2; explicit, one force a step, when L = T(v) - "
            "V(q, t) with constant mass, else the implicit Lobatto IIIA-IIIB pair of 2 stages (HLW "

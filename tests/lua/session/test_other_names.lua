@@ -19,10 +19,32 @@ raises("did you mean 'file'?", dm.plot, { 1, 2 }, { 1, 2 }, { filename = "x.png"
 -- methods
 local missing = require "dm.session.missing"
 for _, row in ipairs { { "dm.system", "hamiltonian", "energy" }, { "dm.system", "solve", "solver" },
-  { "dm.matrix", "inv", "inverse" }, { "dm.path", "save", "csv" } } do
+  { "dm.matrix", "inv", "inverse" }, { "dm.path", "save", "csv" }, { "dm.path", "export", "csv" },
+  { "dm.path", "energy_error", "drift" }, { "dm.path", "period", "frequency" },
+  { "dm.space", "bracket", "ad" }, { "dm.space", "coadjoint", "coAd" },
+  { "dm.system", "symmetries", "structure" } } do
   local text = missing.of(row[1], row[2])
   ok(text:find(("did you mean '%s'?"):format(row[3]), 1, true), row[2], text)
 end
+
+raises("unknown field 'V'; did you mean 'L'?", dm.system, { Q = dm.R(1), V = function() return 0 end,
+  L = function() return 0 end })
+for name, rule in pairs { ["forest-ruth"] = "yoshida", ode45 = "rkf45", ["velocity-verlet"] = "verlet" } do
+  raises(("did you mean '%s'?"):format(rule), spring.solver, spring, { rule = name, h = 0.1 })
+end
+
+-- what is left out where a name or a number has to be
+local path = spring:solver({ rule = "verlet", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 99 }
+raises('path:frequency: takes the name of a column, as "q1" (got nil)', path.frequency, path)
+raises('a column name ("energy", "q1") or a vector of 100 numbers', path.drift, path)
+
+-- q and v are vectors: who takes their entries apart hears which argument nobody gives
+local program = os.getenv "DMLUA" or arg[-1]
+local shell = io.popen(([['%s' -e "require('dm').system { Q = dm.R(2), L = function(x, y, vx, vy)
+  return vx^2/2 + vy^2/2 end }" 2>&1]]):format(program))
+local said = shell:read "a"
+shell:close()
+ok(said:find("(local 'vy'): it is argument 4 of a function that is called with 3", 1, true), "L(x, y, vx, vy)", said)
 
 -- a name that is there, one that is misspelt, one that is neither: 'map' is no misprint of 'mean'
 ok(core.nearest("step", { "h", "step" }) == "step", "what is there is meant")
@@ -31,7 +53,7 @@ ok(core.nearest("mean", { "map", "norm" }) == nil, "two of four letters are no m
 
 -- globals of other languages, where they are called or read from; those of Lua and dm as before
 local explain = missing.explain
-for name, here in pairs { len = "#x", np = "math and dm", sin = "math.sin" } do
+for name, here in pairs { len = "#x", norm = "x:norm()", np = "math and dm", sin = "math.sin" } do
   local text = explain(("f.lua:1: attempt to call a nil value (global '%s')"):format(name))
   ok(text:find(here, 1, true), name, text)
 end

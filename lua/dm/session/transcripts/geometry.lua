@@ -231,6 +231,14 @@ M["core.section"] = [=[
 > core.section(line, turned, nil):node({ 2, 0.25 }, 1)
 [2, 0]	1.0	true]=]
 
+M["dm.level_set"] = [=[
+> core = require "dm.core"
+> line = core.trace(function(x) return { 1 + x[2] } end, 2)
+> turned = core.trace(function(y, x) return { x[1] - y[1]*x[2], x[2] + y[1]*x[1] } end, 1, 2)
+> x, condition = core.section(line, turned, nil):cut { 3, 0 }
+> x[1][1], condition
+3	1.0]=]
+
 M["level_set.node"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - x[1]^2 } end, 2)

@@ -10,7 +10,7 @@ static const dm_scheme schemes[] = {
 
 const dm_method dm_method_yoshida = {
     .name = "yoshida",
-    .aliases = "ruth",
+    .aliases = "ruth, forest-ruth",
     .signature = "yoshida(4|6 [, base])",
     .doc = "Yoshida's compositions of order 4 (3 stages) and 6 (7 stages). Explicit when L "
            "separates, else steps of the base rule (verlet). Yoshida 1990; HLW (II.4.4), (V.3.11).",

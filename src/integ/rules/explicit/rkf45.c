@@ -3,7 +3,7 @@
 
 const dm_method dm_method_rkf45 = {
     .name = "rkf45",
-    .aliases = "rk45",
+    .aliases = "rk45, ode45, dopri5, dopri",
     .signature = "rkf45",
     .doc = "Runge-Kutta-Fehlberg 4(5) with a fixed step, order 5, 6 forces a step; not symplectic, "
            "a baseline (GSL).",
