@@ -2214,6 +2214,7 @@ function dm_level_class:routhian(x, x_, nu) end
 function dm_level_class:solver(options) end
 
 ---dm.level_set: the points of a cross-section of orbits, made by core.section(F, moved, inside)
+---What a frame looks at when it is made: how far points are from the section, how it cuts the orbits there, and where it folds.
 ---@class dm.level_set
 local dm_level_set_class = {}
 

@@ -169,42 +169,8 @@ local function is_at(P, pc, line)
   return at == line
 end
 
--- the first operation of two registers at the line of the frame whose operands are these: its place
-local function place_of(P, level, first, second)
-  local line = getinfo(level + 1, "l").currentline
-  for k, i in ipairs(P.code) do
-    if op(i) == MMBIN and is_at(P, k - 1, line) then
-      local _, x = getlocal(level + 1, A(i) + 1)
-      local _, y = getlocal(level + 1, B(i) + 1)
-      if (x == nil) == (first == nil) and (y == nil) == (second == nil) then return k - 1, i end
-    end
-  end
-end
-
--- what the function at `level` calls the nil among its operands, or nothing
-local function found(level, first, second)
-  local P = code_of(getinfo(level + 1, "f").func)
-  if not P then return end
-  local pc, i = place_of(P, level + 1, first, second)
-  if not pc then return end
-  local kind, name = name_of(P, pc - 1, first == nil and A(i) or B(i))
-  return name and (" (%s '%s')"):format(kind, name)
-end
-
---- " (global 'K')": the nil that the metamethod at `level` of the caller was called with, by the
--- name that the function which called it has for it; "" where that cannot be told.
-function M.of_nil(level)
-  level = level + 1
-  if (getinfo(level, "n") or {}).namewhat ~= "metamethod" then return "" end
-  local _, first = getlocal(level, 1)
-  local _, second = getlocal(level, 2)
-  local caller = getinfo(level + 1, "S")
-  if not caller or caller.what == "C" or (first == nil) == (second == nil) then return "" end
-  local fine, text = pcall(found, level + 2, first, second)  -- pcall is a level, too
-  return fine and text or ""
-end
-
----- arguments ----
+-- numbers of events (ltm.h), behind which MMBIN has its operation
+local EVENTS = { add = 6, sub = 7, mul = 8, mod = 9, pow = 10, div = 11, idiv = 12 }
 
 -- is it certain that what a function has under this name is not nil?
 local function has_value(f, kind, name)
@@ -215,6 +181,42 @@ local function has_value(f, kind, name)
     if upvalue == "_ENV" then return type(env) == "table" and rawget(env, name) ~= nil end
   end
 end
+
+-- What the function at `level` calls the nil among the operands of the event, or nothing. Registers
+-- serve again along a line: operations of this event whose operands may be these must agree.
+local function found(level, event, first, second)
+  local at = getinfo(level + 1, "fl")
+  local P, kind, name = code_of(at.func), nil, nil
+  for k, i in ipairs(P and P.code or {}) do
+    if op(i) == MMBIN and C(i) == (EVENTS[event] or C(i)) and is_at(P, k - 1, at.currentline) then
+      local _, x = getlocal(level + 1, A(i) + 1)
+      local _, y = getlocal(level + 1, B(i) + 1)
+      local its_kind, its_name = name_of(P, k - 2, first == nil and A(i) or B(i))
+      local may_be = (x == nil) == (first == nil) and (y == nil) == (second == nil)
+        and not has_value(at.func, its_kind, its_name)
+      if may_be and name and its_name ~= name then return end
+      if may_be then kind, name = its_kind, its_name end
+      if may_be and kind == "global" then break end -- it is nil, and comes first
+    end
+  end
+  return name and (" (%s '%s')"):format(kind, name)
+end
+
+--- " (global 'K')": the nil that the metamethod at `level` of the caller was called with, by the
+-- name that the function which called it has for it; "" where that cannot be told.
+function M.of_nil(level)
+  level = level + 1
+  local called = getinfo(level, "n") or {}
+  if called.namewhat ~= "metamethod" then return "" end
+  local _, first = getlocal(level, 1)
+  local _, second = getlocal(level, 2)
+  local caller = getinfo(level + 1, "S")
+  if not caller or caller.what == "C" or (first == nil) == (second == nil) then return "" end
+  local fine, text = pcall(found, level + 2, called.name, first, second)  -- pcall is a level, too
+  return fine and text or ""
+end
+
+---- arguments ----
 
 -- kind and name of argument `arg` of the function `called`, which the one at `level` calls; nothing
 -- where calls at this line differ in it

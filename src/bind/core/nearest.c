@@ -71,6 +71,10 @@ static const char *const other_names[][2] = {{"dt", "h"},
                                              {"coadjoint", "coAd"},
                                              {"sample", "random"},
                                              {"geometric_phase", "holonomy"},
+                                             {"poincare", "section"},
+                                             {"symplectic_form", "two_form"},
+                                             {"dt_out", "every"},
+                                             {"save_every", "every"},
                                              {NULL, NULL}};
 
 static int is_among(const char *word, const char *const *known) {

@@ -231,7 +231,9 @@ static const dml_row functions[] =
 const dml_class dml_class_section = {
     .name = SECTION,
     .doc = "dm.level_set: the points of a cross-section of orbits, made by core.section(F, moved, "
-           "inside)",
+           "inside)\n"
+           "What a frame looks at when it is made: how far points are from the section, how it "
+           "cuts the orbits there, and where it folds.",
     .methods = methods,
     .functions = functions,
 };

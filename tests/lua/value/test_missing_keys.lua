@@ -30,7 +30,7 @@ says("a dm.path has no 'enrgy'; did you mean 'energy'?", function() return path.
 says("a dm.action has no 'on_pints'; did you mean 'on_points'?", function() dm.action { group = dm.SE(2), on = dm.R(2) }:on_pints(2) end)
 says("a dm.space has no 'on_pairs'; it is a method of dm.action", function() dm.SE(2):on_pairs() end)
 says("a dm.system has no 'run'; a solver of it has: system:solver { rule =, h = }:run", function() kepler:run { q = { 1, 0 }, v = { 0, 1 }, t = 1 } end)
-says("a dm.space has no 'csv'; it is a method of dm.chart, ", function() dm.SE(2):csv() end)
+says("a dm.space has no 'csv'; it is a method of dm.path, dm.chart, ", function() dm.SE(2):csv() end)
 says("a dm.system has no 'commute'; it is dm.commute, a function", function() kepler:commute {} end)
 says("dm has no 'sytem'; did you mean 'system'?", function() dm.sytem {} end)
 says("a vector of 2 has no entry 3", function() return v[3] + 1 end)
@@ -72,6 +72,7 @@ pipe:close()
 -- a nil is named as Lua names what it computes itself, whatever stands around it
 do
   local function L(f) return function() return dm.system { Q = dm.R(1), L = f } end end
+  there = 2 -- luacheck: globals there
   raises("cannot compute nil * dm.symbol (global 'stiffness')",
     L(function(q, v) return v[1] ^ 2 / 2 - stiffness * q[1] end))
   local outer
@@ -87,6 +88,12 @@ do
   end))
   raises("(global 'first')", L(function(q, v) return first * q[1] + second * v[1] end))
   raises("(field '?')", L(function(q, v) return spring[q] * v[1] end))
+  -- registers serve again along a line
+  raises("(global 'first')", L(function(q, v) return (q[1] - v[1]) / first end))
+  raises("(global 'first')", L(function(q, v) return q[1] / first / second end))
+  raises("(global 'second')", L(function(q, v) return q[1] / there / second end))
+  raises("(global 'second')", L(function(q, v) return q[1] / second / there end))
+  there = nil
   raises("(field 'kk'): the table of params has no 'kk'; did you mean 'k'?", function()
     dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - p.kk * q[1] end }
   end)
