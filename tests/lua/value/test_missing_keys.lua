@@ -72,7 +72,7 @@ pipe:close()
 -- a nil is named as Lua names what it computes itself, whatever stands around it
 do
   local function L(f) return function() return dm.system { Q = dm.R(1), L = f } end end
-  there = 2 -- luacheck: globals there
+  _G.there = 2
   raises("cannot compute nil * dm.symbol (global 'stiffness')",
     L(function(q, v) return v[1] ^ 2 / 2 - stiffness * q[1] end))
   local outer
@@ -93,7 +93,7 @@ do
   raises("(global 'first')", L(function(q, v) return q[1] / first / second end))
   raises("(global 'second')", L(function(q, v) return q[1] / there / second end))
   raises("(global 'second')", L(function(q, v) return q[1] / second / there end))
-  there = nil
+  _G.there = nil
   raises("(field 'kk'): the table of params has no 'kk'; did you mean 'k'?", function()
     dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - p.kk * q[1] end }
   end)
