@@ -26,18 +26,15 @@ static void look(void *step, double *g, double *G, const double *y, double t) {
 }
 
 /* In which masses are 1: the derivative of F is nearly the mass over h. 0: there are none. */
-static int find_units(const dm_made_step *e, double *unit) {
-    const size_t m = e->k->m;
-    for (size_t i = 0; i < e->k->n; i++) {
-        const double own = i < e->k->d ? fabs(e->out[m + i * m + i]) : 1.0;
-        if (!(own > 0.0)) return 0;
-        unit[i] = 1.0 / sqrt(own);
-    }
-    return 1;
+static int find_weights(const dm_made_step *e, const dm_constraints *c, double *weight) {
+    const size_t m = e->k->m, d = e->k->d;
+    const dm_crossing_mass mass = {e->out + m, e->k->d, m};
+    for (size_t i = d; i < e->k->n; i++) weight[i] = 1.0;
+    return dm_crossing_weights(weight, &mass, c->prolonged);
 }
 
 /* The square of the volume of the rows at the end. */
-static dm_wide_product find_volume(dm_made_step *e, const dm_constraints *c, const double *unit,
+static dm_wide_product find_volume(dm_made_step *e, const dm_constraints *c, const double *weight,
                                    double t, double *room) {
     const size_t n = c->n;
     double *x = room, *rows = x + 2 * n + 1;
@@ -46,7 +43,7 @@ static dm_wide_product find_volume(dm_made_step *e, const dm_constraints *c, con
     x[2 * n] = t;
     dm_kernel_prepare(&c->holonomic_kernel, rows);
     dm_kernel_eval(&c->holonomic_kernel, x, rows);
-    return dm_crossing_volume(c, rows, unit, rows + c->holonomic_kernel.outputs);
+    return dm_crossing_volume(c, rows, weight, rows + c->holonomic_kernel.outputs);
 }
 
 /* From the start of the step to e->x; q0 is where the chart begins. */
@@ -57,12 +54,12 @@ typedef struct {
 } walk;
 
 /* 0: there is nothing to look for */
-static int begin(walk *w, dm_made_step *e, double t, double h) {
-    double *unit = e->newton, *here = unit + e->k->n;
-    if (!e->row->holonomic || !find_units(e, unit)) return 0;
+static int begin(walk *w, dm_made_step *e, const dm_constraints *c, double t, double h) {
+    double *weight = e->newton, *here = weight + e->k->n;
+    if (!e->row->holonomic || !find_weights(e, c, weight)) return 0;
     memset(here, 0, e->k->n * sizeof *here);
     w->chart = (dm_crossing_chart){e->k->d, look, e};
-    w->way = (dm_crossing_way){here, e->x, unit, t, t + h, &w->chart};
+    w->way = (dm_crossing_way){here, e->x, weight, t, t + h, &w->chart};
     w->room = here + e->k->n;
     return 1;
 }
@@ -76,19 +73,20 @@ dm_status dm_step_crosses(dm_made_step *e, dm_stepper *s, double t, double h) {
     const dm_constraints *c = s->model->constraints;
     dm_crossing_place place;
     walk w;
-    if (!begin(&w, e, t, h)) return DM_OK;
-    const dm_wide_product volume = find_volume(e, c, w.way.unit, t + h, w.room);
+    if (!begin(&w, e, c, t, h)) return DM_OK;
+    const dm_wide_product volume = find_volume(e, c, w.way.weight, t + h, w.room);
     const int crosses = dm_crossing_in_step(c, e->watched, volume, &w.way, &place, w.room);
     return crosses ? end_at(s, &place) : DM_OK;
 }
 
 dm_status dm_step_stuck(dm_made_step *e, dm_stepper *s, double t, double h, dm_status status) {
     static const double NEAR = 1e-6; /* of the size of the terms: x nearly is a root */
+    const dm_constraints *c = s->model->constraints;
     dm_crossing_place place;
     walk w;
     if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
-    if (!(s->report.residual <= NEAR * e->first) || !begin(&w, e, t, h)) return status;
-    const int crosses = dm_crossing_between(s->model->constraints, &w.way, &place, w.room);
+    if (!(s->report.residual <= NEAR * e->first) || !begin(&w, e, c, t, h)) return status;
+    const int crosses = dm_crossing_between(c, &w.way, &place, w.room);
     return crosses ? end_at(s, &place) : status;
 }
 

@@ -37,6 +37,26 @@ static dm_status read_pattern(dm_constraints *t) {
     return DM_OK;
 }
 
+static int meet(const dm_row *a, const dm_row *b) {
+    return a->from < b->to && b->from < a->to;
+}
+
+static dm_status read_rows(dm_constraints *t) {
+    const uint32_t n = t->n, k = t->holonomic;
+    dm_row *rows = dm_arena_take(t->arena, (k + (size_t)1) * sizeof *rows);
+    if (!rows) return DM_NO_MEMORY;
+    for (uint32_t c = 0; c < k; c++) {
+        const uint8_t *touches = t->touches + c * (size_t)n;
+        dm_row *row = rows + c;
+        *row = (dm_row){0, n, 0};
+        while (row->from < n && !touches[row->from]) row->from++;
+        while (row->to > row->from && !touches[row->to - 1]) row->to--;
+        while (row->first < c && !meet(row, rows + row->first)) row->first++;
+    }
+    t->rows = rows;
+    return DM_OK;
+}
+
 /* rows of dg/dq become those of g(q near(e)) in e, with zeros behind them */
 static int turn_to_group(const dm_constraints_traced *x, dm_node *G, dm_arena *arena) {
     const uint32_t n = x->n, d = x->momenta;
@@ -72,6 +92,7 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
                         .forces = x->forces,
                         .controls = x->controls,
                         .crossings = x->crossings,
+                        .prolonged = x->prolonged,
                         .u = x->u,
                         .graph = x->graph,
                         .g = x->g,
@@ -84,7 +105,8 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
                         .arena = arena};
     if (dm_graph_status(x->graph) != DM_OK) return dm_graph_status(x->graph);
     t.structure = read_structure(x->graph, &t) | (x->E ? DM_CONSTRAINTS_GIVEN_REACTIONS : 0u);
-    const dm_status status = read_pattern(&t);
+    dm_status status = read_pattern(&t);
+    if (status == DM_OK) status = read_rows(&t);
     if (status == DM_OK) *out = t;
     return status;
 }

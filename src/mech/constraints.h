@@ -18,6 +18,11 @@ enum {                                     /* structure of constraints */
        DM_CONSTRAINTS_LINEAR = 16          /* phi is affine in v */
 };
 
+/* Where a row of G can have entries, and the first row that it has a coordinate in common with. */
+typedef struct {
+    uint32_t from, to, first;
+} dm_row;
+
 /* Constraints and forces of a model; not changed after dm_constraints_build but for kernels
  * that are added and their bits in `has`. */
 typedef struct dm_constraints {
@@ -28,6 +33,7 @@ typedef struct dm_constraints {
     uint32_t forces;    /* entries of f: n, or 2 n of a discrete Lagrangian: F1 at q0, F2 at q1 */
     uint32_t controls;  /* entries of u, which is held over a step and is seen by the force alone */
     int crossings;      /* steps may go over places where g = 0 crosses itself (crossing.h) */
+    int prolonged;      /* 1: of a tangent map, whose G~ is [G, 0; dG, G] */
     unsigned structure, has; /* DM_CONSTRAINTS_*; DM_WANT_* that are built */
     /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); with controls the
      * forces take (q, v, t, k + l entries that they do not see, u[controls]); matrices are
@@ -39,6 +45,7 @@ typedef struct dm_constraints {
     dm_kernel force_curve;      /* f[forces], f_q[forces*n], f_v[forces*n] */
     dm_kernel reaction;         /* r[n] = G^T lambda + E^T mu, r_q[n*n], r_v[n*n] */
     const uint8_t *touches;     /* [k*n]: 0 where an entry of G is zero everywhere */
+    const dm_row *rows;         /* [k] of G */
     /* for methods that make kernels of their own: nodes of a graph with the inputs q, v, t,
      * lambda, mu */
     dm_graph *graph;
@@ -57,7 +64,7 @@ typedef struct dm_constraints {
 typedef struct {
     dm_graph *graph;
     uint32_t n, holonomic, rolling, controls, forces;
-    int crossings;
+    int crossings, prolonged;
     const dm_node *u;       /* [controls] or NULL */
     const dm_node *g, *phi; /* [k], [l] */
     const dm_node *f;       /* [forces] or NULL */

@@ -9,15 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-int dm_crossing_units(double *unit, const double *mass, size_t n, size_t apart) {
-    for (size_t i = 0; i < n; i++) {
-        const double own = fabs(mass[i * apart]);
-        if (!(own > 0.0)) return 0;
-        unit[i] = 1.0 / sqrt(own);
-    }
-    return 1;
-}
-
 /* ---- steps that are looked into ---- */
 
 /* Speed: steps, rattle, double spherical pendulum: 1.01x, against the ratio to the step before. */
@@ -62,20 +53,21 @@ typedef struct {
 typedef struct {
     const dm_constraints *c;
     const dm_crossing_way *way;
-    uint32_t n, k;
-    double reach; /* from end to end, in the units of the way */
-    double whole; /* the larger size of both ends */
-    double none;  /* less than that by so much is none */
+    uint32_t all, n, k; /* coordinates; those that count, of so many constraints */
+    size_t pitch;       /* of rows of G */
+    double reach;       /* from end to end, in the units of the way */
+    double whole;       /* the larger size of both ends */
+    double none;        /* less than that by so much is none */
     frame here, there;
     double *x, *out; /* arguments and outputs of the kernel */
-    double *q, *next, *move, *S, *first;
+    double *q, *next, *move, *unit, *S, *first;
     uint32_t *pivot;
 } walk;
 
 /* In the order of begin. */
 size_t dm_crossing_work(const dm_constraints *c) {
     const size_t n = c->n, k = c->holonomic;
-    return 2 * n + 1 + k * (n + 2) + 2 * (k * n + k * k + k) + 3 * n + k * k + 2 * k;
+    return 2 * n + 1 + k * (n + 2) + 2 * (k * n + k * k + k) + 4 * n + k * k + 2 * k;
 }
 
 static double *take(double **work, size_t count) {
@@ -90,16 +82,24 @@ static frame take_frame(double **work, size_t n, size_t k) {
     return f;
 }
 
-static void begin(walk *w, double *work) {
-    const size_t n = w->n, k = w->k;
-    w->x = take(&work, 2 * n + 1), w->out = take(&work, k * (n + 2));
+static walk begin(const dm_constraints *c, const dm_crossing_way *way, double *work) {
+    const uint32_t all = way->chart ? way->chart->n : c->n;
+    walk own = {.c = c, .way = way, .all = all, .pitch = all}, *w = &own;
+    w->n = all >> c->prolonged, w->k = c->holonomic >> c->prolonged;
+    const size_t n = w->n, k = w->k, inputs = 2 * (size_t)c->n + 1;
+    w->x = take(&work, inputs), w->out = take(&work, c->holonomic * ((size_t)c->n + 2));
     w->here = take_frame(&work, n, k);
     w->there = take_frame(&work, n, k);
-    w->q = take(&work, n), w->next = take(&work, n), w->move = take(&work, n);
+    w->q = take(&work, all), w->next = take(&work, all);
+    w->move = take(&work, n), w->unit = take(&work, n);
     w->S = take(&work, k * k), w->first = take(&work, k);
     w->pivot = (uint32_t *)(void *)take(&work, k);
-    memset(w->x, 0, (2 * n + 1) * sizeof *w->x);
+    memset(w->x, 0, inputs * sizeof *w->x);
+    for (size_t i = 0; i < n; i++) w->unit[i] = sqrt(way->weight[i]);
+    memcpy(w->q, way->q0, all * sizeof *w->q);
+    memcpy(w->next, way->q0, all * sizeof *w->next);
     if (!w->way->chart) dm_kernel_prepare(&w->c->holonomic_kernel, w->out);
+    return own;
 }
 
 static double dot(const double *a, const double *b, size_t n) {
@@ -154,26 +154,52 @@ static double orthogonalize(const frame *f, uint32_t c, size_t n, size_t k) {
     return L[c];
 }
 
-/* G[k*n] in units; 0: rows depend on each other to the last bit */
-static int find_frame(frame *f, const double *G, const double *unit, uint32_t n, uint32_t k) {
+/* The frame at w->next or w->q, whose G is at hand, in units; 0: rows depend on each other to the
+ * last bit. */
+static int find_frame(const walk *w, frame *f) {
+    const size_t n = w->n, k = w->k;
+    const double *G = w->out + w->c->holonomic;
     f->size = 0.0;
     for (uint32_t c = 0; c < k; c++) {
-        for (uint32_t i = 0; i < n; i++) f->Q[c * n + i] = G[c * n + i] * unit[i];
+        for (size_t i = 0; i < n; i++) f->Q[c * n + i] = G[c * w->pitch + i] * w->unit[i];
         f->size += log(orthogonalize(f, c, n, k));
     }
     return isfinite(f->size);
 }
 
+/* sum of a_i b_i weight_i where both rows can have entries, before `end` */
+static double weighted(const double *a, const dm_row *A, const double *b, const dm_row *B,
+                       const double *weight, uint32_t end) {
+    const uint32_t from = A->from > B->from ? A->from : B->from;
+    uint32_t to = A->to < B->to ? A->to : B->to;
+    double sum = 0.0;
+    if (to > end) to = end;
+    for (uint32_t i = from; i < to; i++) sum += a[i] * b[i] * weight[i];
+    return sum;
+}
+
+/* Of G weight G^T by Cholesky's method, which leaves alone what is left of the first entry in a
+ * row: a chain has two in each. Speed: steps, 80 rods, gauss(2) */
 dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holonomic,
-                                   const double *unit, double *work) {
-    const size_t n = c->n, k = c->holonomic;
-    frame f = take_frame(&work, n, k);
+                                   const double *weight, double *work) {
+    const size_t n = c->n, k = c->holonomic >> c->prolonged;
+    const uint32_t end = c->n >> c->prolonged;
+    const double *G = holonomic + c->holonomic;
     dm_wide_product out = DM_WIDE_ONE;
-    if (!find_frame(&f, holonomic + k, unit, (uint32_t)n, (uint32_t)k))
-        return (dm_wide_product){0.0, 0};
-    for (size_t i = 0; i < k; i++) {
-        out = dm_wide_times(out, f.L[i * k + i]);
-        out = dm_wide_times(out, f.L[i * k + i]);
+    for (size_t a = 0; a < k; a++) {
+        const dm_row *A = c->rows + a;
+        double *L = work + a * k;
+        for (size_t b = A->first; b <= a; b++) {
+            const dm_row *B = c->rows + b;
+            const double *other = work + b * k;
+            double sum = weighted(G + a * n, A, G + b * n, B, weight, end);
+            for (size_t j = A->first > B->first ? A->first : B->first; j < b; j++)
+                sum -= L[j] * other[j];
+            L[b] = b < a ? sum / other[b] : sum;
+        }
+        if (!(L[a] > 0.0)) return (dm_wide_product){0.0, 0};
+        out = dm_wide_times(out, L[a]);
+        L[a] = sqrt(L[a]);
     }
     return out;
 }
@@ -181,13 +207,13 @@ dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holono
 static int look(walk *w, frame *f, const double *q, double t) {
     const dm_crossing_chart *chart = w->way->chart;
     if (chart) {
-        chart->look(chart->ctx, w->out, w->out + w->k, q, t);
+        chart->look(chart->ctx, w->out, w->out + w->c->holonomic, q, t);
     } else {
-        memcpy(w->x, q, w->n * sizeof *q);
-        w->x[2 * w->n] = t;
+        memcpy(w->x, q, w->all * sizeof *q);
+        w->x[2 * (size_t)w->all] = t;
         dm_kernel_eval(&w->c->holonomic_kernel, w->x, w->out);
     }
-    return find_frame(f, w->out + w->k, w->way->unit, w->n, w->k);
+    return find_frame(w, f);
 }
 
 /* The shortest move onto g = 0, to first order, by the rows there; its length. */
@@ -200,7 +226,7 @@ static double correct(walk *w, const frame *f, double *q) {
         for (uint32_t i = 0; i < n; i++) w->move[i] += g[c] * f->Q[c * (size_t)n + i];
         squares += g[c] * g[c];
     }
-    for (uint32_t i = 0; i < n; i++) q[i] += w->way->unit[i] * w->move[i];
+    for (uint32_t i = 0; i < n; i++) q[i] += w->unit[i] * w->move[i];
     return sqrt(squares);
 }
 
@@ -231,7 +257,7 @@ static double cosine(walk *w) {
 /* A part of the way that is left, along the level set; 0: it is too long. */
 static int make_part(walk *w, double part, double t, double length) {
     const uint32_t n = w->n;
-    const double *unit = w->way->unit;
+    const double *unit = w->unit;
     for (uint32_t i = 0; i < n; i++) w->move[i] = part * (w->way->q1[i] - w->q[i]) / unit[i];
     for (uint32_t c = 0; c < w->k; c++) {
         const double *row = w->here.Q + c * (size_t)n, across = dot(w->move, row, n);
@@ -281,18 +307,16 @@ static double walk_on(walk *w) {
 
 int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_crossing_place *out,
                         double *work) {
-    walk w = {.c = c, .way = way, .n = way->chart ? way->chart->n : c->n, .k = c->holonomic};
     double squares = 0.0, largest = 0.0;
     if (c->crossings) return 0;
-    begin(&w, work);
+    walk w = begin(c, way, work);
     for (uint32_t i = 0; i < w.n; i++) {
-        const double d = (way->q1[i] - way->q0[i]) / way->unit[i];
+        const double d = (way->q1[i] - way->q0[i]) / w.unit[i];
         squares += d * d;
-        largest = fmax(largest, (way->chart ? ANGLE : fabs(way->q0[i])) / way->unit[i]);
+        largest = fmax(largest, (way->chart ? ANGLE : fabs(way->q0[i])) / w.unit[i]);
     }
     w.reach = sqrt(squares);
     w.none = fmin(fmax(NONE, log(BLURRED * largest / w.reach)), FEW);
-    memcpy(w.q, way->q0, w.n * sizeof *w.q);
     if (!(w.reach > 0.0) || !look(&w, &w.here, w.q, way->t0)) return 0;
     w.whole = w.here.size;
     if (look(&w, &w.there, way->q1, way->t1)) w.whole = fmax(w.whole, w.there.size);
@@ -334,10 +358,10 @@ int dm_crossing_in_step(const dm_constraints *c, double *watched, dm_wide_produc
 int dm_crossing_at_end(const dm_constraints *c, double *watched, const double *holonomic,
                        const double *mass, dm_crossing_way way, dm_crossing_place *out,
                        double *work) {
-    const size_t n = c->n;
-    double *unit = work, *room = work + n;
-    if (!dm_crossing_units(unit, mass, n, n + 1)) return 0;
-    way.unit = unit;
-    const dm_wide_product volume = dm_crossing_volume(c, holonomic, unit, room);
+    const dm_crossing_mass m = {mass, c->n, c->n};
+    double *weight = work, *room = work + c->n;
+    if (!dm_crossing_weights(weight, &m, c->prolonged)) return 0;
+    way.weight = weight;
+    const dm_wide_product volume = dm_crossing_volume(c, holonomic, weight, room);
     return dm_crossing_in_step(c, watched, volume, &way, out, room);
 }

@@ -15,10 +15,10 @@ typedef struct {
     void *ctx;
 } dm_crossing_chart;
 
-/* A step from q0[n] to q1[n]; unit[n]: lengths in which masses are 1. chart: of what both are
- * coordinates; NULL: they are q themselves. */
+/* A step from q0[n] to q1[n]; weight[n]: squares of lengths in which masses are 1. chart: of what
+ * both are coordinates; NULL: they are q themselves. */
 typedef struct {
-    const double *q0, *q1, *unit;
+    const double *q0, *q1, *weight;
     double t0, t1;
     const dm_crossing_chart *chart;
 } dm_crossing_way;
@@ -29,9 +29,16 @@ typedef struct {
     double t;
 } dm_crossing_place;
 
-/* unit[n] of masses at mass[0], mass[apart] ...; 0: one is none, as in tangent maps, where nothing
- * is looked for. */
-int dm_crossing_units(double *unit, const double *mass, size_t n, size_t apart);
+/* A mass: the entries of row i begin at M[i pitch]; pitch 0: M[n] is its diagonal. */
+typedef struct {
+    const double *M;
+    uint32_t n;
+    size_t pitch;
+} dm_crossing_mass;
+
+/* weight[n] by masses of coordinates, those of tangent maps (prolonged) by those of L; of one that
+ * has none of its own by what couples it. 0: some are no numbers. */
+int dm_crossing_weights(double *weight, const dm_crossing_mass *mass, int prolonged);
 
 /* Does the way along g = 0 from q0 toward q1 lead over such a place? Needs DM_WANT_HOLONOMIC;
  * work[dm_crossing_work]. */
@@ -42,7 +49,7 @@ int dm_crossing_between(const dm_constraints *c, const dm_crossing_way *way, dm_
 /* The square of the volume that the rows span in these units, of the outputs of the kernel, whose
  * rows on a group are body covectors with zeros behind them. */
 dm_wide_product dm_crossing_volume(const dm_constraints *c, const double *holonomic,
-                                   const double *unit, double *work);
+                                   const double *weight, double *work);
 
 /* The square of the volume falls by a large part in a step that goes over such a place, or in the
  * one before it: these steps, which are rare, are looked into. */

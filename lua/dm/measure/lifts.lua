@@ -57,6 +57,7 @@ local function add_constraints(options, given, own, rates, pulled)
     return own.element(lists.part(r, 0, N)), lists.part(r, N, d)
   end
   options.constraint = g and function(q, t) return g(state(q, core.zeros(N)), t) end
+  options.crossings = given.crossings
   options.rolling = phi and function(q, v, t)
     local u, xi = state(q, v)
     return phi(u, xi, t)

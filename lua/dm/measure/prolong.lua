@@ -141,15 +141,15 @@ function M.system(system, names)
   local given, n = system.given, system.Q.dimension
   local params = given.params
   if not given.L then
-    return core.system { Q = core.R(2 * n), H = lift_hamiltonian(bound(given.H, params), n) }
+    return core.prolonged { Q = core.R(2 * n), H = lift_hamiltonian(bound(given.H, params), n) }
   end
   if names then
-    return core.system { Q = core.R(2 * n), params = params,
+    return core.prolonged { Q = core.R(2 * n), params = params,
       L = lift_open(given.L, n, params, names) }
   end
   local g, phi = bound(given.constraint, params), bound(given.rolling, params)
   local L = saddle.lagrangian(system, bound(given.L, params), g, phi)
-  local out = { Q = core.R(2 * n), L = lift_lagrangian(L, n) }
+  local out = { Q = core.R(2 * n), L = lift_lagrangian(L, n), crossings = given.crossings }
   if g then
     local lifted = with_change(g, n, true)
     out.constraint = function(x, t) return joined(lifted(x, x, t)) end
@@ -164,7 +164,7 @@ function M.system(system, names)
     out.reaction = lift_reaction(rows, n)
   end
   add_forces(out, bound(given.force, params), bound(given.control, params), n)
-  return core.system(out)
+  return core.prolonged(out)
 end
 
 --- The rule whose step of the prolonged system is the derivative of a step by `rule`: where the

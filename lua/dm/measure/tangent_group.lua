@@ -296,15 +296,15 @@ end
 --- The prolonged system of one on a group, in the left trivialization.
 function M.system(system)
   local given = system.given
-  local options = { Q = space_of(system) }
+  local options = { Q = space_of(system), crossings = given.crossings }
   if not given.L then
     options.H = lift_hamiltonian(system, bound(given.H, given.params))
-    return core.system(options)
+    return core.prolonged(options)
   end
   options.L = lift_lagrangian(system, bound(given.L, given.params))
   add_forces(options, system)
   add_constraints(options, system)
-  return core.system(options)
+  return core.prolonged(options)
 end
 
 return M

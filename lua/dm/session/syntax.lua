@@ -6,12 +6,13 @@ local find, match = string.find, string.match
 
 -- { pattern of the line, pattern of the message (any where left out), how it is written }
 local WAYS = {
-  { "^%s*import%s", nil, "a module is loaded by  m = require \"m\"; dm is there" },
+  { "^%s*import%s+[%a_]", nil, "a module is loaded by  m = require \"m\"; dm is there" },
   { "^%s*from%s+[%w_.]+%s+import", nil, "a module is loaded by  m = require \"m\"; dm is there" },
-  { "^%s*def%s", nil, "a function is written  function f(x) ... end" },
-  { "%f[%w_]lambda[%s:]", nil, "a function without a name is written  function(x) return x^2 end" },
-  { "^%s*for%s.*%sin%s.*:", nil, "a loop is written  for i = 1, n do ... end" },
-  { "^%s*e?l?s?e?if%s.*:%s*$", nil, "a condition is written  if x then ... end" },
+  { "^%s*def%s+[%a_]", nil, "a function is written  function f(x) ... end" },
+  { "%f[%w_]lambda[%w_,%s]*:%s", nil,
+    "a function without a name is written  function(x) return x^2 end" },
+  { "^%s*for%s.*%sin%s.*:%f[%s%z]", nil, "a loop is written  for i = 1, n do ... end" },
+  { "^%s*e?l?s?e?if%s.*[^:]:%s*$", nil, "a condition is written  if x then ... end" },
   { "^%s*[%w_]+%s*=%s*%[", "near '%['",
     "a list is written  { 1, 2, 3 }, a vector  dm.vector { 1, 2 }" },
   { "%[[^%]]+,", "near ','", "an entry of a matrix is  A[1][2]" },
@@ -24,7 +25,7 @@ local WAYS = {
   { "[%w_%]]%s*%+%+", nil, "x++ is written  x = x + 1" },
   { "[%w_%]]%s*[+*/-]=", nil, "x += y is written  x = x + y" },
   { "^[^'\"]*#%s", nil, "a comment begins with  --" },
-  { "^%s*print%s+[^%s(]", nil, "printing is written  print(x)" },
+  { "^%s*print%s+[^%s({%['\"]", nil, "printing is written  print(x)" },
 }
 
 -- the line of that number without strings and comments

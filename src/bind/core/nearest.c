@@ -137,10 +137,10 @@ const char *dml_nearest(const char *word, const char *const *known) {
 int dml_core_nearest(lua_State *L) {
     const char *word = luaL_checkstring(L, 1);
     luaL_checktype(L, 2, LUA_TTABLE);
-    const lua_Integer count = luaL_len(L, 2);
+    const lua_Integer count = (lua_Integer)lua_rawlen(L, 2);
     const char **known = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *known, 0);
     for (lua_Integer i = 1; i <= count; i++) {
-        lua_geti(L, 2, i); /* the table keeps it alive */
+        lua_rawgeti(L, 2, i); /* the table keeps it alive */
         known[i - 1] = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
         lua_pop(L, 1);
     }

@@ -310,6 +310,11 @@ static const dml_row functions[] =
       "core.stand_in{Q=, L=, name=, constraint=, rolling=, reaction=, crossings=} -> dm.system\n"
       "A system on a group that steps of a discrete Lagrangian are run with: L only says how they "
       "begin, and paths have no energy and no velocity; starts are on its constraints."},
+     {"prolonged", dml_prolonged_new,
+      "core.prolonged{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, params=, "
+      "crossings=} -> dm.system\n"
+      "A dm.system of (q, u) whose runs are tangent maps: the first half of its constraints are "
+      "those of q alone, the second half their change along u."},
      {"system", dml_system_new,
       "dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, "
       "coordinates=, units=, params=, derivatives=, crossings=} -> dm.system\n"

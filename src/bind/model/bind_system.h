@@ -21,6 +21,7 @@ typedef struct {
     int stand_in;     /* 1: of a discrete Lagrangian on a group; its L is none of the motion's */
     int field;        /* 1: of cells of a mesh; L gets no symbols for q and v, its sums read them */
     int crossings;    /* 1: steps may go over places where its constraints cross */
+    int prolonged;    /* 1: its runs are tangent maps (core.prolonged) */
     double h;         /* step of a discrete Lagrangian, else 0 */
     int constrained;  /* 1: it has one of the functions below; known once `asked` */
     int asked;
@@ -41,6 +42,10 @@ int dml_system_new(lua_State *L);
 /* core.stand_in{ Q =, L =, name = }: a system that a discrete Lagrangian on a group is stepped
  * with, whose runs have no energy and no velocity. */
 int dml_stand_in_new(lua_State *L);
+
+/* core.prolonged{ Q =, ... }: a system of (q, u), half of whose constraints are those of q, the
+ * others their change along u. */
+int dml_prolonged_new(lua_State *L);
 
 /* The system or discrete Lagrangian at `arg`; raises when it is neither. */
 dml_system *dml_checksystem(lua_State *L, int arg);

@@ -43,7 +43,7 @@ static int same_constraints(const dml_model *cached, const dml_model *fresh) {
     const dm_constraints_traced *a = &cached->constrained, *b = &fresh->constrained;
     if (!a->graph != !b->graph || a->holonomic != b->holonomic || a->rolling != b->rolling ||
         a->controls != b->controls || a->forces != b->forces || a->crossings != b->crossings ||
-        cached->constraints_traced != fresh->constraints_traced ||
+        a->prolonged != b->prolonged || cached->constraints_traced != fresh->constraints_traced ||
         !same_map(cached->constraint + DML_MAP, fresh->constraint + DML_MAP))
         return 0;
     return !a->graph ||

@@ -97,6 +97,7 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
     check_lengths(L, m, dml_checksystem(L, arg)->pair);
     join(L, m);
     m->constrained.crossings = dml_checksystem(L, arg)->crossings;
+    m->constrained.prolonged = dml_checksystem(L, arg)->prolonged;
 }
 
 /* *cached is not changed. */

@@ -254,8 +254,9 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     const int field = lua_getfield(L, 1, "field") != LUA_TNIL;
     const int stand_in = lua_getfield(L, 1, "stand_in") != LUA_TNIL;
+    const int prolonged = lua_getfield(L, 1, "prolonged") != LUA_TNIL;
     const int crossings = check_crossings(L);
-    lua_pop(L, 3);
+    lua_pop(L, 4);
     lua_pushvalue(L, place);
     const uint32_t momenta = dml_place_dimension(L, n);
     lua_pop(L, 1);
@@ -268,6 +269,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                       .hyperdual = wants_hyperdual(L),
                       .stand_in = stand_in,
                       .crossings = crossings,
+                      .prolonged = prolonged,
                       .field = field,
                       .h = h};
     keep_fields(L, known);
@@ -287,6 +289,17 @@ int dml_system_new(lua_State *L) {
                                         "rolling",   "control",     "force",
                                         "reaction",  "columns",     "trivialization",
                                         "crossings", NULL};
+    dml_newsystem(L, known, 0);
+    return 1;
+}
+
+int dml_prolonged_new(lua_State *L) {
+    static const char *const known[] =
+        {"Q",     "L",        "H",       "params",         "constraint", "rolling",   "control",
+         "force", "reaction", "columns", "trivialization", "crossings",  "prolonged", NULL};
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_pushboolean(L, 1);
+    lua_setfield(L, 1, "prolonged");
     dml_newsystem(L, known, 0);
     return 1;
 }

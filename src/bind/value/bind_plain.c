@@ -78,7 +78,9 @@ static int joined(lua_State *L) {
     for (lua_Integer i = 1; i <= count; i++, out += n, lua_settop(L, 2)) {
         lua_rawgeti(L, 1, i);
         const double *x = numbers(L, 3, &n);
+        if (n > total) return 0; /* a collected object has changed the list */
         if (n) memcpy(out, x, n * sizeof *out);
+        total -= n;
     }
     return 1;
 }

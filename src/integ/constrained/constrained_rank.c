@@ -53,31 +53,29 @@ size_t dm_constrained_crossing_work(const dm_constraints *c) {
     return c->holonomic ? c->n + dm_crossing_work(c) : 0;
 }
 
-/* Rows of so many constraints are orthogonalized after a step, where it does not know their volume
- * already. */
-enum { MANY = 16 };
-
-static int find_units(const dm_constrained *g, double *unit) {
-    return dm_crossing_units(unit, g->mass + g->n, g->n, g->n + (size_t)1);
+static int find_weights(const dm_constrained *g, double *weight) {
+    const dm_crossing_mass mass = {g->mass + g->n, g->n, g->n};
+    return dm_crossing_weights(weight, &mass, g->constraints->prolonged);
 }
 
 /* The volume at the end; g->scratch is room. 0: it is not known. */
 static int find_volume(dm_constrained *g) {
-    double *unit = g->scratch;
+    double *weight = g->scratch;
     if (g->volume.part > 0.0) return 1;
-    if (g->k > MANY || !find_units(g, unit)) return 0;
-    g->volume =
-        dm_crossing_volume(g->constraints, dm_constrained_holonomic(g, g->K), unit, unit + g->n);
+    if (!find_weights(g, weight)) return 0;
+    g->volume = dm_crossing_volume(g->constraints, dm_constrained_holonomic(g, g->K), weight,
+                                   weight + g->n);
     return 1;
 }
 
 int dm_constrained_crosses(dm_constrained *g) {
-    double *unit = g->scratch, *watched = g->memory + DM_CONSTRAINED_VOLUMES;
-    const dm_crossing_way way = {g->state, g->next, unit, g->t, g->t + g->h, NULL};
+    double *weight = g->scratch, *watched = g->memory + DM_CONSTRAINED_VOLUMES;
+    const dm_crossing_way way = {g->state, g->next, weight, g->t, g->t + g->h, NULL};
     dm_crossing_place place;
-    if (!g->k || !find_volume(g) || dm_crossing_is_calm(watched, g->volume)) return 0;
-    if (!find_units(g, unit)) return 0;
-    if (!dm_crossing_in_step(g->constraints, watched, g->volume, &way, &place, unit + g->n))
+    if (!g->k || g->constraints->crossings || !find_volume(g)) return 0;
+    if (dm_crossing_is_calm(watched, g->volume)) return 0;
+    if (!find_weights(g, weight)) return 0;
+    if (!dm_crossing_in_step(g->constraints, watched, g->volume, &way, &place, weight + g->n))
         return 0;
     g->lost = place.row, g->crosses = 1, g->at = place.t;
     return 1;

@@ -20,7 +20,7 @@ typedef struct {
     dm_rattle_layout at;
     dm_rattle_kernels kernel;
     double *memory, *now, *next, *iterate, *change;
-    double *unit, *crossing; /* of mech/crossing.h: [n], room */
+    double *weight, *crossing; /* of mech/crossing.h: [n], room */
     dm_crossing_watch watch;
     int looks;    /* for places where constraints cross */
     double least; /* square of a coordinate at the start of a step; 0: not known */
@@ -96,10 +96,11 @@ static dm_status open(dm_stepper *s) {
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
     l->change = l->iterate + l->at.size;
-    l->unit = l->change + l->at.n;
-    l->crossing = l->unit + l->at.n;
-    const size_t apart = s->model->structure & DM_DIAGONAL_MASS ? 1 : l->at.n + (size_t)1;
-    l->looks = l->at.m && dm_crossing_units(l->unit, s->model->mass_matrix, l->at.n, apart);
+    l->weight = l->change + l->at.n;
+    l->crossing = l->weight + l->at.n;
+    const int diagonal = (s->model->structure & DM_DIAGONAL_MASS) != 0;
+    const dm_crossing_mass mass = {s->model->mass_matrix, l->at.n, diagonal ? 0 : l->at.n};
+    l->looks = l->at.m && dm_crossing_weights(l->weight, &mass, s->model->constraints->prolonged);
     memset(l->memory, 0, memory_size(&l->at) * sizeof *l->memory); /* a step before any start */
     const int shake = (s->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
@@ -215,16 +216,15 @@ static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) 
         if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
 }
 
-/* A volume, in a buffer. */
+/* A volume, in a buffer; masses may have values of both signs. */
 static double volume_of(const layout *l, const double *buffer) {
-    return buffer[l->at.norms + VOLUME_OF_NORMS];
+    return fabs(buffer[l->at.norms + VOLUME_OF_NORMS]);
 }
 
-/* Does the step that was made go over a place where constraints cross? `last`: of the step before.
- */
+/* Does the step that was made go over a place where constraints cross? `last`: of the one before */
 static dm_status look_for_crossing(dm_stepper *s, layout *l, double last) {
     const double *x = l->now;
-    const dm_crossing_way way = {x, l->next, l->unit, x[l->at.t0], x[l->at.t], NULL};
+    const dm_crossing_way way = {x, l->next, l->weight, x[l->at.t0], x[l->at.t], NULL};
     dm_crossing_place place;
     if (!l->looks || !dm_crossing_suspects(&l->watch, last, volume_of(l, x))) return DM_OK;
     if (!dm_crossing_between(s->model->constraints, &way, &place, l->crossing)) return DM_OK;
@@ -247,7 +247,7 @@ static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
     }
     if (solves && has_small_ones(s, l)) iterate_small_ones(s, l, h);
     dm_kernel_eval(&l->kernel.end, x, l->next);
-    if (!dm_crossing_is_far(&l->watch, norms[VOLUME_OF_NORMS])) {
+    if (!dm_crossing_is_far(&l->watch, volume_of(l, x))) {
         const dm_status status = look_for_crossing(s, l, volume_of(l, l->next));
         if (status != DM_OK) return status;
     }
@@ -267,7 +267,7 @@ static void find_squares(const dm_stepper *s, layout *l) {
     for (uint32_t c = 0; c < l->at.m; c++) {
         double sum = 0.0;
         for (uint32_t i = 0; i < l->at.n; i++)
-            if (*touches++) sum += *G * l->unit[i] * (*G * l->unit[i]), G++;
+            if (*touches++) sum += *G * *G * l->weight[i], G++;
         l->memory[MU + l->at.m + c] = l->looks && sum > 0.0 && isfinite(sum) ? sum : 1.0;
     }
 }

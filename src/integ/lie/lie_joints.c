@@ -59,17 +59,20 @@ static double unit(double mass, double size) {
 static double find_mass(dm_lie_joints *e, double *own) {
     const dm_group_entries *f = e->along;
     const uint32_t d = e->d;
-    double most = 0.0;
+    double most = 0.0, *M = e->work;
+    memset(M, 0, (size_t)d * d * sizeof *M);
     memset(e->x + e->n, 0, 2 * d * sizeof *e->x);
     e->x[e->n + 2 * d] = e->t;
     dm_group_entries_eval(f, e->x, e->slope, 1);
-    memset(own, 0, d * sizeof *own);
     for (uint32_t i = 0; i < f->count; i++) {
         if (!(f->row[i] >= 2 * d && f->column[i] >= d && f->column[i] < 2 * d)) continue;
         const double entry = fabs(e->slope[f->values + i]);
-        if (f->row[i] - 2 * d == f->column[i] - d) own[f->column[i] - d] = entry;
+        M[(f->row[i] - 2 * d) * (size_t)d + f->column[i] - d] = entry;
         most = fmax(most, entry);
     }
+    const dm_crossing_mass mass = {M, d, d};
+    dm_crossing_weights(own, &mass, e->constraints && e->constraints->prolonged);
+    for (uint32_t i = 0; i < d; i++) own[i] = 1.0 / own[i];
     return most > 0.0 && most < INFINITY ? most : 1.0;
 }
 

@@ -6,11 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Rows of more constraints are not orthogonalized after every step. */
-enum { MANY = 16 };
-
 static int is_looked_at(const dm_lie_joints *e) {
-    return e->k > 0 && e->k <= MANY && !e->constraints->crossings;
+    return e->k > 0 && !e->constraints->crossings;
 }
 
 size_t dm_lie_joints_crossing_work(const dm_lie_joints *e) {
@@ -38,14 +35,14 @@ int dm_lie_joints_cross(dm_lie_joints *e, dm_trouble *trouble) {
     if (!is_looked_at(e)) return 0;
     const dm_constraints *c = e->constraints;
     const size_t n = e->n;
-    double *unit = e->work, *here = unit + n, *room = here + e->d;
+    double *weight = e->work, *here = weight + n, *room = here + e->d;
     const double *mass = e->memory + DM_LIE_AT_UNITS + 2 * (size_t)e->m;
     const dm_crossing_chart chart = {e->d, look, e};
-    const dm_crossing_way way = {here, e->xi, unit, e->t, e->t + e->h, &chart};
+    const dm_crossing_way way = {here, e->xi, weight, e->t, e->t + e->h, &chart};
     dm_crossing_place place;
-    for (size_t i = 0; i < n; i++) unit[i] = i < e->d && mass[i] > 0.0 ? 1.0 / sqrt(mass[i]) : 1.0;
+    for (size_t i = 0; i < n; i++) weight[i] = i < e->d && mass[i] > 0.0 ? 1.0 / mass[i] : 1.0;
     memset(here, 0, e->d * sizeof *here);
-    const dm_wide_product volume = dm_crossing_volume(c, e->holonomic, unit, room);
+    const dm_wide_product volume = dm_crossing_volume(c, e->holonomic, weight, room);
     if (!dm_crossing_in_step(c, e->memory + DM_LIE_AT_VOLUMES, volume, &way, &place, room))
         return 0;
     *trouble = (dm_trouble){.dependent = (int)place.row, .crosses = 1, .at = place.t};

@@ -107,4 +107,60 @@ for _, rule in ipairs { "lie(1)", "lie(2)" } do
     ok(tostring(failure):find "constraint %d depends on those before it", rule .. ": rows depend", failure)
   end
 end
+
+---- tangent maps: half of their constraints are those of the system ----
+
+for _, rule in ipairs { "lie(1)", "lie(2)", "midpoint", "gauss(2)" } do
+  local t, failure = ends(function() return system:solver { rule = rule, h = 0.13 }:tangent { q = start.q, v = start.v, steps = 20 } end)
+  near(t, 1, 2e-3, ("%s: a tangent map, when"):format(rule))
+  ok(tostring(failure):find("derivative of constraint 1 vanishes", 1, true), rule .. ": a tangent map, which", failure)
+  ok(tilting { crossings = true }:solver { rule = rule, h = 0.13 }:tangent { q = start.q, v = start.v, steps = 20 },
+    rule .. ": a tangent map goes on with crossings = true")
+end
+
+---- a body of twenty constraints: a scale of its own in each of twenty places, which the first drives, and a tilt ----
+
+local many, wheels = dm.product(G, dm.R(20)), 20
+local function driven(more)
+  return dm.system { Q = many, L = function(_, v)
+      local sum = T(v)
+      for i = 4, 3 + wheels do sum = sum + v[i] ^ 2 / 20 end
+      return sum
+    end,
+    constraint = function(g)
+      local out = { g[1][3][1] * (more and g[1][3][2] ^ 2 + more or g[1][3][2]) }
+      for i = 1, wheels do out[i + 1] = g[2][i] - g[1][3][2] / i end
+      return out
+    end }
+end
+do
+  local at, v = { G:exp { -1, 0, 0 }, {} }, { 1, 0, 0 }
+  for i = 1, wheels do at[2][i], v[3 + i] = at[1][3][2] / i, math.cos(1) / i end
+  local function run(more) return driven(more):solver { rule = "lie(1)", h = 0.1 }:run { q = at, v = v, steps = 20, project = true } end
+  local t, failure = ends(function() return run() end)
+  ok(type(t) == "number" and tostring(failure):find("constraint 1 vanishes", 1, true), "of 21 constraints the one that vanishes", failure)
+  ok(#run(0.05) == 21, "and none where it does not", failure)
+end
+
+---- a step that is not solved, whose equation has a double root where the constraints cross ----
+
+-- on y = x^2 toward the node, by Newton's method y falls by a half in every iteration
+local core = require "dm.core"
+local function branches(g) return g[2] * (g[2] - g[1] ^ 2) end
+local place = core.stand_in { Q = S, L = function(_, xi) return xi:dot(xi) / 2 end, constraint = branches }
+local slow = core.tied_step { unknowns = 4, order = 1, holonomic = 1, rolling = 0, start = function() return { 0, 0, 0, 0 } end,
+  equation = function(y, x)
+    return { x[1] - y.p[1], x[2] - y.p[2] + x[4], x[3], branches(S:compose(y.q, S:exp { x[1], x[2], x[3] })) }
+  end,
+  next = function(y, x) return { q = S:compose(y.q, S:exp { x[1], x[2], x[3] }), p = y.p } end }
+local function approach(along, most)
+  return ends(function()
+    return place:solver { rule = slow, h = 1, newton = { max_iterations = most } }:run { q = { -1, 1, 0 }, p = { along, -2, 0 }, steps = 1 }
+  end)
+end
+for _, most in ipairs { 16, 18, 20 } do
+  near(approach(1 - 1e-9, most), 1, 1e-2, ("a step that ends at the node after %d iterations"):format(most))
+end
+ok(tostring(approach(0.99, 16)):find("did not converge", 1, true), "and one that ends before it is not said to cross", approach(0.99, 16))
+ok(tostring(approach(1 - 1e-9, 8)):find("did not converge", 1, true), "nor one that is far from a root", approach(1 - 1e-9, 8))
 tap.done()

@@ -130,4 +130,24 @@ for _, rule in ipairs { "rattle", "midpoint", "gauss(2)", "lobatto(3)", "curve(r
   tap.ok(not fine and failure.code == "singular", rule .. " ends before the crossing", failure)
   tap.raises("cross there", function() dm.resume(failure.path):run { steps = 20 } end)
 end
+
+---- steps of controlled length: each of them begins anew, and is looked into ----
+local function curved(more)
+  return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q)
+    local other = q[1] - 0.2 - q[2]
+    return (q[2] - q[1] ^ 2) * (more and other ^ 2 + more or other)
+  end }
+end
+for _, rule in ipairs { "midpoint", "gauss(2)", "rattle", "lobatto(3)" } do
+  for _, tolerance in ipairs { 1e-4, 1e-8 } do
+    local options = { q = { -1, 1 }, v = { 1, -2 }, t = 3, control = { tolerance = tolerance } }
+    local function run(system) return system:solver { rule = rule, h = 0.05 }:run(options) end
+    local fine, failure = pcall(run, curved())
+    -- x - 0.2 = x^2
+    tap.ok(not fine and math.abs(failure.path.q[#failure.path][1] - (1 - math.sqrt(0.2)) / 2) < 1e-3, ("%s, %g: controlled steps end before the place"):format(rule, tolerance), failure)
+    tap.ok(run(curved(0.05)).t[1] == 0, ("%s, %g: and go on where there is none"):format(rule, tolerance))
+    fine, failure = pcall(function() return symmetric:solver { rule = rule, h = 0.08 }:run { q = { -1, 0 }, v = { 1, 0 }, t = 3, control = { tolerance = tolerance } } end)
+    tap.ok(not fine and tostring(failure):find("cross there", 1, true), ("%s, %g: and name it"):format(rule, tolerance), failure)
+  end
+end
 tap.done()

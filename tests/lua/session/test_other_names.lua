@@ -70,7 +70,9 @@ for text, way in pairs { ["x = 2**3"] = "x^2", ["x = [1, 2]"] = "{ 1, 2, 3 }", [
   ["L = function(q, v) v:dot(v)/2 end"] = "lack a return", ["\n\nif x == 1:"] = "if x then" } do
   ok(told(text):find(": [^\n]*" .. way:gsub("%p", "%%%0")), text, told(text))
 end
-for _, text in ipairs { "x = = 1", "x = 'a != b' y", "x = 1 y -- x += 1", "f = function() return 1 / / 2 end", "x = (1" } do
+for _, text in ipairs { "x = = 1", "x = 'a != b' y", "x = 1 y -- x += 1", "f = function() return 1 / / 2 end", "x = (1",
+  "print 'a'\nx = = 3", "print { 1 }\nx = = 3", "local lambda = 3\nx = = 3", "y = lambda:norm()\nx = = 3",
+  "for _, b in self:bodies() do\nx = = 3", "for _, b in self:bodies() do x = = 3", "def = 1\nx = = 3" } do
   local message = select(2, load(text, "=stdin"))
   ok(told(text) == message, "nothing is guessed: " .. text, told(text))
 end

@@ -131,6 +131,15 @@ M["core.stand_in"] = [=[
 > tostring(path):find "energy" == nil
 true]=]
 
+M["core.prolonged"] = [=[
+> core = require "dm.core"
+> s = core.prolonged { Q = dm.R(4), L = function(x, y) return y[1]*y[3] + y[2]*y[4] end,
+>>   constraint = function(x) return { x[1]*x[2], x[3]*x[2] + x[1]*x[4] } end }
+> run = { q = { -1, 0, 0, 0 }, v = { 1, 0, 1, 0 }, steps = 30 }
+> ran, failure = pcall(function() return s:solver { rule = "midpoint", h = 0.07 }:run(run) end)
+> ran, failure.constraint
+false	1]=]
+
 M["core.nearest"] = [=[
 > core = require "dm.core"
 > core.nearest("stpes", { "steps", "every", "rule" })
