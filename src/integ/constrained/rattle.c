@@ -158,7 +158,7 @@ static void iterate_once(dm_stepper *s, layout *l) {
     s->report.iterations++;
 }
 
-static int is_last(const dm_stepper *s, const double *norms) {
+DM_WRITTEN_OUT int is_last(const dm_stepper *s, const double *norms) {
     return is_known(s, norms, norms[2]);
 }
 
@@ -176,8 +176,13 @@ static dm_status iterate(dm_stepper *s, layout *l, const double *norms) {
 static int are_alike(layout *l, double size) {
     const double *y = l->now + l->at.y;
     if (l->least * 0x1p19 > size) return l->least = 0.0, 1;
+    const uint32_t n = l->at.n;
     double least = size;
-    for (uint32_t c = 0; c < l->at.n; c++) least = y[c] * y[c] < least ? y[c] * y[c] : least;
+#pragma GCC unroll 4
+    for (uint32_t c = 0; c < n; c++) {
+        const double squares = y[c] * y[c];
+        least = squares < least ? squares : least;
+    }
     l->least = l->at.drags ? 0.0 : least; /* then y is a velocity */
     return least * 0x1p19 > size;
 }
@@ -211,9 +216,11 @@ static void iterate_small_ones(dm_stepper *s, layout *l, double h) {
 }
 
 /* The largest |g| so far, for the report. */
-static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) {
-    for (uint32_t i = 0; i < l->at.m; i++)
-        if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
+static inline void look_at_constraint(dm_stepper *s, const layout *l, const double *g) {
+    const uint32_t m = l->at.m;
+    double largest = s->report.constraint;
+    for (uint32_t i = 0; i < m; i++) largest = fabs(g[i]) > largest ? fabs(g[i]) : largest;
+    s->report.constraint = largest;
 }
 
 /* A volume, in a buffer; masses may have values of both signs. */
@@ -315,10 +322,9 @@ static dm_status advance(dm_stepper *s, double *state, double t, double h, long 
     const dm_rattle_layout *at = &l->at;
     dm_status status = DM_OK;
     load(s, state, t, h);
-    for (*done = 0; *done < count && status == DM_OK;) {
-        status = step_once(s, l, t + (double)*done * h, h);
-        if (status == DM_OK) ++*done;
-    }
+    long made = 0;
+    while (made < count && (status = step_once(s, l, t + (double)made * h, h)) == DM_OK) made++;
+    *done = made;
     /* one look at the end of a burst; then the burst is done again to find the step and stop
      * before it */
     if (!is_finite(l)) {

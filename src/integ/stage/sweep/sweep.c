@@ -155,7 +155,8 @@ static double finish_1(const dm_sweep_end *a) {
 
 static void copy_state(double *to, const double *state, uint32_t rows) {
     const volatile double *from = state; /* one by one, as it was stored */
-    for (uint32_t k = 0; k < 4 * rows; k++) to[k] = from[k];
+    for (uint32_t k = 0; k < rows; k++, to += 4, from += 4)
+        to[0] = from[0], to[1] = from[1], to[2] = from[2], to[3] = from[3];
 }
 
 /* in fours and what is left, as rows were stored */
