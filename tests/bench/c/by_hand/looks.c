@@ -1,22 +1,171 @@
-/* looks - what it costs a run by hand to see that d2L/dv2 keeps its signs: midpoint steps of the
- * double spherical pendulum in angles (newton_models.c) with Newton's method to round-off: without
- * looks; with one at every state; with one when a value could have vanished by how fast the least
- * one fell; and so with steps made again, one by one with a look at each, where the least value
- * moved so far between two looks that it may have been behind zero (src/run/inertia/inertia_look.c).
- *   cc -O2 -Itests/bench/c -o looks tests/bench/c/by_hand/looks.c tests/bench/c/newton.c \
+/* looks - what it costs a run by hand to see that d2L/dv2 keeps its signs: the double spherical
+ * pendulum in angles (newton_models.c) by midpoint, gauss(2), lobatto(3), with Newton's method for
+ * the velocities of all stages to round-off from those of the step before: without looks; with one
+ * when a value could have vanished by how fast the least one fell, and steps made again, one by one
+ * with a look at each, where it moved so far between two looks that it may have been behind zero
+ * (src/run/inertia/inertia_look.c); and so where each coordinate is judged by its own size, not by
+ * the largest. Arguments: rule 1 to 3, one of these, 0 to 2, steps: that run once, to count its
+ * instructions (callgrind, --toggle-collect=run).
+ *   cc -O2 -mavx2 -mfma -Itests/bench/c -o looks tests/bench/c/by_hand/looks.c \
  *      tests/bench/c/newton_models.c -lm */
 #define _POSIX_C_SOURCE 199309L
 #include "newton.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-enum { N = 4, TURNS = 60, LATEST = 512 };
+enum { N = 4, S = 3, ALL = S * N, TURNS = 40, LATEST = 512, ITERATIONS = 50 };
 
-typedef enum { NEVER, EVERY, DUE, AGAIN, POLICIES } policy;
-static const char *const names[] = {"no looks", "at every state", "when due", "and again"};
+typedef enum { NEVER, LOOKS, SIZES, POLICIES } policy;
+static const char *const names[] = {"no looks", "looks", "and own sizes"};
+
+/* ---- rules ---- */
+
+/* Q_i = q + h sum_j a_ij V_j, P_i = p + h sum_j A_ij F_j, weights b, nodes c */
+typedef struct {
+    const char *name;
+    int s;
+    double a[S][S], A[S][S], b[S], c[S];
+} rule;
+
+#define R3 1.7320508075688772
+#define GAUSS2                                                                                     \
+    {                                                                                              \
+        {0.25, 0.25 - R3 / 6}, {                                                                   \
+            0.25 + R3 / 6, 0.25                                                                    \
+        }                                                                                          \
+    }
+static const rule rules[] =
+    {{"midpoint", 1, {{0.5}}, {{0.5}}, {1.0}, {0.5}},
+     {"gauss(2)", 2, GAUSS2, GAUSS2, {0.5, 0.5}, {0.5 - R3 / 6, 0.5 + R3 / 6}},
+     {"lobatto(3)",
+      3,
+      {{0}, {5.0 / 24, 1.0 / 3, -1.0 / 24}, {1.0 / 6, 2.0 / 3, 1.0 / 6}},
+      {{1.0 / 6, -1.0 / 6, 0}, {1.0 / 6, 1.0 / 3, 0}, {1.0 / 6, 5.0 / 6, 0}},
+      {1.0 / 6, 2.0 / 3, 1.0 / 6},
+      {0, 0.5, 1}}};
+
+/* a run: its rule, state, velocities of stages, derivatives there */
+typedef struct {
+    const rule *r;
+    int own; /* is each velocity judged by its own size? */
+    double h, q[N], p[N], V[ALL], ahead[S][S];
+    derivatives at[S];
+} stepper;
+
+/* What the polynomial of the velocities of a step has at the nodes of the next one. */
+static void find_ahead(stepper *x) {
+    const rule *r = x->r;
+    for (int i = 0; i < r->s; i++)
+        for (int j = 0; j < r->s; j++) {
+            x->ahead[i][j] = 1.0;
+            for (int k = 0; k < r->s; k++)
+                if (k != j) x->ahead[i][j] *= (1.0 + r->c[i] - r->c[k]) / (r->c[j] - r->c[k]);
+        }
+}
+
+static void guess(stepper *x) {
+    double next[ALL] = {0};
+    for (int i = 0; i < x->r->s; i++)
+        for (int j = 0; j < x->r->s; j++)
+            for (int k = 0; k < N; k++) next[i * N + k] += x->ahead[i][j] * x->V[j * N + k];
+    memcpy(x->V, next, sizeof next);
+}
+
+/* A x = b in place, partial pivoting; 0 when singular */
+static int solve(double A[ALL][ALL], double *b, int n) {
+    for (int k = 0; k < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(A[i][k]) > fabs(A[pivot][k])) pivot = i;
+        if (A[pivot][k] == 0.0) return 0;
+        for (int j = k; j < n && pivot != k; j++) {
+            const double x = A[k][j];
+            A[k][j] = A[pivot][j], A[pivot][j] = x;
+        }
+        const double x = b[k], inverse = 1.0 / A[k][k];
+        b[k] = b[pivot], b[pivot] = x;
+        for (int i = k + 1; i < n; i++) {
+            const double f = A[i][k] * inverse;
+            for (int j = k + 1; j < n; j++) A[i][j] -= f * A[k][j];
+            b[i] -= f * b[k];
+        }
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int j = i + 1; j < n; j++) b[i] -= A[i][j] * b[j];
+        b[i] /= A[i][i];
+    }
+    return 1;
+}
+
+/* R = p + h sum_j A_ij F_j - L_v at the stages, and minus its derivative in V */
+static void equation(const stepper *x, double *R, double J[ALL][ALL]) {
+    const rule *r = x->r;
+    const double h = x->h;
+    for (int i = 0; i < r->s; i++)
+        for (int k = 0; k < N; k++) {
+            R[i * N + k] = x->p[k] - x->at[i].Lv[k];
+            for (int j = 0; j < r->s; j++) R[i * N + k] += h * r->A[i][j] * x->at[j].Lq[k];
+        }
+    for (int i = 0; i < r->s; i++)
+        for (int k = 0; k < r->s; k++)
+            for (int y = 0; y < N; y++)
+                for (int z = 0; z < N; z++) {
+                    double sum = h * (r->a[i][k] * x->at[i].Lqv[z * N + y] -
+                                      r->A[i][k] * x->at[k].Lqv[y * N + z]);
+                    for (int j = 0; j < r->s; j++)
+                        sum -= h * h * r->A[i][j] * r->a[j][k] * x->at[j].Lqq[y * N + z];
+                    J[i * N + y][k * N + z] = sum + (i == k ? x->at[i].Lvv[y * N + z] : 0.0);
+                }
+}
+
+static void evaluate(stepper *x) {
+    for (int i = 0; i < x->r->s; i++) {
+        double Q[N];
+        for (int k = 0; k < N; k++) {
+            Q[k] = x->q[k];
+            for (int j = 0; j < x->r->s; j++) Q[k] += x->h * x->r->a[i][j] * x->V[j * N + k];
+        }
+        newton_pendulum.lagrangian(&x->at[i], Q, x->V + i * N);
+    }
+}
+
+/* The largest change over the size of its own coordinate, or of the largest one: velocities, and
+ * what the coordinate has in a step. */
+static double change_of(const stepper *x, const double *d) {
+    const int n = x->r->s * N;
+    double size[N], most = 0.0, out = 0.0;
+    for (int i = 0; i < N; i++) size[i] = fabs(x->q[i]) / x->h;
+    for (int i = 0; i < n; i++) size[i % N] = fmax(size[i % N], fabs(x->V[i]));
+    for (int i = 0; i < N; i++) most = fmax(most, size[i]);
+    for (int i = 0; i < n; i++) out = fmax(out, fabs(d[i]) / (x->own ? size[i % N] : most));
+    return out;
+}
+
+static int step(stepper *x) {
+    double R[ALL], J[ALL][ALL], before = INFINITY;
+    guess(x);
+    for (int k = 0; k < ITERATIONS; k++) {
+        evaluate(x);
+        equation(x, R, J);
+        if (!solve(J, R, x->r->s * N)) return 0;
+        for (int i = 0; i < x->r->s * N; i++) x->V[i] += R[i];
+        const double change = change_of(x, R);
+        if (change <= 4e-15 || (change >= before && change < 1e-12)) break;
+        before = change;
+    }
+    for (int i = 0; i < x->r->s; i++)
+        for (int k = 0; k < N; k++) {
+            x->q[k] += x->h * x->r->b[i] * x->V[i * N + k];
+            x->p[k] += x->h * x->r->b[i] * x->at[i].Lq[k];
+        }
+    return isfinite(x->q[0]);
+}
+
+/* ---- looks ---- */
 
 typedef struct {
     double least;     /* the pivot next to zero at the last look */
@@ -24,7 +173,7 @@ typedef struct {
     double rate, way; /* how fast its logarithm moved, a step, and in how many */
     int strange;      /* it moved far since the look before */
     long looks, again, lost;
-    double q[NEWTON_N], p[NEWTON_N], v[NEWTON_N]; /* the state then */
+    double q[N], p[N], V[ALL]; /* the state then */
 } seen;
 
 /* d2L/dv2 in units that have ones on its diagonal where every rod is level: lower triangle */
@@ -91,43 +240,39 @@ static void look(seen *s, const double *q, long done) {
     s->least = least, s->looked = done, s->looks++;
 }
 
+static void keep(seen *s, const stepper *x) {
+    memcpy(s->q, x->q, sizeof s->q), memcpy(s->p, x->p, sizeof s->p);
+    memcpy(s->V, x->V, sizeof s->V);
+}
+
 /* the steps since the look before once more, with a look at each */
-static void repeat(seen *s, const implicit_model *m, long steps, long *iterations) {
-    implicit_model own = *m;
+static void repeat(seen *s, const stepper *now, long steps) {
+    stepper x = *now;
     double least;
-    memcpy(own.v, s->v, sizeof own.v);
-    for (long k = 0; k < steps; k++) {
-        double q0[N];
-        memcpy(q0, s->q, sizeof q0);
-        newton_run(s->q, s->p, &own, 1, iterations);
-        for (int i = 0; i < N; i++) own.v[i] = (s->q[i] - q0[i]) / own.h;
-        s->lost += !is_positive(s->q, &least);
+    memcpy(x.q, s->q, sizeof x.q), memcpy(x.p, s->p, sizeof x.p), memcpy(x.V, s->V, sizeof x.V);
+    for (long k = 0; k < steps && step(&x); k++) {
+        s->lost += !is_positive(x.q, &least);
         s->again++, s->looks++;
     }
 }
 
-static double run(policy how, long steps, seen *s, long *iterations) {
-    implicit_model m = newton_pendulum;
-    derivatives d;
-    double q[NEWTON_N], p[NEWTON_N], q0[N];
-    m.lagrangian(&d, m.q, m.v);
-    memcpy(q, m.q, sizeof q), memcpy(p, d.Lv, sizeof p);
+__attribute__((noinline)) static double run(const rule *r, policy how, long steps, seen *s) {
+    stepper x = {.r = r, .own = how == SIZES, .h = newton_pendulum.h};
+    newton_pendulum.lagrangian(x.at, newton_pendulum.q, newton_pendulum.v);
+    memcpy(x.q, newton_pendulum.q, sizeof x.q), memcpy(x.p, x.at[0].Lv, sizeof x.p);
+    for (int i = 0; i < ALL; i++) x.V[i] = newton_pendulum.v[i % N];
+    find_ahead(&x);
     *s = (seen){.due = 1};
-    if (how != NEVER) is_positive(q, &s->least);
+    if (how != NEVER) is_positive(x.q, &s->least);
     for (long k = 1; k <= steps; k++) {
-        if (how == AGAIN && k == s->looked + 1) {
-            memcpy(s->q, q, sizeof q), memcpy(s->p, p, sizeof p);
-            memcpy(s->v, m.v, sizeof m.v);
-        }
-        memcpy(q0, q, sizeof q0);
-        if (!newton_run(q, p, &m, 1, iterations)) return NAN;
-        for (int i = 0; i < N; i++) m.v[i] = (q[i] - q0[i]) / m.h; /* the next guess */
-        if (how == NEVER || (how != EVERY && k < s->due)) continue;
+        if (how != NEVER && k == s->looked + 1) keep(s, &x);
+        if (!step(&x)) return NAN;
+        if (how == NEVER || k < s->due) continue;
         const long since = k - s->looked;
-        look(s, q, k);
-        if (how == AGAIN && s->strange) repeat(s, &m, since, iterations);
+        look(s, x.q, k);
+        if (s->strange) repeat(s, &x, since);
     }
-    return q[0];
+    return x.q[0];
 }
 
 static double now(void) {
@@ -136,23 +281,31 @@ static double now(void) {
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-int main(void) {
-    static const long lengths[] = {200, 1000, 20000};
-    for (int l = 0; l < 3; l++) {
-        const double steps = (double)lengths[l];
-        double best[POLICIES] = {INFINITY, INFINITY, INFINITY, INFINITY};
-        seen s[POLICIES];
-        for (int turn = 0; turn < TURNS; turn++)
-            for (int how = NEVER; how < POLICIES; how++) {
-                long iterations = 0;
-                const double t = now();
-                if (!isfinite(run((policy)how, lengths[l], s + how, &iterations))) return 1;
-                best[how] = fmin(best[how], now() - t);
-            }
-        for (int how = NEVER; how < POLICIES; how++)
-            printf("%6.0f steps, %-14s %7.1f ns a step  %.2f  looks %.3f  again %.3f  lost %ld\n",
-                   steps, names[how], best[how] / steps, best[how] / best[NEVER],
-                   (double)s[how].looks / steps, (double)s[how].again / steps, s[how].lost);
+static int compare(const rule *r, long steps) {
+    double best[POLICIES] = {INFINITY, INFINITY, INFINITY};
+    seen s[POLICIES];
+    for (int turn = 0; turn < TURNS; turn++)
+        for (int how = NEVER; how < POLICIES; how++) {
+            const double t = now();
+            if (!isfinite(run(r, (policy)how, steps, s + how))) return 1;
+            best[how] = fmin(best[how], now() - t);
+        }
+    for (int how = NEVER; how < POLICIES; how++)
+        printf("%-10s %5ld steps, %-14s %7.1f ns a step  %.3f  looks %.3f  again %.3f  lost %ld\n",
+               r->name, steps, names[how], best[how] / (double)steps, best[how] / best[NEVER],
+               (double)s[how].looks / (double)steps, (double)s[how].again / (double)steps,
+               s[how].lost);
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    seen s;
+    if (argc > 3) {
+        const double q = run(rules + atoi(argv[1]) - 1, (policy)atoi(argv[2]), atol(argv[3]), &s);
+        printf("%.15g  looks %ld  again %ld\n", q, s.looks, s.again);
+        return !isfinite(q);
     }
+    for (int r = 0; r < 3; r++)
+        if (compare(rules + r, 200) || compare(rules + r, 2000)) return 1;
     return 0;
 }
