@@ -2,6 +2,7 @@
 #include "cli/repl.h"
 
 #include "bind/core/bind_terminal.h"
+#include "bind/core/missing_key.h"
 #include "cli/call.h"
 #include "cli/history.h"
 #include "cli/line.h"
@@ -293,15 +294,25 @@ static void set_globals(lua_State *L) {
     dml_report(L, status);
 }
 
+/* a nil that the entry at 1 gave: which name is not there, where one is not */
+static void explain_nil(lua_State *L) {
+    if (dml_push_function(L, "dm.session.missing", "of_entry") != LUA_OK) return;
+    lua_pushvalue(L, 1);
+    if (dml_call(L, 1, 1) == LUA_OK && lua_isstring(L, -1)) dml_message(NULL, lua_tostring(L, -1));
+}
+
 /* Runs the function on top and shows its results, which then stand from index 3 on. */
 static void evaluate(lua_State *L) {
+    dml_forget(L);
     const int status = dml_call_keeping(L, 0, LUA_MULTRET);
     if (status != LUA_OK)
         report_entry(L, status);
     else if (lua_gettop(L) > 1) {
+        const int is_nil = lua_gettop(L) == 2 && lua_isnil(L, 2);
         lua_pushnil(L); /* results stand from index 3 on */
         lua_insert(L, 2);
         show_results(L);
+        if (is_nil) explain_nil(L);
     }
 }
 

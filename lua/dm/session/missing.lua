@@ -56,6 +56,9 @@ end
 
 local function what_there_is(note)
   local names = names_of(note)
+  if note.of == "dm.path" and tonumber(note.key) then
+    return ("; rows are those of its columns: path.q[%s], path.t[%s]"):format(note.key, note.key)
+  end
   local near = core.nearest(note.key, names)
   if near == note.key then  -- a field that comes later, as scene.best with scene:run()
     return (", or not yet: ?%s says when it is there"):format(note.of)
@@ -156,6 +159,19 @@ end
 
 --- That a class has nothing of this name, and what it has.
 function M.of(class, key) return explained { of = class, key = key } end
+
+local ENTRY = "stdin"  -- the chunk of what is entered in a session
+
+--- Of an entry that gave nil: the name that is not there, or nothing.
+function M.of_entry(entry)
+  local note, name = getregistry().dm_missed, match(entry, "^%s*([%a_][%w_]*)%s*$")
+  if note and note.of and note.source == ENTRY and type(note.key) == "string" then
+    return explained(note)
+  end
+  if not name then return nil end
+  local where = math[name] ~= nil and "math" or core[name] ~= nil and "dm"
+  return where and ("%s is %s.%s"):format(name, where, name) or nil
+end
 
 --- What is noted in words, or nothing.
 function M.noted()

@@ -216,8 +216,8 @@ int dml_pow(lua_State *L) {
     dml_operand a, b;
     if (read_operands(L, DM_OP_POW, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_POW, &a, &b);
-    return luaL_error(L, "a power of a vector or matrix is ambiguous: use v:dot(v), m * m, or "
-                         "v:map(function(x) return x^2 end)");
+    return luaL_error(L, "a power of a vector or matrix is ambiguous: use v:dot(v), m * m, "
+                         "m:inverse(), or v:map(function(x) return x^2 end)");
 }
 
 /* Entries of any kind; -x of a symbol is a node. */

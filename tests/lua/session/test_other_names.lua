@@ -21,7 +21,8 @@ local missing = require "dm.session.missing"
 for _, row in ipairs { { "dm.system", "hamiltonian", "energy" }, { "dm.system", "solve", "solver" },
   { "dm.matrix", "inv", "inverse" }, { "dm.path", "save", "csv" }, { "dm.path", "export", "csv" },
   { "dm.path", "energy_error", "drift" }, { "dm.path", "period", "frequency" },
-  { "dm.space", "bracket", "ad" }, { "dm.space", "coadjoint", "coAd" },
+  { "dm", "eye", "identity" }, { "dm", "jacobian", "derivative" }, { "dm.matrix", "determinant", "det" },
+  { "dm.vector", "length", "norm" }, { "dm.space", "bracket", "ad" }, { "dm.space", "coadjoint", "coAd" },
   { "dm.system", "symmetries", "structure" } } do
   local text = missing.of(row[1], row[2])
   ok(text:find(("did you mean '%s'?"):format(row[3]), 1, true), row[2], text)

@@ -193,6 +193,13 @@ ok(lines < 10 and said:find('"v" has no doc of its own', 1, true) and said:find(
 has(text, "Henon and Heiles (1964): is a star's motion in a galaxy orderly or chaotic?", "?name of an example")
 has(text, "guiding_centre", "?examples lists them")
 has(text, '"friction" is spoken of:', "apropos knows what others call it")
+asked = session { "dm.so3", "pi", "none", "v = dm.vector { 1 }", "v.x", "v.x == nil", "t = {}", "t.x", "dm.eye", "#dm.systm" }
+for _, words in ipairs { "dm has no 'so3'; did you mean 'SO'?", "pi is math.pi", "a dm.vector has no 'x'; its entries are [1]", "did you mean 'identity'?", "dm has no 'systm'" } do
+  has(asked, words, "a nil that comes of a name says which: " .. words)
+end
+local _, nils = asked:gsub("\nnil", "")
+local _, told = asked:gsub(" has no ", "")
+ok(nils == 6 and told == 4, "and no other nil says anything", asked)
 asked = session { "?fpu", "?boris", "?Lorentz", "?snake", "?section" }
 for word, there in pairs { fpu = "?dm.sum_over", boris = "?charged_particle", Lorentz = "?guiding_centre", snake = "?chaplygin_sleigh" } do
   said = asked:match("> %?" .. word .. "\n(.-)\n> ") or asked

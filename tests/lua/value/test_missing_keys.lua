@@ -27,6 +27,7 @@ says("a dm.solver has no 'rnu'; did you mean 'run'?", function()
     }
 end)
 says("a dm.path has no 'enrgy'; did you mean 'energy'?", function() return path.enrgy + 1 end)
+says("a dm.path has no '1'; rows are those of its columns: path.q[1], path.t[1]", function() return path[1][1] end)
 says("a dm.action has no 'on_pints'; did you mean 'on_points'?", function() dm.action { group = dm.SE(2), on = dm.R(2) }:on_pints(2) end)
 says("a dm.space has no 'on_pairs'; it is a method of dm.action", function() dm.SE(2):on_pairs() end)
 says("a dm.system has no 'run'; a solver of it has: system:solver { rule =, h = }:run", function() kepler:run { q = { 1, 0 }, v = { 0, 1 }, t = 1 } end)
