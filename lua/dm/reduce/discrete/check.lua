@@ -215,11 +215,14 @@ local function points_of(info)
   return out
 end
 
---- Raises where the system has a force that Ld has not, or the time, for which there is no place
+--- Raises where the system has a force or rolling constraints that Ld has not, or the time, for which there is no place
 -- in an Ld, or Ld (left out: that of a rule in the coordinates (theta, x)) has a constraint of its
 -- own.
 function M.places(info, full, Ld)
-  if full.given.force and not (Ld and Ld.force) then routh.need_free(info, "discrete") end
+  local given = full.given
+  if given.force and not (Ld and Ld.force) or given.rolling and not (Ld and Ld.rolling) then
+    routh.need_free(info, "discrete")
+  end
   routh.need_autonomous(info, "discrete")
   if Ld then check_own_constraint(full, Ld, points_of(info)) end
 end

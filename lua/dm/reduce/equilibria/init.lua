@@ -27,7 +27,7 @@ function M.need(shape, what, options, known)
   local info = routh.need(shape, what)
   option.check(options, known, what)
   routh.need_autonomous(info, what)
-  if info.full.given.constraint or info.full.given.force then
+  if info.full.given.constraint or routh.is_driven(info) then
     error(what .. ": with constraints or forces balance is another equation; give coordinates "
       .. "without them", 0)
   end

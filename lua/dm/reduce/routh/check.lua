@@ -277,6 +277,47 @@ function M.constraint(info, g)
     function() return 1 end, function(one, i) return abs(one.a[i]) end)
 end
 
+--- What a reaction returned, as a list of rows.
+function M.rows(value)
+  return type(value[1]) == "number" and { value } or numbers(value)
+end
+
+-- entry i of the velocity replaced
+local function replaced(v, i, value)
+  local out = numbers(v)
+  out[i] = value
+  return core.vector(out)
+end
+
+--- Rolling constraints phi(q, v, t) that are invariant and whose reactions, phi_v or the rows that
+-- are given, have no component along the group.
+function M.rolling(info, phi, reaction)
+  local list = values(phi, info)
+  local function size(one, i) return max(abs(one.a[i]), ROUND * math.sqrt(one.p.energy)) end
+  compare("the rolling constraint", info, list, function() return 1 end, size)
+  if reaction then
+    local entries = function(...) return lists.joined(table.unpack(M.rows(reaction(...)))) end
+    compare("the reaction", info, values(entries, info), function() return 1 end,
+      function(one) return core.vector(one.a):norm() end)
+  end
+  for _, one in ipairs(list) do
+    local p = one.p
+    local rows = reaction and M.rows(reaction(p.q, p.v, p.t))
+    for _, at in ipairs(info.cyclic) do
+      local other = not rows and numbers(phi(p.q, replaced(p.v, at, 2 * p.v[at] + 1), p.t))
+      for i = 1, #one.a do
+        local push = rows and rows[i][at] or other and other[i] - one.a[i]
+        local room = TOLERANCE * (rows and core.vector(rows[i]):norm() or max(1, abs(one.a[i])))
+        if abs(push) > room then
+          error(("the reaction of rolling constraint %d has a component along the group: it pushes "
+            .. "'%s' at %s, so the momentum of '%s' is not kept and cannot be eliminated")
+            :format(i, info.names[at], place(info, p), info.names[at]), 0)
+        end
+      end
+    end
+  end
+end
+
 --- The locked inertia can be solved with: the order of its rows in elimination.
 function M.inertia(info, I)
   local order = linear.order(I)

@@ -43,10 +43,15 @@ end
 --- Raises where constraints or forces are in the way of what asked.
 function M.need_free(info, what)
   local given = info.full.given
-  if given.constraint or given.force then
+  if given.constraint or given.rolling or given.force then
     error(("%s: this system has %s, for which shape:solver has the reduced equations")
-      :format(what, given.constraint and "constraints" or "a force"), 0)
+      :format(what, given.force and "a force" or "constraints"), 0)
   end
+end
+
+--- Need a motion not keep its energy, since a force or rolling constraints act on it?
+function M.is_driven(info)
+  return (info.full.given.force or info.full.given.rolling) ~= nil
 end
 
 --- Does L not depend on time?
@@ -192,12 +197,32 @@ local function refuse(system)
   if given.derivatives == "hyperdual" then
     error("system:routh needs the graph of L, and this system runs on hyper-dual numbers", 0)
   end
-  if given.rolling then
-    error("system:routh: a rolling constraint has reactions that need not spare the momentum of "
-      .. "the group; only holonomic constraints and forces are reduced", 0)
-  end
   if given.control then
     error("system:routh: a control held over a step is not reduced; put it into 'force'", 0)
+  end
+end
+
+-- info[key](q, v, t) over the shape x, its velocity u and the numbers p; and info at these
+local function at_shape(info, key)
+  return function(x, u, t, p)
+    local now = parameters.at(info, p, x)
+    local theta = model.group_velocity(now, x, u, t)
+    return now[key](model.embed(now, x), model.embed(now, u, theta), t), now
+  end
+end
+
+-- rolling constraints and the directions of their reactions, which spare the group
+local function add_rolling(info, out)
+  check.rolling(info, info.rolling, info.reaction)
+  local phi = at_shape(info, "rolling")
+  function out.rolling(...) return (phi(...)) end
+  if not info.reaction then return end
+  local full = at_shape(info, "reaction")
+  function out.reaction(...)
+    local rows, now = full(...)
+    local left = {}
+    for i, row in ipairs(check.rows(rows)) do left[i] = model.split(now, row) end
+    return left
   end
 end
 
@@ -211,12 +236,13 @@ local function add_constraint_and_force(info, out)
   end
   if info.F then
     check.force(info, info.F)
-    out.force = function(x, u, t, p)
-      local now = parameters.at(info, p, x)
-      local theta = model.group_velocity(now, x, u, t)
-      return (model.split(now, now.F(model.embed(now, x), model.embed(now, u, theta), t)))
+    local full = at_shape(info, "F")
+    out.force = function(...)
+      local F, now = full(...)
+      return (model.split(now, F))
     end
   end
+  if info.rolling then add_rolling(info, out) end
 end
 
 -- names, units and space of what is left
@@ -267,6 +293,7 @@ local function read(system, options)
   return { full = system, names = names, n = n, m = #cyclic, d = #shape,
     cyclic = cyclic, shape = shape, params = p, L = bound(given.L, p),
     g = bound(given.constraint, p), F = bound(given.force, p),
+    rolling = bound(given.rolling, p), reaction = bound(given.reaction, p),
     given_connection = options.connection, shown = {} }
 end
 
@@ -355,8 +382,8 @@ near the section, states and reconstructed paths have elements. connection(x): m
 numbers, in place of the mechanical connection. Invariance of L under cyclic coordinates is proved,
 or searched, by bounds between a dozen points; all else is checked at these points. The first that
 violates it is named: what differs nowhere there, such as a force along the group that sets in only
-beyond some distance, is not seen, and the reduced run leaves it out. Constraints and forces that
-the group keeps are reduced too. The params of the system are those of the shape, with the momentum
+beyond some distance, is not seen, and the reduced run leaves it out. Constraints, rolling ones
+whose reactions spare the group, and forces that the group keeps are reduced too. The params of the system are those of the shape, with the momentum
 as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is called mu):
 ensembles and stability maps vary them. A run that jumps over a shape with a singular mass or locked
 inertia fails, with reason "pole" or "collapse". The reduced system also has connection, curvature,

@@ -3,6 +3,7 @@
 -- section and the velocity is linear in y', xi = J(y) y'. Moves of theta are then moves of
 -- coordinates.
 local blame = require "dm.base.blame"
+local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
@@ -115,7 +116,7 @@ local function pulled(velocity, n, y, f)
   return core.vector(out)
 end
 
--- L, constraint and force in y
+-- L, constraints and force in y
 local function pulled_back(system, element, velocity, n, names)
   local given = system.given
   local out = { Q = core.R(n), params = given.params, name = system.name, coordinates = names }
@@ -123,6 +124,18 @@ local function pulled_back(system, element, velocity, n, names)
   if given.force then
     function out.force(y, u, ...)
       return pulled(velocity, n, y, given.force(element(y), velocity(y, u), ...))
+    end
+  end
+  if given.rolling then
+    function out.rolling(y, u, ...) return given.rolling(element(y), velocity(y, u), ...) end
+  end
+  if given.reaction then
+    function out.reaction(y, u, ...)
+      local rows = {}
+      for i, row in ipairs(check.rows(given.reaction(element(y), velocity(y, u), ...))) do
+        rows[i] = pulled(velocity, n, y, row)
+      end
+      return rows
     end
   end
   if given.constraint then

@@ -51,6 +51,7 @@ local function variant(info, p)
     out.params = merged(info, p)
     out.L, out.g, out.F = bound(given.L, out.params), bound(given.constraint, out.params),
       bound(given.force, out.params)
+    out.rolling, out.reaction = bound(given.rolling, out.params), bound(given.reaction, out.params)
   end
   return out
 end

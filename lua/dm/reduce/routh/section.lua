@@ -235,7 +235,17 @@ local function names_of(system, options, Phi, m, n)
   return names
 end
 
--- L, constraint and force in (theta, x)
+-- the covector F at q as one of (theta, x)
+local function pulled(F, J, n)
+  local all = {}
+  for k = 1, n do
+    all[k] = 0
+    for i = 1, n do all[k] = all[k] + F[i] * J[i][k] end
+  end
+  return all
+end
+
+-- L, constraints and force in (theta, x)
 local function pulled_back(system, Phi, slope, n, names)
   local given = system.given
   local out = { params = given.params, Q = core.R(n), name = system.name, coordinates = names,
@@ -246,13 +256,20 @@ local function pulled_back(system, Phi, slope, n, names)
   end
   if given.force then
     out.force = function(y, w, t, p)
-      local J, q = slope(y), Phi(y)
-      local F, all = given.force(q, J * w, t, p), {}
-      for k = 1, n do
-        all[k] = 0
-        for i = 1, n do all[k] = all[k] + F[i] * J[i][k] end
+      local J = slope(y)
+      return pulled(given.force(Phi(y), J * w, t, p), J, n)
+    end
+  end
+  if given.rolling then
+    out.rolling = function(y, w, t, p) return given.rolling(Phi(y), slope(y) * w, t, p) end
+  end
+  if given.reaction then
+    out.reaction = function(y, w, t, p)
+      local J, rows = slope(y), {}
+      for i, row in ipairs(check.rows(given.reaction(Phi(y), J * w, t, p))) do
+        rows[i] = pulled(row, J, n)
       end
-      return all
+      return rows
     end
   end
   return core.system(out)

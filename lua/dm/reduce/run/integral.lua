@@ -3,6 +3,7 @@
 -- the motion of L as it is, since f enters the equations of L times k = 0, while the momentum of
 -- k_i grows by h sum_j b_j f_i in every step, whatever the rule is. W keeps z' = p_k / W small
 -- beside x', since steps are solved to an accuracy relative to the largest velocity.
+local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 
@@ -24,11 +25,20 @@ local function extended(system, f, r)
   if given.constraint then
     out.constraint = function(y, t) return given.constraint(head(y), t, given.params) end
   end
+  local function wide(row) return lists.joined(row, lists.zeros(2 * r)) end
   if given.force then
-    out.force = function(y, w, t)
-      local F, all = given.force(head(y), head(w), t, given.params), lists.zeros(d + 2 * r)
-      for i = 1, d do all[i] = F[i] end
-      return all
+    out.force = function(y, w, t) return wide(given.force(head(y), head(w), t, given.params)) end
+  end
+  if given.rolling then
+    out.rolling = function(y, w, t) return given.rolling(head(y), head(w), t, given.params) end
+  end
+  if given.reaction then
+    out.reaction = function(y, w, t)
+      local rows = {}
+      for i, row in ipairs(check.rows(given.reaction(head(y), head(w), t, given.params))) do
+        rows[i] = wide(row)
+      end
+      return rows
     end
   end
   return core.system(out)

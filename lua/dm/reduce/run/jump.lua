@@ -111,7 +111,7 @@ local LAST = 4 -- rows at the end of a run that failed which may have no energy
 --- The energies at the rows of a path, but for the last ones that have none; nothing where it need
 -- not keep one, or has recorded other things.
 function M.energies(path, info)
-  if path.watched or info.full.given.force or not routh.is_autonomous(info) then return nil end
+  if path.watched or routh.is_driven(info) or not routh.is_autonomous(info) then return nil end
   local fine, E = blame.try(path.energy, path)
   for less = 1, fine and 0 or min(LAST, #path - 1) do
     fine, E = blame.try(function() return M.head(path, #path - less):energy() end)

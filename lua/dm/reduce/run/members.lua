@@ -91,7 +91,7 @@ end
 
 -- members by how far their energy has moved, those that moved most first
 local function suspects(plain, e, options, kept, info)
-  if next(kept.vary) or info.full.given.force or not routh.is_autonomous(info) then return {} end
+  if next(kept.vary) or routh.is_driven(info) or not routh.is_autonomous(info) then return {} end
   local before = energies(plain, e.solver, { q = kept.q, v = kept.v, p = kept.p }, options)
   local after = energies(plain, e.solver, { q = e.q, p = e.p }, options)
   local out, moved = {}, {}
