@@ -383,12 +383,13 @@ numbers, in place of the mechanical connection. Invariance of L under cyclic coo
 or searched, by bounds between a dozen points; all else is checked at these points. The first that
 violates it is named: what differs nowhere there, such as a force along the group that sets in only
 beyond some distance, is not seen, and the reduced run leaves it out. Constraints, rolling ones
-whose reactions spare the group, and forces that the group keeps are reduced too. The params of the system are those of the shape, with the momentum
-as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is called mu):
-ensembles and stability maps vary them. A run that jumps over a shape with a singular mass or locked
-inertia fails, with reason "pole" or "collapse". The reduced system also has connection, curvature,
-locked_inertia, amended_potential, lift, start, and its paths have reconstruct. Raises when L is no
-invariant, a force pushes along the group, or the locked inertia is singular.]])
+whose reactions spare the group, and forces that the group keeps are reduced too. The params of the
+system are those of the shape, with the momentum as mu (mu1, mu2, ... of a group of more dimensions;
+mu_theta where a parameter is called mu): ensembles and stability maps vary them. A run that jumps
+over a shape with a singular mass or locked inertia fails, with reason "pole" or "collapse". The
+reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start, and
+its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the
+locked inertia is singular.]])
 
 class.method("dm.system", "at_momentum", M.at_momentum, [[
 shape:at_momentum(mu) -> dm.system
