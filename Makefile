@@ -119,7 +119,8 @@ $(DRIVERS): $(B)/tests/%: tests/c/%.c $(call objects,$(BIND)) $(B)/libdm.a
 	$(call say,cc,$<)$(COMPILE) -Itests/c $(LUA_CFLAGS) $< $(call objects,$(BIND)) $(B)/libdm.a $(LUA_LIBS) $(GSL_LIBS) -lm -o $@
 
 programs: all $(C_TESTS) $(DRIVERS)
-TEST_FILES = $(STATE_TESTS) $(C_TESTS) $(LUA_TESTS) $(EXAMPLES)
+# long ones first, so that no core waits for the last
+TEST_FILES = $(EXAMPLES) $(STATE_TESTS) $(C_TESTS) $(LUA_TESTS)
 test: programs
 	@.ci/setup --install pictures test
 	@tests/run $(HOUSE_TESTS) $(TEST_FILES)
@@ -133,9 +134,10 @@ demo: all
 	@.ci/setup --install pictures
 	@tests/demo $(EXAMPLES)
 
-# null pointers and ends of objects are what the address sanitizer sees, too
-SAN = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null,object-size \
-  -fno-sanitize-recover=all
+# null pointers and ends of objects are what the address sanitizer sees, too; lines, for its stacks,
+# are all of the debug data that is wanted
+SAN = -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined \
+  -fno-sanitize=null,object-size -fno-sanitize-recover=all
 san:
 	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
 # without the examples, which show what the tests try

@@ -38,6 +38,7 @@ static pid_t start(const char *dmlua, const char *script, int *from, int *said) 
     if (child == 0) {
         dup2(ends[1], STDOUT_FILENO);
         dup2(words[1], STDERR_FILENO);
+        signal(SIGINT, SIG_DFL); /* what a shell starts in the background ignores it */
         execl(dmlua, dmlua, script, (char *)NULL);
         _exit(9);
     }
