@@ -260,6 +260,7 @@ static dm_status pull_constraints(pulling *l, dm_homogeneous *to) {
                                           .rolling = c->rolling,
                                           .controls = c->controls,
                                           .forces = c->f ? l->n : 0,
+                                          .crossings = c->crossings,
                                           .u = c->controls ? u : NULL,
                                           .g = holonomic,
                                           .phi = rolling,

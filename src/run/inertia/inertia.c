@@ -261,6 +261,7 @@ static void begin_courses(dm_inertia *x, const dm_inertia_value *of) {
 dm_status dm_inertia_begin(dm_inertia *x, const double *state, double t, double h) {
     dm_inertia_seen *s = &x->seen;
     *s = (dm_inertia_seen){.due = 1, .known = dm_inertia_find_state(x, state, t), .h = h};
+    memset(x->course, 0, x->blocks.count * sizeof *x->course);
     if (!s->known) return DM_OK;
     const int ahead = go_ahead(x, state, t, h);
     find_scales(x);

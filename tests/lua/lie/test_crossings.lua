@@ -35,6 +35,10 @@ for _, rule in ipairs { "lie(1)", "lie(2)", "lie(3)", "lie(1, gauss(1), cayley)"
 end
 local through = tilting { crossings = true }:solver { rule = "lie(2)", h = 0.1 }:run { q = start.q, v = start.v, steps = 20 }
 near(G:distance(through.q[21], G:exp { 1, 0, 0 }), 0, 1e-13, "crossings = true goes straight on")
+for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)" } do
+  through = tilting { crossings = true }:solver { rule = rule, h = 0.01 }:run { q = start.q, v = start.v, t = 2 }
+  near(G:distance(through.q[#through.q], G:exp { 1, 0, 0 }), 0, 1e-4, rule .. ": with crossings = true straight on")
+end
 -- past the node at a distance there is one way alone
 local aside = G:exp { -0.5, 0.01, 0 }
 local beside = tilting { constraint = tilts(aside[3][1] * aside[3][2]) }
