@@ -215,9 +215,9 @@ local function points_of(info)
   return out
 end
 
---- Raises where the system has a force or rolling constraints that Ld has not, or the time, for which there is no place
--- in an Ld, or Ld (left out: that of a rule in the coordinates (theta, x)) has a constraint of its
--- own.
+--- Raises where the system has a force or rolling constraints that Ld has not, or the time, for
+-- which there is no place in an Ld, or Ld (left out: that of a rule in the coordinates (theta, x))
+-- has a constraint of its own.
 function M.places(info, full, Ld)
   local given = full.given
   if given.force and not (Ld and Ld.force) or given.rolling and not (Ld and Ld.rolling) then
