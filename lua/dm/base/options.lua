@@ -54,11 +54,17 @@ local function unknown(key, known, where)
     near and ("did you mean '%s'? "):format(near) or "", concat(names, ", "))
 end
 
+-- of a name of a picture where its options are meant
+local function as_file(t)
+  local picture = type(t) == "string" and (t:find "%.png$" or t:find "%.svg$" or t:find "%.pdf$")
+  return picture and (": { file = %q }"):format(t) or ""
+end
+
 --- The table t itself, once all of its keys are in the list `known` (with known.entries = true also
 -- [1], [2], ...); `takes` tells what a call without a table should have given.
 function M.check(t, known, where, takes)
   if type(t) ~= "table" then
-    M.fail(where, "takes a table %s (got %s)", takes or "of options", M.got(t))
+    M.fail(where, "takes a table %s (got %s)%s", takes or "of options", M.got(t), as_file(t))
   end
   for key in next, t do
     if not is_among(key, known) then unknown(key, known, where) end
@@ -73,7 +79,7 @@ end
 function M.copy(t, where)
   local out = {}
   if t ~= nil and type(t) ~= "table" then
-    M.fail(where, "takes a table of options (got %s)", M.got(t))
+    M.fail(where, "takes a table of options (got %s)%s", M.got(t), as_file(t))
   end
   for key, value in next, t or {} do out[key] = value end
   return out

@@ -144,6 +144,9 @@ end
 function M.explain(message)
   local note = getregistry().dm_missed
   if type(message) ~= "string" then return message end
+  if find(message, "arithmetic on a dm.space value", 1, true) then
+    return message .. ": a product of spaces is dm.product(A, B)"
+  end
   local of_nil = find(message, ": cannot compute nil %S+ %S+$")
     or find(message, ": cannot compute [^\n]* nil$")
   local name = of_nil and variable.of_nil(2) or ""

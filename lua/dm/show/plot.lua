@@ -150,8 +150,8 @@ local function set_range(panel, name, room)
   local is_log = panel["log" .. name]
   local lo, hi = series_.range(panel.series, name)
   if not lo then
-    fail("nothing to draw: no point is finite%s", is_log and " and positive on the logarithmic axis"
-      or "")
+    fail("nothing to draw: no point is finite%s", (panel.logx or panel.logy)
+      and " and positive on the logarithmic axis" or "")
   end
   if not is_log then
     local plain = axis.new(lo, hi, 2)  -- gives a constant column a width
@@ -361,6 +361,7 @@ M.figure = blame.caller(function(given)
         fail("panel %d: '%s' belongs to the figure, behind its panels", i, key)
       end
     end
+    if panel.x ~= nil and panel.y ~= nil then panel = { panel } end -- a series alone
     if given.text and panel.text == nil then panel = with_text(panel, given.text) end
     panels[i] = make_panel(is_column(panel[1]) and { panel } or panel, panel)
   end

@@ -9,7 +9,9 @@ end }
 
 -- a file where a table of options goes
 local chart = spring:chart { q = { 1 }, v = { 0 }, t = 1, h = { 0.1, 0.05 }, rules = { "verlet" } }
-raises("chart:plot: takes a table of options (got \"x.png\")", chart.plot, chart, "x.png")
+raises("chart:plot: takes a table of options (got \"x.png\"): { file = \"x.png\" }", chart.plot,
+  chart, "x.png")
+raises("takes a table of options (got \"x.svg\"): { file = \"x.svg\" }", dm.plot, { 1 }, { 1 }, "x.svg")
 local map = dm.stability { system = spring, rule = "verlet", q = { 1 }, v = { 0 }, steps = 10,
   h = { 0.1, 1, 2, "log" } }
 raises("map:plot: takes a table of options (got \"x.png\")", map.plot, map, "x.png")

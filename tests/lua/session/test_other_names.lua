@@ -34,6 +34,12 @@ for name, rule in pairs { ["forest-ruth"] = "yoshida", ode45 = "rkf45", ["veloci
   raises(("did you mean '%s'?"):format(rule), spring.solver, spring, { rule = name, h = 0.1 })
 end
 
+-- products of spaces
+local product = missing.explain "stdin:1: attempt to perform arithmetic on a dm.space value"
+ok(product:find("a product of spaces is dm.product(A, B)", 1, true), "dm.SO(3) * dm.R(3)", product)
+raises("did you mean 't'?", function() spring:solver({ rule = "verlet", h = 1 }):run { q = { 1 }, v = { 0 }, tspan = 1 } end)
+raises("did you mean 'newton'?", spring.solver, spring, { rule = "verlet", h = 1, tol = 1 })
+
 -- what is left out where a name or a number has to be
 local path = spring:solver({ rule = "verlet", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 99 }
 raises('path:frequency: takes the name of a column, as "q1" (got nil)', path.frequency, path)

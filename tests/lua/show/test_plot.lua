@@ -257,6 +257,14 @@ os.remove(odd)
 ---- misuse ----
 
 raises("needs two columns", dm.plot)
+raises("no point is finite and positive on the logarithmic axis", dm.plot, { 1, 2 }, { -1, -2 }, { log = "y" })
+raises("no point is finite and positive on the logarithmic axis", dm.plot, { -1, -2 }, { 1, 2 }, { log = "xy" })
+do -- a series is a panel of one
+  local one, two = base .. "_one.svg", base .. "_two.svg"
+  dm.figure { { { x = { 1, 2 }, y = { 3, 5 }, name = "a" } }, file = one }
+  dm.figure { { x = { 1, 2 }, y = { 3, 5 }, name = "a" }, file = two }
+  ok(slurp(one) == slurp(two) and slurp(one), "a series alone is a panel")
+end
 raises("needs two columns", dm.plot, 1, 2)
 raises("3 numbers x but 2 numbers y", dm.plot, u, { 1, 2 })
 raises("is empty", dm.plot, { { x = {}, y = {} } })
