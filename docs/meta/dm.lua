@@ -3366,12 +3366,12 @@ local dm_operator_class = {}
 ---m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
 ---of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
 ---best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
----with which eigenvalues do not converge. Up to 300 unknowns (1200
----where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
----(libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
----self-adjoint, and where negative stars leave the forms without a norm. u' = -A u, with A =
----K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k] t)
----(forms[k] . u0) forms[k].
+---with which eigenvalues do not converge, or the farthest of all eigenvalues is left out. Up to 300
+---unknowns (1200 where many are asked for) by dense rotations, else by Lanczos iterations, which need
+---dm/sparse.so (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the
+---operator is not self-adjoint, and where negative stars leave the forms without a norm. u' = -A u,
+---with A = K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k]
+---t) (forms[k] . u0) forms[k].
 ---@param m? any
 ---@param options? table
 ---@return table
@@ -6141,16 +6141,17 @@ function dm.lagrange_poincare(options) end
 
 ---dm.load(file, {separator=, decimal=, names=, skip=}) -> table
 ---
----Columns of a .npy file or of a text, as path:npy and path:csv write them, or of what comes through
----a pipe ("/dev/stdin"), up to its end: data.columns lists the
----names, data.q1 is a dm.vector, of a field of arrays a dm.matrix with a row each. Of a .npy file the
----numbers may be of any length, whole or not, and bytes and rows in any order; an array has columns
----c1, c2, ... In a text commas, semicolons, tabs or blanks stand between the fields; blank lines and
----comments, from a # on, are skipped. A column of the name columns is data.columns_. Names are in the
----first line, or in the last comment above the numbers; without names the columns are c1, c2, ...
----Words beside bare numbers in the first line are refused: a row with a fault, or names that need
----quotes. A decimal
----comma is seen where the fields show it ("1,5;2,5"); exponents may be of Fortran ("1.0D+00"). Given:
+---Columns of a .npy file or of a text, as path:npy and path:csv write them, or of what comes through a
+---pipe ("/dev/stdin"), up to its end: data.columns lists the names, data.q1 is a dm.vector, of a field
+---of arrays a dm.matrix with a row each. Of a .npy file the numbers have 4 or 8 bytes, whole ones and
+---truth values 1 to 8, in any order, as rows; what stands behind the array is not read. An array has
+---columns c1, c2, ... In a text commas, semicolons, tabs or blanks stand between the fields; blank
+---lines and comments, from a # on, are skipped. A column of the name columns is data.columns_. Names
+---are in the first line, or in the last comment above the numbers; without names the columns are c1,
+---c2, ... Words beside bare numbers in the first line are refused: a row with a fault, or names that
+---need quotes. A decimal comma is seen where the fields show it ("1,5;2,5"); exponents may be of
+---Fortran ("1.0D+00").
+---Given:
 ---separator = ",", ";", "tab" or "blank", decimal = "," or ".", names = a list, skip = lines to
 ---leave out.
 ---Raises with the line and the column of what is not a number. Of the journal of a sweep

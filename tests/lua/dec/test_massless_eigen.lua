@@ -47,4 +47,8 @@ for _, case in ipairs { { 3, 10 }, { 4, 10 }, { 5, 2 }, { 8, 6 }, { 12, 1 } } do
   near(norm, 0, 1e-12, "norms" .. name)
   near(pulled, 0, 1e-11, "no curl pulls at the diagonals" .. name)
 end
+-- 18 edges of 27 have mass
+local all = dm.mesh { square_torus = 3 }:laplacian(1):eigen(27)
+ok(#all.values == 17 and all.note:find "left out", "the one that is left out is told", all.note)
+ok(dm.mesh { square_torus = 3 }:laplacian(1):eigen(10).note == nil, "where it was asked for")
 tap.done()

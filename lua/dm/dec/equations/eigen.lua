@@ -187,7 +187,9 @@ local function lanczos(A, S, weights, m, options)
   return pairs_, ("Lanczos iterations (ARPACK), %s"):format(FACTORS[factor.kind]), all
 end
 
--- pairs, and which solver found them
+local ONE_LESS = "Lanczos iterations have one less than there are: the farthest is left out"
+
+-- pairs, which solver found them, its solves and what to know of them
 local function find(A, m, options)
   local S, weights = pencil(A)
   local n, zeros = S.rows, count_zeros(weights)
@@ -202,7 +204,9 @@ local function find(A, m, options)
       why)
   end
   -- what has no mass has no eigenvalue that is finite
-  return lanczos(A, S, weights, math.min(m, n - 1 - zeros), options)
+  local most = n - 1 - zeros
+  local pairs_, name, solves = lanczos(A, S, weights, math.min(m, most), options)
+  return pairs_, name, solves, m > most and #pairs_ == most and ONE_LESS or nil
 end
 
 local function check(m, options)
@@ -218,7 +222,7 @@ end
 class.method("dm.operator", "eigen", function(A, m, options)
   options = options or {}
   check(m, options)
-  local pairs_, name, solves = find(A, m, options)
+  local pairs_, name, solves, note = find(A, m, options)
   local values, residuals, forms = {}, {}, core.result {}
   for i, pair in ipairs(pairs_) do
     local x = A.keep and core.spread(pair.vector, A.keep) or pair.vector
@@ -227,17 +231,17 @@ class.method("dm.operator", "eigen", function(A, m, options)
   end
   return core.result { values = core.vector(values), forms = forms,
     residuals = core.vector(residuals), solver = name, solves = solves,
-    note = mass.note(A.mesh) }
+    note = mass.note(A.mesh) or note }
 end, [[
 A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver, note }
 m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
 of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
 best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
-with which eigenvalues do not converge. Up to 300 unknowns (1200
-where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
-(libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
-self-adjoint, and where negative stars leave the forms without a norm. u' = -A u, with A =
-K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k] t)
-(forms[k] . u0) forms[k].]])
+with which eigenvalues do not converge, or the farthest of all eigenvalues is left out. Up to 300
+unknowns (1200 where many are asked for) by dense rotations, else by Lanczos iterations, which need
+dm/sparse.so (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the
+operator is not self-adjoint, and where negative stars leave the forms without a norm. u' = -A u,
+with A = K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k]
+t) (forms[k] . u0) forms[k].]])
 
 return M
