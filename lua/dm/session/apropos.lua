@@ -202,7 +202,13 @@ local CHARGE = "a charge in a magnetic field is L = v:dot(v)/2 + v:dot(A(q)) - V
   .. "?guiding_centre"
 local SKATES = "what rolls or skates has rolling = beside L: the examples ?chaplygin_sleigh, "
   .. "?link_chain, ?rolling_disk"
-local WRITTEN = { fpu = CHAIN, fput = CHAIN, fermi = CHAIN, boris = CHARGE, lorentz = CHARGE,
+local NOTEBOOKS = "dmlua --jupyter, in a shell, makes it a kernel of notebooks"
+local PYTHON = "path:npy and path:csv write what others read; dmlua --where python is the folder "
+  .. "of a module that reads it and calls emitted C; dmlua --jupyter makes a kernel of notebooks"
+local ANGLES = "rotations are elements of dm.SO(3), which no angle describes: the examples "
+  .. "?heavy_top, ?free_body"
+local WRITTEN = { jupyter = NOTEBOOKS, ipython = NOTEBOOKS, python = PYTHON, numpy = PYTHON,
+  ["euler angles"] = ANGLES, fpu = CHAIN, fput = CHAIN, fermi = CHAIN, boris = CHARGE, lorentz = CHARGE,
   snake = SKATES, snakeboard = SKATES }
 
 local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }

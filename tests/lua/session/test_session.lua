@@ -200,8 +200,8 @@ end
 local _, nils = asked:gsub("\nnil", "")
 local _, told = asked:gsub(" has no ", "")
 ok(nils == 6 and told == 4, "and no other nil says anything", asked)
-asked = session { "?fpu", "?boris", "?Lorentz", "?snake", "?section" }
-for word, there in pairs { fpu = "?dm.sum_over", boris = "?charged_particle", Lorentz = "?guiding_centre", snake = "?chaplygin_sleigh" } do
+asked = session { "?fpu", "?boris", "?Lorentz", "?snake", "?section", "?jupyter", "?python", "?euler angles" }
+for word, there in pairs { jupyter = "dmlua --jupyter", python = "path:npy and path:csv", ["euler angles"] = "dm.SO(3)", fpu = "?dm.sum_over", boris = "?charged_particle", Lorentz = "?guiding_centre", snake = "?chaplygin_sleigh" } do
   said = asked:match("> %?" .. word .. "\n(.-)\n> ") or asked
   ok(said:find(there, 1, true) and not said:find "did you mean", "?" .. word .. " says how it is written here", said)
 end
