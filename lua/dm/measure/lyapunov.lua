@@ -156,9 +156,9 @@ local function allowed_by(lifted, s)
   end
 end
 
--- a number has outgrown all others: a shorter block is to be taken. Beside a large u the sign of
--- d2L/dv2 of the prolonged system is lost.
-local OUTGROWN = { not_finite = true, no_convergence = true, inertia = true }
+-- a number has outgrown all others: a shorter block is to be taken. Of inertia that is not said,
+-- which is that of the orbit alone; short blocks would not know how it fell before.
+local OUTGROWN = { not_finite = true, no_convergence = true }
 
 -- the run of vector j beside the orbit from state s: its path and its end; nothing where a number
 -- has outgrown all others

@@ -152,6 +152,7 @@ static void find_scales(dm_inertia *x) {
     memcpy(M, x->out + n, (size_t)n * n * sizeof *M);
     dm_inertia_narrow(M, d, n, d);
     const uint32_t half = dm_inertia_is_prolonged(M, d) ? d / 2 : d;
+    x->tangent = d - half;
     const double *block = M + (d - half);
     for (uint32_t i = 0; i < n; i++) x->scale[i] = 1.0;
     for (uint32_t i = 0; i < half; i++) {

@@ -62,6 +62,7 @@ typedef struct {
     double *room, *out;          /* arguments (q, v, t) and outputs of kernels */
     double *A, *work;            /* matrices; the Legendre transform */
     uint32_t holonomic, rolling; /* rows of constraints */
+    uint32_t tangent;            /* entries of a tangent vector, the last ones; 0: there is none */
     dm_inertia_value *values;    /* [blocks] that were found last */
     double *first, *last, *middle; /* [blocks] products on a line */
     /* a state that steps can be taken again from, what the engine remembered there, its time, how

@@ -3,6 +3,7 @@
  * is reached in no time, but a long step is thrown back by it or jumps over it. So a step before
  * which a value fell steeply is made again in parts, shorter ones as the value nears zero, and so
  * is an open one (inertia_step.c) with a place beside its way. */
+#include "mech/group.h"
 #include "run/inertia/inertia_look.h"
 
 #include <math.h>
@@ -53,11 +54,16 @@ static int find_velocity(const parts *w, const double *state, double t) {
     return v != NULL;
 }
 
+/* Entries of a velocity that are of the orbit: first ones, whose momenta are the last ones. */
+static uint32_t velocities(const parts *w) {
+    return dm_momenta(w->x->model) - w->x->tangent;
+}
+
 /* The largest difference from that one in the units of the start; infinite: none is known. */
 static double difference(const parts *w, const double *state, double t) {
     const double *v = dm_inertia_velocity(w->x, state, t);
     double out = v ? 0.0 : INFINITY;
-    for (uint32_t i = 0; v && i < w->x->model->n; i++)
+    for (uint32_t i = 0; v && i < velocities(w); i++)
         out = fmax(out, fabs((v[i] - w->velocity[i]) / w->x->scale[i]));
     return out;
 }
@@ -105,8 +111,8 @@ static double since_start(const parts *w, int on_way, uint32_t i) {
 /* How much faster the velocity that grew most is than before, of those that move something now and
  * moved something then. */
 static double growth(parts *w, int on_way) {
-    const uint32_t n = w->x->model->n;
-    const double *then = w->velocity, *p = w->state + n, *before = w->x->state + n;
+    const uint32_t n = velocities(w), first = w->x->model->n + w->x->tangent;
+    const double *then = w->velocity, *p = w->state + first, *before = w->x->state + first;
     if (!find_velocity(w, w->x->state, w->t)) return 0.0;
     const double *v = dm_inertia_velocity(w->x, w->state, time_of(w));
     if (!v) return 0.0;

@@ -179,7 +179,7 @@ typedef struct {
 
 static distance distance_of(const place *at, const double *end) {
     const dm_inertia *x = at->x;
-    const uint32_t n = x->model->n;
+    const uint32_t n = x->model->n - x->tangent; /* of the orbit alone */
     double squares = 0.0, along = 0.0, lost = 0.0;
     for (uint32_t i = 0; i < n; i++) {
         const double unit = x->model->group ? 1.0 : x->scale[i];
