@@ -208,8 +208,8 @@ local PYTHON = "path:npy and path:csv write what others read; dmlua --where pyth
 local ANGLES = "rotations are elements of dm.SO(3), which no angle describes: the examples "
   .. "?heavy_top, ?free_body"
 local WRITTEN = { jupyter = NOTEBOOKS, ipython = NOTEBOOKS, python = PYTHON, numpy = PYTHON,
-  ["euler angles"] = ANGLES, fpu = CHAIN, fput = CHAIN, fermi = CHAIN, boris = CHARGE, lorentz = CHARGE,
-  snake = SKATES, snakeboard = SKATES }
+  ["euler angles"] = ANGLES, fpu = CHAIN, fput = CHAIN, fermi = CHAIN, boris = CHARGE,
+  lorentz = CHARGE, snake = SKATES, snakeboard = SKATES }
 
 local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
 
