@@ -22,15 +22,15 @@ typedef struct {
     double *memory, *now, *next, *iterate, *change;
     double *weight, *crossing; /* of mech/crossing.h: [n], room */
     dm_crossing_watch watch;
-    int looks;    /* for places where constraints cross */
-    double least; /* square of a coordinate at the start of a step; 0: not known */
+    int begun; /* iterations that the first kernel makes: 0 where nothing is solved for */
+    int looks; /* for places where constraints cross */
 } layout;
 
 /* memory: h of the last step (0: there is none), which may be a part of a composition, the volume
  * of its rows and one to compare with (mech/crossing.h), its mu[m], the squares[m] that rows of G
  * had at the start; and behind the norms of a step */
 enum { LAST, VOLUME, WATCHED, MU };
-enum { VOLUME_OF_NORMS = 3 };
+enum { VOLUME_OF_NORMS = 3, LEAST_OF_NORMS };
 
 static size_t memory_size(const dm_rattle_layout *at) {
     return MU + 2 * (size_t)at->m;
@@ -91,6 +91,7 @@ static void prepare(layout *l) {
 static dm_status open(dm_stepper *s) {
     layout *l = layout_of(s);
     *l = (layout){.at = dm_rattle_lay_out(s->model)};
+    l->begun = l->at.m || l->at.drags ? 2 : 0;
     l->memory = s->work + layout_size();
     l->now = l->memory + memory_size(&l->at);
     l->next = l->now + l->at.size;
@@ -150,7 +151,7 @@ DM_WRITTEN_OUT int is_known(const dm_stepper *s, const double *norms, double siz
 
 /* one iteration more; what it changes y by */
 static void iterate_once(dm_stepper *s, layout *l) {
-    const size_t n = l->at.n, count = n + l->at.m + 4;
+    const size_t n = l->at.n, count = n + l->at.m + DM_RATTLE_NORMS;
     double *y = l->now + l->at.y;
     dm_kernel_eval(&l->kernel.newton, l->now, l->iterate);
     for (size_t c = 0; c < n; c++) l->change[c] = l->iterate[c] - y[c];
@@ -172,26 +173,13 @@ static dm_status iterate(dm_stepper *s, layout *l, const double *norms) {
     return DM_OK;
 }
 
-/* Are all near the largest, as y or what the step before told of q says? Speed: steps, rattle. */
-static int are_alike(layout *l, double size) {
-    const double *y = l->now + l->at.y;
-    if (l->least * 0x1p19 > size) return l->least = 0.0, 1;
-    const uint32_t n = l->at.n;
-    double least = size;
-#pragma GCC unroll 4
-    for (uint32_t c = 0; c < n; c++) {
-        const double squares = y[c] * y[c];
-        least = squares < least ? squares : least;
-    }
-    l->least = l->at.drags ? 0.0 : least; /* then y is a velocity */
-    return least * 0x1p19 > size;
-}
-
-/* Is some coordinate much smaller than the largest, not zero, and not known yet? */
-static int has_small_ones(const dm_stepper *s, layout *l) {
+/* Is some coordinate much smaller than the largest, not zero, and not known yet? Mostly not, as the
+ * least |y| says. Speed: instructions, rattle. */
+static int has_small_ones(const dm_stepper *s, const layout *l) {
     const double *q = l->now, *y = q + l->at.y, *norms = q + l->at.norms;
+    const double near = norms[LEAST_OF_NORMS];
     double least = norms[2];
-    if (are_alike(l, least)) return 0;
+    if (near * near * 0x1p19 > least) return 0;
     for (uint32_t c = 0; c < l->at.n; c++) {
         const double own = q[c] * q[c] + y[c] * y[c];
         least = own < least && own > 0.0 ? own : least;
@@ -217,9 +205,9 @@ static void iterate_small_ones(dm_stepper *s, layout *l, double h) {
 
 /* The largest |g| so far, for the report. */
 static inline void look_at_constraint(dm_stepper *s, const layout *l, const double *g) {
-    const uint32_t m = l->at.m;
     double largest = s->report.constraint;
-    for (uint32_t i = 0; i < m; i++) largest = fabs(g[i]) > largest ? fabs(g[i]) : largest;
+    for (const double *end = g + l->at.m; g < end; g++)
+        if (fabs(*g) > largest) largest = fabs(*g);
     s->report.constraint = largest;
 }
 
@@ -242,17 +230,16 @@ static dm_status look_for_crossing(dm_stepper *s, layout *l, double last) {
 /* from l->now, which is left as it was where this fails, to l->next; then they change places */
 static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
     double *x = l->now, *norms = x + l->at.norms;
-    const int solves = l->at.m || l->at.drags;
     x[l->at.t0] = t;
     x[l->at.t] = t + h;
     dm_kernel_eval(&l->kernel.first, x, x + l->at.y);
-    s->report.iterations = solves ? 2 : 0;
-    if (solves && !is_last(s, norms)) {
+    s->report.iterations = l->begun;
+    if (l->begun && !is_last(s, norms)) {
         const dm_status status = iterate(s, l, norms);
         s->report.residual = sqrt(norms[1]);
         if (status != DM_OK) return status;
     }
-    if (solves && has_small_ones(s, l)) iterate_small_ones(s, l, h);
+    if (l->begun && has_small_ones(s, l)) iterate_small_ones(s, l, h);
     dm_kernel_eval(&l->kernel.end, x, l->next);
     if (!dm_crossing_is_far(&l->watch, volume_of(l, x))) {
         const dm_status status = look_for_crossing(s, l, volume_of(l, l->next));
@@ -287,7 +274,6 @@ static void load(const dm_stepper *s, const double *state, double t, double h) {
     l->now[at->half] = l->next[at->half] = 0.5 * h;
     memcpy(l->now, state, 4 * (size_t)at->n * sizeof *state);
     l->now[at->t] = t;
-    l->least = 0.0;
     dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
     const double last = l->memory[LAST];
     const double part = last == h ? 1.0 : last == 0.0 ? 0.0 : h / last;

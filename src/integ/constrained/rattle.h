@@ -23,10 +23,12 @@ typedef struct {
     /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
     uint32_t y, lambda;
     /* squares: of the last two changes of y, of y; of the volume that the rows of G span, det(G W
-     * G0^T) with each row in its unit */
+     * G0^T) with each row in its unit; the least |y_c| */
     uint32_t norms;
     uint32_t size;
 } dm_rattle_layout;
+
+enum { DM_RATTLE_NORMS = 5 };
 
 /* Each takes a whole buffer. */
 typedef struct {

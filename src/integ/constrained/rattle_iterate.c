@@ -12,6 +12,15 @@ static dm_node square(const frame *b, const dm_node *x) {
     return sum;
 }
 
+/* the least |x_c|; of squares it would keep those of the sums from being fused */
+static dm_node least(const frame *b, const dm_node *x) {
+    dm_graph *g = b->f.graph;
+    dm_node so_far = dm_apply(g, DM_OP_ABS, x[0], 0, 0);
+    for (uint32_t c = 1; c < b->at.n; c++)
+        so_far = dm_apply(g, DM_OP_MIN, so_far, dm_apply(g, DM_OP_ABS, x[c], 0, 0), 0);
+    return so_far;
+}
+
 /* entry (c, d) of the mass matrix, node 0 where it is zero */
 static dm_node mass(const frame *b, uint32_t c, uint32_t d) {
     const double *M = b->model->mass_matrix;
@@ -20,7 +29,7 @@ static dm_node mass(const frame *b, uint32_t c, uint32_t d) {
     return dm_constant(b->f.graph, M[c * (size_t)n + d]);
 }
 
-/* what an iteration works on: y[n], lambda[m], norms[4] are its outputs; B = h W G0^T; units of the
+/* what an iteration works on: y[n], lambda[m], norms are its outputs; B = h W G0^T; units of the
  * pivots of its matrix: of masses, which come first where a force sees v, there is none */
 typedef struct {
     dm_node *y, *lambda, *norms, *B, *G0, *units;
@@ -30,7 +39,7 @@ typedef struct {
 static int begin_iterate(frame *b, iterate *x) {
     const size_t n = b->at.n, m = b->at.m;
     x->G0 = dm_rattle_take(b, b->at.nonzeros);
-    x->y = dm_rattle_take(b, n + m + 4);
+    x->y = dm_rattle_take(b, n + m + DM_RATTLE_NORMS);
     x->B = dm_rattle_take(b, n * m);
     x->units = dm_rattle_take(b, n + m);
     if (!x->G0 || !x->y || !x->B || !x->units) return 0;
@@ -187,5 +196,6 @@ dm_status dm_rattle_make_iterate(frame *b, dm_kernel *out, int first) {
     x.norms[3] = dm_constant(b->f.graph, 0.0);
     for (int i = 0; i < (first ? 2 : 1) && (m || b->drag); i++)
         if (!(b->drag ? iteration_with_drag(b, &x) : iteration(b, &x))) return DM_NO_MEMORY;
-    return dm_rattle_end(b, out, x.y, n + m + 4);
+    x.norms[4] = least(b, x.y);
+    return dm_rattle_end(b, out, x.y, n + m + DM_RATTLE_NORMS);
 }

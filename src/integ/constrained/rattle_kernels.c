@@ -30,7 +30,7 @@ dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
     at.y = at.unit + k;
     at.lambda = at.y + n;
     at.norms = at.lambda + k;
-    at.size = at.norms + 4;
+    at.size = at.norms + DM_RATTLE_NORMS;
     return at;
 }
 
