@@ -38,7 +38,6 @@ static pid_t start(const char *dmlua, const char *script, int *from, int *said) 
     if (child == 0) {
         dup2(ends[1], STDOUT_FILENO);
         dup2(words[1], STDERR_FILENO);
-        signal(SIGINT, SIG_DFL); /* what a shell starts in the background ignores it */
         execl(dmlua, dmlua, script, (char *)NULL);
         _exit(9);
     }
@@ -131,6 +130,9 @@ static void loops_see_the_flag(void) {
 
 int main(int argc, char **argv) {
     if (argc > 1) rounds = atoi(argv[1]);
+    /* what a shell starts in the background ignores it, and so would children until their handler
+     * stands */
+    signal(SIGINT, SIG_DFL);
     RUN(loops_see_the_flag, "Ctrl-C ends products of matrices and solutions with them");
     RUN(random_moments, "Ctrl-C at random moments ends a script in order");
     return check_finish();
