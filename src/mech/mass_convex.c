@@ -68,10 +68,11 @@ static int are_all_moving(dm_form *f) {
     return dm_surely_positive(A, none, n);
 }
 
-/* Has every w_i that stands alone a square that counts? */
-static int are_alone_positive(const dm_form *f) {
+/* Has every w_i a square that counts, and no weight that grows without bound? Beside such a one the
+ * others are lost in rounding, though the mass is definite. */
+static int are_weights_bounded(const dm_form *f) {
     for (uint32_t i = 0; i < f->count; i++)
-        if (!(f->c[i][i].lo > 0.0)) return 0;
+        if (f->w[i].count || !(f->c[i][i].lo > 0.0 && f->c[i][i].hi < INFINITY)) return 0;
     return 1;
 }
 
@@ -107,7 +108,7 @@ static dm_convexity tell_in(reading *r, int most) {
     dm_bounds(f->g, r->in, f->value);
     for (f->apart = DM_FORM_PLAIN; f->apart <= most && out != DM_DEFINITE; f->apart++)
         if (dm_form_read(f) && is_positive(f) && dm_form_turns(f))
-            out = are_alone_positive(f) && are_all_moving(f) ? DM_DEFINITE : DM_CONVEX;
+            out = are_weights_bounded(f) && are_all_moving(f) ? DM_DEFINITE : DM_CONVEX;
     return out;
 }
 

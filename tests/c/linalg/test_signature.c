@@ -94,6 +94,19 @@ static void tells_what_moves_alike(void) {
             }
 }
 
+/* [x, 1; 1, 1] beside ones, all over 10, has the product x - 1 of its values: there is no jump at
+ * x = 0. */
+static void moves_through_a_zero_on_the_diagonal(void) {
+    for (uint32_t n = 5; n <= MOST; n++)
+        for (double x = -1e-9; x < 2e-9; x += 1e-9) {
+            double A[MOST * MOST] = {0}, least, all;
+            for (uint32_t i = 0; i < n; i++) A[i * n + i] = 0.1;
+            A[0] = 0.1 * x, A[1] = A[n] = 0.1;
+            CHECK(dm_negative_values(A, n, &least, &all) == 1);
+            CHECK(fabs(all - 0.1 * (1.0 - x)) < 1e-15);
+        }
+}
+
 /* [0, G^T; G, 0] has k of each sign and zeros, [1, g; g, 0] one of each */
 static void counts_without_a_diagonal(void) {
     double least, all;
@@ -199,6 +212,7 @@ int main(void) {
     RUN(restricts_forms, "restricts forms to the vectors that rows leave at zero");
     RUN(counts_random_matrices, "counts negative values of 1 to 12");
     RUN(tells_what_moves_alike, "tells what all values have in common once");
+    RUN(moves_through_a_zero_on_the_diagonal, "moves through a zero on the diagonal");
     RUN(counts_without_a_diagonal, "counts where the diagonal is zero");
     RUN(knows_positive_ones, "knows matrices that are positive by far");
     RUN(is_sure_of_bounds, "is sure of matrices within bounds");

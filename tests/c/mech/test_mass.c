@@ -239,6 +239,25 @@ static void tells_squares_that_leave_no_velocity(void) {
     }
 }
 
+/* w (v1 + v2)^2 + v1^2 has the values of w and 1 but for a part: it is told definite where w has
+ * bounds; beside one that has none v1 would be lost in rounding. */
+static void tells_weights_with_bounds(void) {
+    for (int k = 0; k < 4; k++) {
+        built b;
+        start(&b, 5);
+        const dm_node v1 = input(&b, 2), sum = dm_add(b.g, v1, input(&b, 3)), q1 = input(&b, 0);
+        const dm_node weights[] = {dm_add(b.g, number(&b, 2.0), dm_apply(b.g, DM_OP_SIN, q1, 0, 0)),
+                                   dm_add(b.g, number(&b, 2.0), times(&b, q1, q1)),
+                                   dm_add(b.g, number(&b, 2.0), dm_apply(b.g, DM_OP_EXP, q1, 0, 0)),
+                                   times(&b, q1, q1)};
+        dm_node L = dm_add(b.g, times(&b, weights[k], times(&b, sum, sum)), times(&b, v1, v1));
+        if (k == 3) L = dm_add(b.g, L, times(&b, input(&b, 3), input(&b, 3)));
+        CHECK(finish(&b, L, 2) == DM_OK && b.model.mass_bounds == NULL);
+        CHECK(((b.model.structure & DM_DEFINITE_MASS) != 0) == (k == 0));
+        stop(&b);
+    }
+}
+
 /* c_(k+1) = c_k (cos(k q2) c_k) beside v1 v2: a tree of 2^60 factors, of few nodes */
 static void looks_at_shared_factors_once(void) {
     built b;
@@ -262,6 +281,7 @@ int main(void) {
     RUN(tells_arms_that_keep_their_signs, "tells arms that keep their signs");
     RUN(tells_products_by_their_factors, "tells products by their factors");
     RUN(tells_squares_that_leave_no_velocity, "tells squares that leave no velocity");
+    RUN(tells_weights_with_bounds, "tells weights with bounds");
     RUN(looks_at_shared_factors_once, "looks at shared factors once");
     return check_finish();
 }
