@@ -24,9 +24,10 @@ function M.vee(m)
 end
 
 -- rows of 1 + a X + b X^2, X = hat((x, y, z)); entry by entry, which is 4 % of the first SE(3) of
--- docs/benchmarks/frames.md
+-- docs/benchmarks/frames.md; 0 and what it is added to is no -0
 local function combined(x, y, z, a, b)
-  local xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y * b, x * z * b, y * z * b
+  local xx, yy, zz = x * x, y * y, z * z
+  local xy, xz, yz = 0 + x * y * b, 0 + x * z * b, 0 + y * z * b
   return { 1 + (-zz - yy) * b, xy - z * a, y * a + xz },
     { z * a + xy, 1 + (-zz - xx) * b, yz - x * a },
     { xz - y * a, x * a + yz, 1 + (-yy - xx) * b }

@@ -51,4 +51,7 @@ end
 local all = dm.mesh { square_torus = 3 }:laplacian(1):eigen(27)
 ok(#all.values == 17 and all.note:find "left out", "the one that is left out is told", all.note)
 ok(dm.mesh { square_torus = 3 }:laplacian(1):eigen(10).note == nil, "where it was asked for")
+tap.raises("1 of the 1 cells that are left have zero dual volume", function()
+  dm.mesh { grid = 1 }:laplacian(1, { fixed = "boundary" }):eigen(1)
+end)
 tap.done()

@@ -43,4 +43,20 @@ for k = 1, 6 do whole[k] = n * h * p[k] end
 ok(steady < 1e-13, "momentum of a geodesic stays")
 ok(apart(kit.entries(path.q[#path.q]), kit.entries(Q:exp(whole))) < 1e-13, "geodesics of SO(4)")
 
+-- turns about an axis, either way: what is zero is printed as 0, not as -0
+do
+  local negative = 0
+  for axis = 1, 3 do
+    for _, angle in ipairs { 0.5, -0.5, 0, -0.0 } do
+      local turn = { 0, 0, 0 }
+      turn[axis] = angle
+      for _, g in ipairs { dm.SO(3):exp(turn), dm.SO(3):cayley(turn), dm.SE(3):exp { 0, 0, 0, table.unpack(turn) } } do
+        for i = 1, g.rows do
+          for j = 1, g.rows do negative = negative + (1 / g[i][j] == -math.huge and 1 or 0) end
+        end
+      end
+    end
+  end
+  ok(negative == 0, "turns about an axis have no -0", negative)
+end
 tap.done()

@@ -205,6 +205,9 @@ local function find(A, m, options)
   end
   -- what has no mass has no eigenvalue that is finite
   local most = n - 1 - zeros
+  if most < 1 then
+    fail("%d of the %d cells that are left have zero dual volume: %s", zeros, n, mass.REMEDY)
+  end
   local pairs_, name, solves = lanczos(A, S, weights, math.min(m, most), options)
   return pairs_, name, solves, m > most and #pairs_ == most and ONE_LESS or nil
 end
