@@ -111,4 +111,18 @@ refused("component along the group", function(p, w) return w[1] - p[1] * w[3] en
 refused("constraint is not invariant", function(p, w) return w[1] - dm.sin(p[3]) * w[2] end)
 refused("component along the group", function(_, w) return w[1] - w[2] end, function() return { { 1, 0, 0.1 } } end)
 refused("reaction is not invariant", function(_, w) return w[1] - w[2] end, function(p) return { { 1, dm.sin(p[3]), 0 } } end)
+
+-- an Ld of this system has its rolling constraints
+local function plate(law)
+  return dm.discrete_lagrangian { Q = dm.R(3), h = 0.1, rolling = function(p, r) return law(p, (r - p) / 0.1) end,
+    Ld = function(p, r, h) return (r - p):dot(r - p) / (2 * h) end,
+    reaction = function(p) return { { law(p, { 1, 0, 0 }), law(p, { 0, 1, 0 }), 0 } } end }
+end
+local function slides(p, w) return w[1] - p[1] * w[2] end
+local free = dm.system { Q = dm.R(3), L = function(_, w) return w:dot(w) / 2 end, rolling = slides }:routh { cyclic = { 3 }, mu = 1 }
+local D, steps = plate(slides), { p = { 0.4, 0.5 }, q = { 0.8, 0.1 }, steps = 5 }
+local got = free:discrete(D):solver {}:run(steps)
+local all = D:solver {}:run { q = { 0.8, 0.1, 0 }, p = { 0.4, 0.5, 1 }, steps = 5 }
+near((got.q[6] - all.q[6]:slice(1, 2)):norm(), 0, 1e-12, "steps of an Ld with its rolling constraint")
+raises("react in other directions", function() free:discrete(plate(function(p, w) return w[1] + p[1] * w[2] end)) end)
 tap.done()

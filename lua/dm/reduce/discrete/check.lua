@@ -57,6 +57,53 @@ local function check_own_constraint(full, Ld, points)
   end
 end
 
+---- rolling constraints ----
+
+local STEP, SPAN = 1e-6, 1e-4 -- of time; of the length of a row
+
+-- the part of a row that is at right angles to others; these, of length 1
+local function beside(row, units)
+  for _, unit in ipairs(units) do row = row - row:dot(unit) * unit end
+  return row
+end
+
+-- rows along which the rolling constraints of a system react: those given, or phi_v
+local function reactions(given, n)
+  local rows, phi = bound(given.reaction, given.params), bound(given.rolling, given.params)
+  if rows then return function(q, v) return check.rows(rows(q, v, 0)) end end
+  local slope = core.derivative(function(v, q)
+    return core.vector(lists.entries(phi(q, v, 0)))
+  end, n, n)
+  return function(q, v)
+    local J, out = slope(v, q), {}
+    for i = 1, J.rows do out[i] = lists.part(J:row(i), 0, n) end
+    return out
+  end
+end
+
+-- Rows of Ld for a short step lie in the span of those of the system, as many, at every point.
+local function check_own_rolling(full, Ld, points)
+  if not (full.given.rolling and Ld.rolling) then return end
+  local own = reactions(full.given, full.Q.dimension)
+  for _, at in ipairs(points) do
+    local units = {}
+    for i, row in ipairs(own(at.q, at.v)) do
+      row = beside(core.vector(row), units)
+      units[i] = row / row:norm()
+    end
+    local mine = check.rows(Ld.reaction(at.q, at.q + STEP * at.v, STEP, Ld.params))
+    local same = #mine == #units
+    for i = 1, same and #mine or 0 do
+      local row = core.vector(mine[i])
+      same = same and beside(row, units):norm() <= SPAN * row:norm()
+    end
+    if not same then
+      error(("discrete: the rolling constraints of this Ld react in other directions than those of "
+        .. "its system, at q = %s"):format(check.text(at.q)), 0)
+    end
+  end
+end
+
 ---- is it of this system? ----
 
 local OTHER = "discrete: this Ld is of another system: %s"
@@ -224,7 +271,9 @@ function M.places(info, full, Ld)
     routh.need_free(info, "discrete")
   end
   routh.need_autonomous(info, "discrete")
-  if Ld then check_own_constraint(full, Ld, points_of(info)) end
+  if not Ld then return end
+  check_own_constraint(full, Ld, points_of(info))
+  check_own_rolling(full, Ld, points_of(info))
 end
 
 --- Raises where D.Ld has not the symmetry of the shape, or is of another system.
