@@ -1,6 +1,5 @@
 /* path_quantities.c - energy, velocity and drifts along a recorded path. */
 #include "base/largest.h"
-#include "bind/model/bind_space.h"
 #include "bind/model/model_sums.h"
 #include "bind/model/space_group.h"
 #include "bind/run/bind_path.h"
