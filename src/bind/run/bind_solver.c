@@ -249,63 +249,65 @@ static int solver_field(lua_State *L) {
 }
 
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
-static const dml_row methods[] =
-    {{"run", dml_solver_run,
-      "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, "
-      "record=, gaps=, events=, file=, checkpoint=, energy=} -> dm.path\n"
-      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the "
-      "momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or "
-      "by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` "
-      "(default 1) and the end, or the states at the growing times `at` (by a shorter step on the "
-      "side, which leaves the run as it is); t0 (default 0) is the time of the start. With "
-      "constraints the start must lie on them, and its velocity be tangent: project = true moves "
-      "it to the nearest such state in the metric of the mass. The Lagrangian is traced anew, so "
-      "changed upvalues are picked up.\n"
-      "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and these "
-      "numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "
-      "\"lambda\" stands for system:multipliers at the state; on groups entries of the element are "
-      "watched, too (\"R33\", of factor k \"R33_k\"). record = { \"lambda\", ... }: such "
-      "columns beside q and p. NaN in a column ends the run; gaps = true keeps it. "
-      "record = { \"impulses\" }: multipliers of the steps, in units of "
-      "momentum: what the end of one step and the start of the next give the momentum at the row, "
-      "along the rows of constraint and rolling (reaction); so the first and the last row have a "
-      "half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange "
-      "equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), "
-      "lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "
-      "\"inner\": those between as well, of the step that begins at the row. path.lambda[i], "
-      "path.impulses[i] are vectors. file = \"rows.npy\": rows go there as they come, the path "
-      "keeps the last one, failure.path those that a full disk did not take (of fields on meshes "
-      "t, q and p, a row of q an array). events = { name = "
-      "function(q, v, t, p) ... end } or { name = { g = f, "
-      "direction = \"up\" | \"down\", stop = true } }: zeros of these functions, by steps of "
-      "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; "
-      "a zero that is touched but not crossed, or two of one function within a step, are not seen. "
-      "checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and "
-      "at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, "
-      "instead of that of the first. Raises dm.failure with the path so far when a step cannot be "
-      "solved, the state stops being finite, a column is NaN, or on Ctrl-C."},
-     {"step", solver_step,
-      "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, q1) -> q2\n"
-      "One step from a state, or the next position after two positions one step apart."},
-     {"step_tangent", solver_step_tangent,
-      "solver:step_tangent{q=, v= | p=, t0=} -> dm.matrix, q, p\n"
-      "The exact derivative of one step in (q, p), 2 dim Q x 2 dim Q, by the rule itself, and the "
-      "end of the step: for rules of curve segments without constraints. A choice of substeps is "
-      "held. solver:tangent is for all rules and many steps."},
-     {"report", solver_report,
-      "solver:report() -> table\n"
-      "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
-      "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, solves "
-      "(step equations), newton (iterations), matrices (of these, those that took their matrix "
-      "anew), newton_per_step, "
-      "evaluations; substeps_per_step where they are chosen; condition: the "
-      "condition number of the step equation of a dm.multiscale, defect: what its curves miss of "
-      "the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how "
-      "often a "
-      "controlled step would have jumped over something; with constraints: "
-      "constraint and rolling, the largest |g| and "
-      "|phi| at the end of a step."},
-     {NULL, NULL, NULL}};
+static const dml_row methods[] = {
+    {"run", dml_solver_run,
+     "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, "
+     "record=, gaps=, events=, file=, checkpoint=, energy=, most=} -> dm.path\n"
+     "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the "
+     "momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or "
+     "by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` "
+     "(default 1) and the end, or the states at the growing times `at` (by a shorter step on the "
+     "side, which leaves the run as it is); t0 (default 0) is the time of the start. With "
+     "constraints the start must lie on them, and its velocity be tangent: project = true moves "
+     "it to the nearest such state in the metric of the mass. The Lagrangian is traced anew, so "
+     "changed upvalues are picked up.\n"
+     "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and these "
+     "numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "
+     "\"lambda\" stands for system:multipliers at the state; on groups entries of the element are "
+     "watched, too (\"R33\", of factor k \"R33_k\"). record = { \"lambda\", ... }: such "
+     "columns beside q and p. NaN in a column ends the run; gaps = true keeps it. "
+     "record = { \"impulses\" }: multipliers of the steps, in units of "
+     "momentum: what the end of one step and the start of the next give the momentum at the row, "
+     "along the rows of constraint and rolling (reaction); so the first and the last row have a "
+     "half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange "
+     "equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), "
+     "lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "
+     "\"inner\": those between as well, of the step that begins at the row. path.lambda[i], "
+     "path.impulses[i] are vectors. file = \"rows.npy\": rows go there as they come, the path "
+     "keeps the last one, failure.path those that a full disk did not take (of fields on meshes "
+     "t, q and p, a row of q an array). events = { name = "
+     "function(q, v, t, p) ... end } or { name = { g = f, "
+     "direction = \"up\" | \"down\", stop = true } }: zeros of these functions, by steps of "
+     "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; "
+     "a zero that is touched but not crossed, or two of one function within a step, are not seen. "
+     "checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and "
+     "at its end, for dm.resume. energy: that the steps of sem(s, quadrature(r)) are to have, "
+     "instead of that of the first. most: steps that a rule with a time of its own may take to the "
+     "last of the times `at`. Raises dm.failure with the path so far when a step cannot be "
+     "solved, the state stops being finite, a column is NaN, more steps are needed, or on "
+     "Ctrl-C."},
+    {"step", solver_step,
+     "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, q1) -> q2\n"
+     "One step from a state, or the next position after two positions one step apart."},
+    {"step_tangent", solver_step_tangent,
+     "solver:step_tangent{q=, v= | p=, t0=} -> dm.matrix, q, p\n"
+     "The exact derivative of one step in (q, p), 2 dim Q x 2 dim Q, by the rule itself, and the "
+     "end of the step: for rules of curve segments without constraints. A choice of substeps is "
+     "held. solver:tangent is for all rules and many steps."},
+    {"report", solver_report,
+     "solver:report() -> table\n"
+     "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
+     "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, solves "
+     "(step equations), newton (iterations), matrices (of these, those that took their matrix "
+     "anew), newton_per_step, "
+     "evaluations; substeps_per_step where they are chosen; condition: the "
+     "condition number of the step equation of a dm.multiscale, defect: what its curves miss of "
+     "the momentum at their ends, drift: of the energy, over the largest v . L_v; unseen: how "
+     "often a "
+     "controlled step would have jumped over something; with constraints: "
+     "constraint and rolling, the largest |g| and "
+     "|phi| at the end of a step."},
+    {NULL, NULL, NULL}};
 static int system_of(lua_State *L) {
     if (!luaL_testudata(L, 1, DML_SOLVER)) return lua_pushnil(L), 1;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);

@@ -134,4 +134,19 @@ for _, every in ipairs { 1, 100, 100000 } do
   ok(not fine and abs(e.step - 501) <= 1 and abs(e.path.q[#e.path][1] - sqrt(2)) < 1e-2,
     "the last step before V = 0, every = " .. every, tostring(e))
 end
+
+-- at most so many steps, which a run that goes on from there counts anew; its rows have the bits of one
+do
+  local solver = kepler:solver { rule = "log-hamiltonian", h = 0.1 }
+  local function run(more) return solver:run { q = { 0.5, 0 }, v = { 0, sqrt(3) }, at = { 5, 20 }, most = more } end
+  local whole, fine, e = run(), pcall(run, 100)
+  ok(not fine and e.code == "out_of_time" and e.step == 100 and e.path.t[#e.path] == 5, "no more than 100 steps", tostring(e))
+  ok(solver:report().steps == 100, "which were made")
+  local rest = dm.resume(e.path):run { at = { 20 }, most = 200 }
+  ok(rest.q[#rest] == whole.q[2], "and it goes on", rest.q[#rest])
+  raises("goes with 'at'", function() solver:run { q = { 0.5, 0 }, v = { 0, sqrt(3) }, steps = 5, most = 9 } end)
+  raises("goes with 'at'", function()
+    kepler:solver { rule = "verlet", h = 0.1 }:run { q = { 0.5, 0 }, v = { 0, sqrt(3) }, at = { 1 }, most = 9 }
+  end)
+end
 tap.done()
