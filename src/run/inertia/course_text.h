@@ -105,16 +105,21 @@ INLINE I has_grown(V ones, V all) {
     return WHERE(ones > same(0.0)) & WHERE(all > same(16.0) * ones);
 }
 
-/* Is the line from the last look looked at, on which one may have touched zero? Where bounds do not
- * tell how M moves, and the product of all values moved by more than it was let, or otherwise than
- * before, or does not go on falling, or was so few steps from its end that one step may go over it.
- */
+/* Did it rise or fall by that factor, or more? */
+INLINE I moves_by(const move *w, V factor) {
+    return not_of(WHERE(w->is < factor * w->was) & WHERE(w->is * factor > w->was));
+}
+
+/* Is the line from the last look looked at, on which one may have touched zero? Where bounds told
+ * how M moves, which they do at the speed of before, if it moved by much in one step: where momenta
+ * stay, as of f(q) v1 v2, speeds grow like 1/M. Else if the product of all values moved by more
+ * than it was let, or otherwise than before, or does not go on falling, or was so few steps from
+ * its end that one step may go over it. */
 INLINE I sees_line(kind k, const course *c, const move *w) {
     const V moved = same(1.4), few = same(4.0), surprise = same(0.1);
-    if (k.told) return not_of(all_lanes());
+    if (k.told) return WHERE(w->since == same(1.0)) & moves_by(w, same(1.2));
     return WHERE(c->way == same(0.0)) | not_of(WHERE(w->missed < surprise)) |
-           (WHERE(c->fell > same(0.0)) & WHERE(w->is > w->was)) |
-           not_of(WHERE(w->is < moved * w->was) & WHERE(w->is * moved > w->was)) |
+           (WHERE(c->fell > same(0.0)) & WHERE(w->is > w->was)) | moves_by(w, moved) |
            (WHERE(w->since == same(1.0)) & WHERE(lesser(c->nearest, w->left) < few));
 }
 

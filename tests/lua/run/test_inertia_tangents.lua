@@ -44,4 +44,22 @@ print(("# %d runs, %d end, %d tangent maps of these go on, %d of others end"):fo
 tap.ok(count.ended >= 50, "orbits come to such places", count.ended)
 tap.ok(count.over == 0, "tangent maps end there", count.over)
 tap.ok(count.refused == 0, "and nowhere else", count.refused)
+
+-- runs of masses f v1 v2 that touch zero, f a square: momenta stay, so that v grows like 1/f, and a step that bounds tell is
+-- short goes over the place
+local over, runs = 0, 0
+for _ = 1, 20 do
+  local a, b, c, d = between(0.5, 1.5), between(-0.3, 0.3), between(0.5, 1.5), between(-1, 1)
+  local system = dm.system { Q = dm.R(3), L = function(q, v)
+    return (1 - a * q[1] + b * q[2]) ^ 2 * v[1] * v[2] + v[3] ^ 2 / 2 - (d * q[2] + 0.2 * q[1] + q[3])
+  end }
+  for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(3)", "rk4", "verlet", "lobatto(3)" } do
+    local h = between(0.01, 0.05)
+    local fine, path = pcall(function() return system:solver { rule = rule, h = h }:run { q = { 0, 0, 0 }, v = { c, 0.3, 0.1 }, steps = math.ceil(3 / h) } end)
+    local q = fine and path.q[#path]
+    runs = runs + 1
+    if fine and 1 - a * q[1] + b * q[2] < 0 then over = over + 1 end
+  end
+end
+tap.ok(over == 0, ("none of %d runs is behind the place"):format(runs), over)
 tap.done()
