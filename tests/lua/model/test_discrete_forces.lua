@@ -134,4 +134,17 @@ raises("force is NaN", function()
   return dm.solver { dm.discrete_lagrangian { Q = dm.R(1), h = h, Ld = midpoint,
     force = function(a, b) return { { dm.sqrt(-1 - a[1] ^ 2) }, { 0 } } end } }:run { q0 = { 1 }, q1 = { 1 }, steps = 3 }
 end)
+
+-- what a step takes is counted anew in each: a linear equation has its root by one iteration
+do
+  local spring = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(a, b, h)
+    return (b[1] - a[1]) ^ 2 / (2 * h) - h * (a[1] + b[1]) ^ 2 / 8
+  end }
+  local solver = dm.solver { spring }
+  for _, steps in ipairs { 10, 1000 } do
+    solver:run { q = { 1 }, p = { 0 }, steps = steps }
+    local each = solver:report().evaluations / steps
+    tap.ok(each >= 2 and each <= 5, "evaluations a step do not grow, " .. steps, each)
+  end
+end
 tap.done()
