@@ -56,6 +56,9 @@ local level = dm.system { Q = dm.product(dm.R(1), dm.SO(3)), L = function(_, v) 
 local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps = 10, repeats = 1,
   system = function(n) return dm.system { Q = dm.R(n), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end } end,
   start = function(n) return dm.zeros(n), dm.zeros(n) end }
+local core = require "dm.core"
+local parabola = core.section(core.trace(function(z) return { 1 + z[2] - z[1] ^ 2 } end, 2),
+  core.trace(function(angle, z) return { z[1] - angle[1] * z[2], z[2] + angle[1] * z[1] } end, 1, 2), nil)
 local rows = solver:section { g = function(q) return q[2] end, starts = { { q = { 1, 0 }, v = { 0, 1.1 } } }, t = 40, x = "q1", y = "p1" }
 
 local wave = dm.schroedinger { x = { 0, 1, 8 } }
@@ -173,6 +176,8 @@ return {
     solver = { { rule = "lie(1)", h = 0.1 } } } },
   ["dm.reduced_path"] = { { spun } },
   ["dm.section"] = { { rows, plot = { {} } } },
+  ["dm.level_set"] = { { parabola, node = { { 1, 1 }, 1 }, cut = { { 1, 3 } }, distance = { { 1, 3 }, { 2 } }, approach = { { 2, 0 }, { 7, 1 } },
+    folds = { { { { 0.5, 0.9 }, 1 } }, 100, 1 } } },
   ["dm.field_chart"] = { { strings, order = { "cell(gauss(2))" } } },
   ["dm.chart"] = { { chart, cheapest = { 0.1 }, order = { "verlet" } } },
   ["dm.stability_map"] = { { map, at = { 1, 1 }, limit = { 1 }, theory = { 1 }, table = { 3 } } },

@@ -307,14 +307,17 @@ static int recorded(lua_State *L, const char *key, const char *stem) {
     return dml_path_columns(L, key, first, count);
 }
 
-/* path.q1, path.energy of a run that watched: what path:column gives, where no method has the
- * name */
+/* path.q1, path.energy of a run that watched: what path:column gives, here a copy that cannot be
+ * set, where no method has the name */
 static int named_column(lua_State *L, const char *key) {
     const int top = lua_gettop(L);
     luaL_getmetafield(L, 1, "methods");
     const int is_method = lua_getfield(L, -1, key) != LUA_TNIL;
     lua_settop(L, top);
-    return !is_method && dml_path_has(L, key) ? dml_path_column(L) : 0;
+    if (is_method || !dml_path_has(L, key)) return 0;
+    dml_path_column(L);
+    dml_mark_copy(L);
+    return 1;
 }
 
 /* Fields of the path at 1 by the key at 2; 0 results: a method is looked for. */

@@ -186,6 +186,7 @@ static int folds(lua_State *L) {
     if (dm_folds_search(&how, x, step, count, arena) != DM_OK)
         return luaL_error(L, "not enough memory");
     lua_settop(L, 5);
+    dml_setresult(L);
     return 1;
 }
 

@@ -18,9 +18,11 @@ typedef struct {
     long kept;                          /* steps of the states kept in the lanes; -1: none are */
     long row[DM_HAND_MOST];             /* steps of their next rows, where rows are kept */
     char ended[DM_HAND_MOST];           /* members that have done all of their steps */
-    dm_inertia_seen seen[DM_HAND_MOST]; /* of members, where the inertia may change */
     uint64_t told; /* members whose mass lanes found to be positive, and that are not quiet */
-    dm_inertia_there there[DM_HAND_MOST]; /* of these */
+    /* Where the inertia may change; elsewhere they are left as they are.
+     * Speed: ensembles.lua, start, one step, end: 1.1x. */
+    dm_inertia_seen seen[DM_HAND_MOST];
+    dm_inertia_there there[DM_HAND_MOST]; /* of those in told */
 } dm_hand;
 
 static inline uint32_t dm_hand_dim(const dm_hand *x) {

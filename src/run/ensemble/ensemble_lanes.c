@@ -5,6 +5,7 @@
 #include "run/inertia/inertia_look.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 #include <time.h>
 
@@ -306,7 +307,9 @@ static dm_status run(dm_hand *x) {
 
 /* As many groups as the members in hand need, rounded up to what is stepped together. */
 void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
-    dm_hand x = {.e = e, .b = b, .first = first, .count = count, .kept = -1};
+    dm_hand x;
+    memset(&x, 0, b->inertia ? sizeof x : offsetof(dm_hand, seen));
+    x.e = e, x.b = b, x.first = first, x.count = count, x.kept = -1;
     const uint32_t together = b->lanes.together ? b->lanes.together : 1;
     const long pass = (long)b->lanes.lanes * together;
     b->lanes.groups = (uint32_t)((count - 1) / pass + 1) * together;
