@@ -19,10 +19,10 @@ typedef struct {
 /* What is known of a step that failed, beside its status. */
 typedef struct {
     double turn;   /* rad: it left its chart, which is all there is to say; 0: it did not */
+    double at;     /* where constraints cross: the time of that place */
     int dependent; /* constraints lose rank: one that depends on those before it, from 1 */
     int outside;   /* Newton's method met the edge of the domain of L */
     int crosses;   /* that one crosses others inside of the step (mech/crossing.h) */
-    double at;     /* then the time of that place */
     int fading;    /* p0 was about to determine no q1 any more */
 } dm_trouble;
 

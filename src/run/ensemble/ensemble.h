@@ -15,8 +15,8 @@ enum { DM_ENSEMBLE_THREADS = 256 };
 /* What becomes of one member. */
 typedef struct {
     dm_status status;   /* DM_STOPPED also for members that were not reached */
-    long steps;         /* finished */
     int fading;         /* it failed where d2L/dv2 was about to lose a value */
+    long steps;         /* finished */
     dm_trouble trouble; /* of the step that failed */
 } dm_member;
 
