@@ -265,6 +265,8 @@ function explain(x)
   if (kind == "userdata" or kind == "table") and class and help_class(class) then return end
   if kind == "table" then return help_table(x) end
   if kind == "userdata" then return write(tostring(x)) end
+  local asked = x == nil and require "dm.session.missing".asked()
+  if asked then return help_name(asked) end
   local of = math.type(x) or kind
   write(("%s: %s %s of Lua"):format(tostring(x), of == "integer" and "an" or "a", of))
 end

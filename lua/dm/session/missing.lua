@@ -108,6 +108,11 @@ local ELSEWHERE = { len = "#x", range = "for i = 1, n do ... end", enumerate = "
   norm = "x:norm(), of a vector", dot = "a:dot(b), of vectors", cross = "a:cross(b), of vectors",
   zeros = "dm.zeros(n)", linspace = "a loop: for i = 1, n do ... end" }
 
+-- the message, the hint behind it once: what f of a user raised inside a run comes by twice
+local function with(message, hint)
+  return find(message, hint, 1, true) and message or message .. hint
+end
+
 -- a global that is not there but in math or dm, as sin and pi are: where it is
 local function of_library(message)
   local name = find(message, "a nil value", 1, true)
@@ -115,10 +120,16 @@ local function of_library(message)
   if not name or find(name, "^_") then return message end
   local where = math[name] ~= nil and "math" or find(message, "attempt to call", 1, true)
     and core[name] ~= nil and "dm"
-  if not where and ELSEWHERE[name] then
-    return ("%s: here it is %s"):format(message, ELSEWHERE[name])
-  end
-  return where and ("%s: it is %s.%s"):format(message, where, name) or message
+  local hint = where and (": it is %s.%s"):format(where, name)
+    or ELSEWHERE[name] and ": here it is " .. ELSEWHERE[name]
+  return hint and with(message, hint) or message
+end
+
+-- a method that was read like a field, path.energy[1]
+local function of_method(message)
+  local name = match(message, "a function value %(field '([%a_][%w_]*)'%)")
+  return name and owners(name) and with(message, (": it is a method, x:%s(...)"):format(name))
+    or message
 end
 
 local FAILED = 4  -- level of the function that raised, seen from what the handler calls
@@ -136,7 +147,8 @@ local function of_parameter(message)
   end
   if given >= place then return "" end
   return (": it is argument %d of a function that is called with %d (q and v of a system are one "
-    .. "vector each: q[1], q[2])"):format(place, given)
+    .. "vector each: q[1], q[2]%s)"):format(place, given,
+    place == 4 and given == 3 and "; the fourth is the option params = { ... }" or "")
 end
 
 --- The message with what was noted about the nil in it, or where a global of that name is; any
@@ -145,13 +157,13 @@ function M.explain(message)
   local note = getregistry().dm_missed
   if type(message) ~= "string" then return message end
   if find(message, "arithmetic on a dm.space value", 1, true) then
-    return message .. ": a product of spaces is dm.product(A, B)"
+    return with(message, ": a product of spaces is dm.product(A, B)")
   end
   local of_nil = find(message, ": cannot compute nil %S+ %S+$")
     or find(message, ": cannot compute [^\n]* nil$")
   local name = of_nil and variable.of_nil(2) or ""
   if not note or not note.of or not is_about(note, message) then
-    return of_library(message) .. name .. of_parameter(message)
+    return of_method(of_library(message)) .. name .. of_parameter(message)
   end
   local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
   note.of = nil
@@ -174,6 +186,19 @@ function M.of_entry(entry)
   if not name then return nil end
   local where = math[name] ~= nil and "math" or core[name] ~= nil and "dm"
   return where and ("%s is %s.%s"):format(name, where, name) or nil
+end
+
+--- "path.enrgy": the name that the entry, or a line that runs now, asked for in vain, or nothing.
+function M.asked()
+  local note, level = getregistry().dm_missed, 2
+  if not note or not note.of or type(note.key) ~= "string" then return nil end
+  local at = debug.getinfo(level, "Sl")
+  while at and note.source ~= ENTRY
+    and (at.short_src ~= note.source or at.currentline ~= note.line) do
+    level = level + 1
+    at = debug.getinfo(level, "Sl")
+  end
+  return at and ("%s.%s"):format(note.of:gsub("^dm%.", ""), note.key) or nil
 end
 
 --- What is noted in words, or nothing.

@@ -14,6 +14,9 @@ raises("did you mean 'points'?", dm.mesh, { vertices = corners })
 local grid = dm.mesh { grid = 2 }
 raises("did you mean 'f'?", grid.poisson, grid, { rhs = 1 })
 raises("did you mean 'fixed'?", grid.poisson, grid, { f = 1, boundary = 0 })
+raises("did you mean 'fixed'?", grid.field, grid, { form = 1, dirichlet = "boundary" })
+raises("did you mean 'fixed'?", dm.field, { x = { 0, 1, 4 }, bc = "ends" })
+raises("did you mean 'coordinates'?", dm.system, { Q = dm.R(1), names = { "x" } })
 raises("did you mean 'file'?", dm.plot, { 1, 2 }, { 1, 2 }, { filename = "x.png" })
 
 -- methods
@@ -52,6 +55,7 @@ local shell = io.popen(([['%s' -e "require('dm').system { Q = dm.R(2), L = funct
 local said = shell:read "a"
 shell:close()
 ok(said:find("(local 'vy'): it is argument 4 of a function that is called with 3", 1, true), "L(x, y, vx, vy)", said)
+ok(said:find("the fourth is the option params = { ... }", 1, true), "L(q, v, t, p) without params", said)
 
 -- a name that is there, one that is misspelt, one that is neither: 'map' is no misprint of 'mean'
 ok(core.nearest("step", { "h", "step" }) == "step", "what is there is meant")

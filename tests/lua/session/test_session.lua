@@ -159,6 +159,11 @@ has(text, "The sequence of n points", "also with a colon")
 has(text, "x  4", "who")
 has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
+text = session { "help(dm.failure)", "help(dm.R(2).exq)", "help(dm.systm)", "x = dm.nothing", "help(nil)" }
+has(text, "dm.failure: raised when a computation fails", "help(dm.failure) is ?dm.failure, though dm has no such value")
+has(text, "a dm.space has no 'exq'; did you mean 'exp'?", "help of a name that is not there says which is near")
+has(text, 'nothing mentions "dm.systm"; did you mean dm.system?', "also of one of dm")
+has(text, "nil: a nil of Lua", "and of a nil of another entry nothing")
 
 text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergence", "?soliton_of_nothing", "?dm.systm", "?noether", "?henon_heiles", "?examples",
   "apropos 'damping'", "apropos 'Poincaré'", "apropos 'eccentric'" }

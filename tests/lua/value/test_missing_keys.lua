@@ -59,7 +59,20 @@ tap.raises("the cross-section gives nothing: a vector of 2 has no entry 3", func
 end)
 tap.raises("G:vee(M) gives that of a matrix", function() dm.SO(3):exp(dm.matrix { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }) end)
 
+-- a hint stands there once, also where the function of a user is called inside a run
+do
+  local line = dm.field { x = { 0, 1, 4 }, fixed = "ends", L = function(u, ut) return ut ^ 2 / 2 + cos(u) end }
+  local zero = function() return 0 end
+  local _, text = xpcall(function() line:solver { rule = "cell(gauss(1))", h = 0.1 }:run { u = zero, ut = zero, steps = 1 } end, explain)
+  ok(select(2, tostring(text):gsub(": it is math%.cos", "")) == 1, "one hint", text)
+end
+
+-- a method that is read like a field
+says("(field 'energy'): it is a method, x:energy(...)", function() return path.energy - 1 end)
+says("(field 'energy'): it is a method, x:energy(...)", function() return path.energy[1] end)
+
 -- and says nothing where the nil is another
+is_plain(function() local t = { own = print } return t.own + 1 end, "a function of a table of one's own")
 is_plain(function() local t = {} return kepler.foo == nil and t.bar + 1 end, "a nil field of a table after a probe")
 is_plain(function() for _ in ipairs(v) do local _ = 0 end local t = {} return t[1] + 1 end, "an index after ipairs over a vector")
 is_plain(function() local t = {} t:run() end, "a method of a table of one's own")
