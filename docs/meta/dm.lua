@@ -3420,7 +3420,7 @@ function dm_pair_tuple_class:inverse() end
 function dm_pair_tuple_class:product() end
 
 ---dm.path: what a run recorded, one row per kept step
----fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that recorded them), columns (names), any column by its name (path.q1, path.p_x), steps, h, rule, system, solver, title, units, ns_per_step, events (of a run that looked for some), file (of a run that wrote its rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); #path rows.
+---fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that recorded them), a (the quantity that dm.euler_poincare carries along, at the start), columns (names), any column by its name (path.q1, path.p_x), steps, h, rule, system, solver, title, units, ns_per_step, events (of a run that looked for some), file (of a run that wrote its rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); #path rows.
 ---Printed, it says how far the energy was off at its rows ("at these rows" where not every step was kept), from when on where it jumped to another level, and whether it drifts: "no drift" within three standard errors, "drift" beyond six, nothing between or with fewer than 12 rows; "slope" where rows are sparser than steps, which may show a fast oscillation as a slow one. path:drift gives the numbers.
 ---@class dm.path
 local dm_path_class = {}

@@ -1,6 +1,6 @@
 /* bind_path.c - `dm.path`: the rows that a run recorded.
  */
-#include "bind/run/bind_path.h"
+#include "bind/run/checkpoint.h"
 #include "bind/value/array.h"
 #include "run/drift.h"
 
@@ -333,6 +333,10 @@ static int path_field(lua_State *L) {
         return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->momenta);
     if (p->placed && strcmp(key, "mu") == 0)
         return dml_path_states(L, "path.mu"), dml_path_columns(L, "mu", 1 + p->n, p->momenta);
+    if (p->placed && strcmp(key, "a") == 0 && !dml_path_has(L, key)) {
+        lua_getiuservalue(L, 1, DML_PATH_END);
+        return dml_pushcarried(L, lua_touserdata(L, -1)), 1;
+    }
     if (strcmp(key, "columns") == 0)
         return dml_path_names(L), dml_lock(L, "the list of the columns of a path"), 1;
     if (strcmp(key, "steps") == 0)
@@ -372,7 +376,8 @@ const dml_class dml_class_path = {
     .name = DML_PATH,
     .doc = "dm.path: what a run recorded, one row per kept step\n"
            "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that "
-           "recorded them), columns (names), any column "
+           "recorded them), a (the quantity that dm.euler_poincare carries along, at the start), "
+           "columns (names), any column "
            "by its name (path.q1, path.p_x), steps, h, rule, system, solver, title, units, "
            "ns_per_step, events (of a run that looked for some), file (of a run that wrote its "
            "rows), sem (of sem rules: energy, fallbacks, defect, least, largest h, conditioning); "

@@ -37,6 +37,9 @@ static inline double *dml_checkpoint_carried(dml_checkpoint *c) {
     return c->state + dm_state_size(c->n) + c->memory;
 }
 
+/* Push what it carries along as a vector; nil where that is nothing or there is no checkpoint. */
+void dml_pushcarried(lua_State *L, dml_checkpoint *c);
+
 /* The time of its state, by the solver that goes on from it. */
 double dml_checkpoint_time(const dml_checkpoint *c, const dml_solver *s);
 

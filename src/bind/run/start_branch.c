@@ -65,6 +65,14 @@ void dml_carried(lua_State *L, int system) {
                       "(dm.euler_poincare, advected =)");
 }
 
+void dml_pushcarried(lua_State *L, dml_checkpoint *c) {
+    if (!c || !c->carried)
+        lua_pushnil(L);
+    else
+        memcpy(dml_pushvector(L, c->carried), dml_checkpoint_carried(c),
+               c->carried * sizeof(double));
+}
+
 /* what was carried along to the checkpoint that the solver at 1 goes on from, unless it is given */
 static void carry_on(lua_State *L) {
     const int top = lua_gettop(L);
@@ -72,8 +80,7 @@ static void carry_on(lua_State *L) {
     dml_checkpoint *c = lua_touserdata(L, -1);
     if (c && c->carried && !has(L, "a")) {
         dml_pushcopy(L, 2);
-        memcpy(dml_pushvector(L, c->carried), dml_checkpoint_carried(c),
-               c->carried * sizeof(double));
+        dml_pushcarried(L, c);
         lua_setfield(L, -2, "a");
         lua_replace(L, 2);
     }

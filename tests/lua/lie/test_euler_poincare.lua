@@ -42,6 +42,14 @@ local solver = reduced:solver { rule = "lie(2)", h = 0.1 }
 local below = solver:run { p = mu, a = g0:transpose() * dm.vector { 0, 0, 1 }, steps = 50 }
 ok(far(below.p[51], above.p[51]) < 1e-13, "body momentum of the top")
 ok(far(below:reconstruct { q = g0 }.q[51], above.q[51]) < 1e-13, "and its attitude")
+-- energies of the path on the group, whichever run of the system came last
+local other = solver:run { p = mu, a = { 1, 0, 0 }, steps = 5 }
+local back = below:reconstruct { q = g0 }
+ok((back:energy() - above:energy()):norm() < 1e-12, "its energy", back:energy()[1] - above:energy()[1])
+ok((back:reconstruct { q = g0 }:energy() - above:energy()):norm() < 1e-12, "of a path that is moved again")
+ok(far(below.a, g0:transpose() * dm.vector { 0, 0, 1 }) == 0 and far(other.a, dm.vector { 1, 0, 0 }) == 0,
+  "a run knows what it carried")
+ok(above.a == nil, "others carry nothing")
 
 ---- of a Hamiltonian h(mu): Lie-Poisson ----
 

@@ -5,6 +5,13 @@ local starts = require "dm.group.starts"
 
 local M = {}
 
+-- the system of it: (g0 g)^-1 (g0 a) is g^-1 a
+local function system_from(path, place, g0)
+  local reduced = place.reduced
+  local a = reduced and reduced.carry and (path.a or reduced.a)
+  return a and reduced.with(reduced.carry(place.element(g0), a)) or path.system
+end
+
 --- The path over a reduced one that starts at the element q: g0 g_k, with the same momenta.
 function M.reconstruct(path, options)
   local own, what = path.system.place, "path:reconstruct"
@@ -26,8 +33,8 @@ function M.reconstruct(path, options)
     columns[1 + i] = core.vector(column)
   end
   for i = 1, d do columns[1 + n + i] = path:column("p" .. i) end
-  return core.path { system = path.system, h = path.h, rule = path.rule, steps = path.steps,
-    columns = columns }
+  return core.path { system = system_from(path, own, g0), h = path.h, rule = path.rule,
+    steps = path.steps, columns = columns }
 end
 
 return M
