@@ -16,7 +16,7 @@ local text = require "dm.frame.text"
 local M = {}
 
 
-local huge, max, min = math.huge, math.max, math.min
+local abs, huge, max, min = math.abs, math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds
 local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
@@ -30,10 +30,14 @@ local PUSHES = { 1, 2.5, 0.5, 3.1 }     -- of vectors of the algebra whose exp m
 -- of them, by dim G, for every sample that has a root: an orbit that cuts the section twice is seen
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
 local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
+-- and as many that go far, between these sizes, since two cuts of an orbit may lie far apart
+local FAR_AGAIN = { 1, 1, 1, 1, 1, 1, 2, 3 }
+local NEAREST, FARTHEST, GOLDEN = 5, 600, (5 ^ 0.5 - 1) / 2
 local FAR = 1e3          -- entries beyond which digits are missing
 local VALID = 1e-9       -- how far an element may be from the group
 local NUDGE = 1e-7       -- of points, relative
-local ILL, WORST = 1e6, 1e9 -- conditions beyond which two frames, or one, tell nothing
+-- conditions beyond which two formulas, or one frame, tell nothing; what a root makes of rounding
+local ILL, WORST, ROUNDING = 1e6, 1e9, 1e-13 -- for a condition of 1, relative
 local SAME = 1e-7        -- relative distance of points that are one
 local ONE = 1e-9         -- of entries of elements that are one
 local MEASURED = 6       -- samples that tell the scale of Z,
@@ -219,8 +223,8 @@ local function are_one(frame, a, b, h)
   local one, other, worst = kit.flat(a), kit.flat(both), 0
   for i = 1, #one do
     local d = one[i] - other[i]
-    d = kit.angles[i] and 2 * math.sin(d / 2) or d / (1 + math.abs(one[i]))
-    if not (math.abs(d) <= worst) then worst = math.abs(d) end
+    d = kit.angles[i] and 2 * math.sin(d / 2) or d / (1 + abs(one[i]))
+    if not (abs(d) <= worst) then worst = abs(d) end
   end
   return worst <= ONE
 end
@@ -236,12 +240,20 @@ local function check_equivariance(frame, h, list, pushed, a, b, seed)
     distance, refused = once and twice and apart(frame, once, twice) or 0, not_free
   end
   if distance <= SAME then return end
-  if condition_of(frame, list, a) > ILL or condition_of(frame, pushed, b) > ILL then return end
+  local worst = max(condition_of(frame, list, a), condition_of(frame, pushed, b))
+  if worst > (frame.solution and ILL or WORST) or distance < worst * ROUNDING then return end
   if refused == cut_twice then cut_twice(frame, list, a, b, distance) end
   not_free(frame, list, h, distance)
 end
 
-local ELEMENTS = core.random(11)
+-- the frame a of the list beside that of what h makes of it; nothing where nothing is told
+local function compare(trial, h, list, a, seed)
+  local pushed = moved(trial.frame, h, list)
+  local b = pushed and frame_of(trial, pushed)
+  if b then check_equivariance(trial.frame, h, list, pushed, a, b, seed) end
+end
+
+local ELEMENTS, OTHERS = core.random(11), 1000
 
 -- an element far from the identity, by turns in every component of the group
 local function large(kit, seed)
@@ -261,6 +273,59 @@ local function push(trial, seed, again)
   return again % 2 == 1 and known[place] or kit.inverse(known[place])
 end
 
+-- the largest entry of an element that is no angle
+local function extent(kit, g)
+  local flat, size = kit.flat(g), 0
+  for i = 1, #flat do
+    if not (kit.angles[i] or abs(flat[i]) <= size) then size = abs(flat[i]) end
+  end
+  return size
+end
+
+-- exp of so much of axis j of the algebra
+local function along(kit, j, size)
+  local xi = core.zeros(kit.dimension)
+  xi[j] = size
+  return kit.exp(xi)
+end
+
+-- axes of the algebra along which exp goes away on a straight line, as translations do; boosts are
+-- far away at moderate sizes, and rotations never
+local function open_axes(kit)
+  local out = {}
+  for j = 1, kit.dimension do
+    local fine, g = blame.try(along, kit, j, FARTHEST)
+    local size = fine and extent(kit, g) or 0
+    if size > FARTHEST / 2 and size < 2 * FARTHEST then out[#out + 1] = j end
+  end
+  return out
+end
+
+-- An element far away along all these axes, as far as its entries allow. Its sizes are log-uniform,
+-- by numbers that fill (0, 2) evenly, half of them for either sign.
+local function far(kit, axes, seed)
+  local h = kit.exp(kits.normals(ELEMENTS, OTHERS + seed, kit.dimension, 1))
+  for i = 1, #axes do
+    local turn = (seed + i) % #axes
+    local place = 2 * ((GOLDEN * seed + turn / #axes) % 1)
+    local size = NEAREST * (FARTHEST / NEAREST) ^ (place % 1)
+    local g = kit.compose(along(kit, axes[turn + 1], place < 1 and size or -size), h)
+    if extent(kit, g) < FAR then h = g end
+  end
+  return h
+end
+
+-- Elements far away for a sample of a frame that is solved for: a formula may lose more digits at
+-- such points than can be told from a wrong one.
+local function far_ones(trial, seed)
+  local kit, out = groups.kit(trial.frame.group), {}
+  if trial.frame.solution then return out end
+  trial.axes = trial.axes or open_axes(kit)
+  local count = #trial.axes > 0 and FAR_AGAIN[min(trial.frame.r, #FAR_AGAIN)] or 0
+  for i = 1, count do out[i] = far(kit, trial.axes, count * seed + i) end
+  return out
+end
+
 -- The frame at sample `seed` and where large elements move it; nothing where nothing is told, and
 -- why: what the formula raises, or why there is no root; true: the sample is outside of the domain
 local function try(trial, seed)
@@ -271,11 +336,9 @@ local function try(trial, seed)
   if not a then return nil, why end
   trial.on[#trial.on + 1] = a.there
   for again = 1, not frame.solution and AGAIN[min(frame.r, #AGAIN)] or 1 do
-    local h = push(trial, seed, again)
-    local pushed = moved(frame, h, list)
-    local b = pushed and frame_of(trial, pushed)
-    if b then check_equivariance(frame, h, list, pushed, a, b, seed) end
+    compare(trial, push(trial, seed, again), list, a, seed)
   end
+  for _, h in ipairs(far_ones(trial, seed)) do compare(trial, h, list, a, seed) end
   return a
 end
 
@@ -284,11 +347,7 @@ local function look_for_folds(trial)
   local frame = trial.frame
   require("dm.frame.folds").search(frame, trial.on, function(list, elements)
     local a = frame_of(trial, list)
-    for _, h in ipairs(a and elements or {}) do
-      local pushed = moved(frame, h, list)
-      local b = pushed and frame_of(trial, pushed)
-      if b then check_equivariance(frame, h, list, pushed, a, b, 1) end
-    end
+    for _, h in ipairs(a and elements or {}) do compare(trial, h, list, a, 1) end
   end)
 end
 

@@ -135,6 +135,9 @@ local good = {
   { "a local action", half_line, 1, function(z) return z[1] - 1 end, nil,
     function(z) return { -log(z[1]) } end },
 }
+-- a section of two pieces, one of them outside of the branch
+good[#good + 1] = { "shifts, a branch", shifts, 1, function(z) return z[1] * (z[1] - 60) end,
+  function(z) return 30 - z[1] end }
 local function options(case)
   return { action = case[2], points = case[2].base and case[2].points and nil or case[3],
     cross_section = case[4], branch = case[5], solution = case[6] }
@@ -221,6 +224,24 @@ local bad = {
   { "cuts the cross-section more than once", symmetric, 1,
     function(z) return { z[4], z[5], z[6] } end },
 }
+-- two cuts far apart along the orbit, and cuts again and again
+for _, far in ipairs { 20, 60, 200, -20, -60, -200 } do
+  local function twice_at(x) return x * (x - far) end
+  for _, case in ipairs {
+    { shifts, 1, function(z) return twice_at(z[1]) end },
+    { plane, 2, function(a, b) return { twice_at(a[1]), a[2], b[2] - a[2] } end,
+      function(a, b) return b[1] - a[1] end },
+    far > 0 and { space, 3, function(a, b, c)
+      b, c = b - a, c - a
+      return { twice_at(a[1]), a[2], a[3], b[2], b[3], c[3] }
+    end, function(a, b, c) return { b[1] - a[1], c[2] - a[2] } end } or nil,
+  } do
+    bad[#bad + 1] = { twice, table.unpack(case, 1, 4) }
+  end
+end
+bad[#bad + 1] = { twice, shifts, 1, function(z) return sin(z[1] / 20) end }
+bad[#bad + 1] = { twice, shifts, 1, function(z) return sin(z[1] / 60) end,
+  function(z) return cos(z[1] / 60) end }
 for i, case in ipairs(bad) do
   local fine, why = pcall(frame, options(case))
   ok(not fine and tostring(why):find("dm.moving_frame: no moving frame: ", 1, true)
