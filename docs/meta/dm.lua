@@ -5546,7 +5546,7 @@ function dm.SL(n) end
 
 ---dm.SO(n) -> dm.space
 ---
----Rotations of R^n, n >= 2, of dimension n(n-1)/2. They act on blocks of n coordinates; SO(2) also on blocks of 3, about the third axis. The momentum of SO(3) is the sum of q x p, of SO(2) the sum of q1 p2 - q2 p1.
+---Rotations of R^n, n >= 2, of dimension n(n-1)/2. The algebra of SO(3) has the vectors w with hat(w) a = w x a (cross product), of others the entries below the diagonal, column by column from (2, 1) on. They act on blocks of n coordinates; SO(2) also on blocks of 3, about the third axis. The momentum of SO(3) is the sum of q x p, of SO(2) the sum of q1 p2 - q2 p1.
 ---@param n? any
 ---@return dm.space
 function dm.SO(n) end

@@ -36,8 +36,11 @@ const dm_space dm_space_son = {
     .kit = "son",
     .name = "SO",
     .signature = "SO(n)",
-    .doc = "Rotations of R^n, n >= 2, of dimension n(n-1)/2. They act on blocks of n "
-           "coordinates; SO(2) also on blocks of 3, about the third axis. The momentum of SO(3) "
+    .doc = "Rotations of R^n, n >= 2, of dimension n(n-1)/2. The algebra of SO(3) has the vectors "
+           "w with hat(w) a = w x a (cross product), of others the entries below the diagonal, "
+           "column by column "
+           "from (2, 1) on. They act on blocks of n coordinates; SO(2) also on blocks of 3, about "
+           "the third axis. The momentum of SO(3) "
            "is the sum of q x p, of SO(2) the sum of q1 p2 - q2 p1.",
     .least = 2,
     .most = DM_LARGEST_GROUP,

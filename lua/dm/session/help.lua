@@ -244,9 +244,11 @@ local function help_elements(space)
   if kit.manifold then
     return write(("%s: a manifold of dimension %d"):format(tostring(space), space.dimension))
   end
+  local maker = tostring(space):match "^(%a+)%(%d+%)$"
+  local order = core[maker] and (", in the order that help(dm.%s) gives"):format(maker) or ""
   write(wrapped(("%s: a group of dimension %d. An element is %s; an element of its algebra is a "
-    .. "vector of %d numbers."):format(tostring(space),
-    space.dimension, require "dm.group.starts".form(kit), space.dimension),
+    .. "vector of %d numbers%s."):format(tostring(space),
+    space.dimension, require "dm.group.starts".form(kit), space.dimension, order),
     text_width(), ""))
 end
 

@@ -335,7 +335,8 @@ static int path_field(lua_State *L) {
         return dml_path_states(L, "path.mu"), dml_path_columns(L, "mu", 1 + p->n, p->momenta);
     if (p->placed && strcmp(key, "a") == 0 && !dml_path_has(L, key)) {
         lua_getiuservalue(L, 1, DML_PATH_END);
-        return dml_pushcarried(L, lua_touserdata(L, -1)), 1;
+        dml_pushcarried(L, lua_touserdata(L, -1));
+        return dml_mark_copy(L), 1;
     }
     if (strcmp(key, "columns") == 0)
         return dml_path_names(L), dml_lock(L, "the list of the columns of a path"), 1;

@@ -158,6 +158,7 @@ has(text, "invariant whatever f is", "a method as the docs write it, where no cl
 has(text, "The sequence of n points", "also with a colon")
 has(text, "x  4", "who")
 has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
+has(text, "help(dm.SE) gives", "and where the order of the entries of its algebra stands")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 text = session { "help(dm.failure)", "help(dm.R(2).exq)", "help(dm.systm)", "x = dm.nothing", "help(nil)" }
 has(text, "dm.failure: raised when a computation fails", "help(dm.failure) is ?dm.failure, though dm has no such value")
