@@ -15,9 +15,9 @@ typedef struct {
     long alive;        /* members that still run */
     /* steps: the next row, look or end of one of them; row or end; end */
     long next, next_row, next_end;
-    long kept;                          /* steps of the states kept in the lanes; -1: none are */
-    long row[DM_HAND_MOST];             /* steps of their next rows, where rows are kept */
-    char ended[DM_HAND_MOST];           /* members that have done all of their steps */
+    long kept;                /* steps of the states kept in the lanes; -1: none are */
+    long row[DM_HAND_MOST];   /* steps of their next rows, where rows are kept */
+    char ended[DM_HAND_MOST]; /* members that have done all of their steps */
     uint64_t told; /* members whose mass lanes found to be positive, and that are not quiet */
     /* Where the inertia may change; elsewhere they are left as they are.
      * Speed: ensembles.lua, start, one step, end: 1.1x. */
