@@ -50,6 +50,7 @@ ok((back:reconstruct { q = g0 }:energy() - above:energy()):norm() < 1e-12, "of a
 ok(far(below.a, g0:transpose() * dm.vector { 0, 0, 1 }) == 0 and far(other.a, dm.vector { 1, 0, 0 }) == 0,
   "a run knows what it carried")
 ok(above.a == nil, "others carry nothing")
+raises("cannot be set", function() below.a[1] = 3 end)
 
 ---- of a Hamiltonian h(mu): Lie-Poisson ----
 
