@@ -80,6 +80,14 @@ if is_there then
     return not read(dm.mesh { grid = 2 }:form(0, function(x) return x end):plot { file = name, label = label }):find "rotate%(270"
   end
   ok(upright "p" and not upright "pressure", "short names are upright")
+  -- d(y dx - x dy) = -2, with round-off in its values per area: one colour, and a scale about it
+  local constant = flat:form(1, function(x, y) return { y, -x } end):d()
+  for what, form in pairs { ["constant by round-off"] = constant, large = 1e300 * height, even = 1e8 * constant } do
+    local drawn = read(form:plot { file = name })
+    ok(drawn:find "<svg", "drawn: a form that is " .. what)
+    local middle = count(drawn, "<polygon fill = 'rgb%( ?33, 144, 141%)'") -- the fifth of the nine stops
+    ok(form ~= constant or middle >= flat:count(2), "one colour for one value", middle)
+  end
   raises("does the folder exist", function() flat:plot { file = base .. "/no/such.png" } end)
 else
   print "# gnuplot is not installed: files are not drawn"

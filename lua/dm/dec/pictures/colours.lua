@@ -6,6 +6,8 @@ local RISING = { 0x440154, 0x472c7a, 0x3b518b, 0x2c718e, 0x21908d, 0x27ad81, 0x5
   0xfde725 }
 local SIGNED = { 0x2166ac, 0x67a9cf, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xef8a62, 0xb2182b }
 
+local SAME = 1e-12  -- numbers whose range is less, beside their size, are one number with round-off
+
 local function hex(x) return ("#%06x"):format(x) end
 
 --- The scale of a list of numbers: least, largest, stops (colours as "#rrggbb", evenly spaced).
@@ -17,7 +19,12 @@ function M.scale(values)
   local is_signed = math.min(-lo, hi) > 0.01 * math.max(-lo, hi) -- not by round-off
   if is_signed then lo, hi = math.min(lo, -hi), math.max(hi, -lo) end
   for i, x in ipairs(is_signed and SIGNED or RISING) do stops[i] = hex(x) end
-  if lo == hi then lo, hi = lo - 0.5, hi + 0.5 end
+  local size = math.max(-lo, hi)
+  if hi - lo <= SAME * size then
+    local middle = lo + (hi - lo) / 2
+    local half = middle == 0 and 0.5 or math.abs(middle) / 2
+    lo, hi = middle - half, middle + half
+  end
   return { least = lo, largest = hi, stops = stops, numbers = is_signed and SIGNED or RISING }
 end
 

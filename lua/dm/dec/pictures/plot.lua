@@ -128,7 +128,7 @@ local function colour_box(lines, d, scale)
   local stops = {}
   for i, stop in ipairs(scale.stops) do stops[i] = ("%d '%s'"):format(i - 1, stop) end
   lines[#lines + 1] = "set palette defined (" .. table.concat(stops, ", ") .. ")"
-  lines[#lines + 1] = ("set cbrange [%.9g:%.9g]"):format(scale.least, scale.largest)
+  lines[#lines + 1] = ("set cbrange [%.17g:%.17g]"):format(scale.least, scale.largest)
   lines[#lines + 1] = "set cblabel " .. gnuplot.upright(d.label)
 end
 
