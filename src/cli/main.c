@@ -278,9 +278,18 @@ static void keep_memory(void) {
 #endif
 }
 
+/* What print left in a buffer is written last, where nobody asks whether it could be. */
+static void close_output(void) {
+    if (!fflush(stdout) && !ferror(stdout)) return;
+    dml_message(dml_program, "the standard output is not complete: it could not be written (is the "
+                             "disk full, or its reader gone?)");
+    _exit(EXIT_FAILURE);
+}
+
 /* Everything else runs protected: what is raised ends in a message and a status. */
 int main(int argc, char **argv) {
     keep_memory();
+    atexit(close_output);
     signal(SIGXFSZ, SIG_IGN); /* behind ulimit -f writing fails, and a run keeps its rows */
     lua_State *L = luaL_newstate();
     if (!L) {

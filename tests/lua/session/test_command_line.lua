@@ -113,6 +113,16 @@ shows("LUA --help", "[0]")
 shows("LUA --color=sometimes", "write --color=auto, --color=always or --color=never")
 shows("LUA --color=sometimes", "[1]")
 shows("LUA -e 'print(dm.R(2).n)'", "2\n")
+
+-- what waits in a buffer is written at the end: a disk that is full then is an error, as any other
+for _, script in ipairs { "print(1)", "print(1) os.exit(true)", "io.write(1) error(\"oops\")" } do
+  local command = ("LUA -e '%s' > /dev/full"):format(script)
+  shows(command, "the standard output is not complete")
+  shows(command, "[1]")
+end
+shows("LUA -e 'print(1)' >&-", "[1]")
+shows("LUA -e '' >&-", "[0]")
+shows("LUA -e 'print(1)' > /dev/null", "[0]")
 shows("cd / && LUA -e 'print(require \"dm\" == dm)'", "true")
 shows("LUA_PATH=x LUA_CPATH=x LUA -e 'print(require \"dm\" == dm)'", "true")
 shows("printf '1 + 1\\n_ * 10;\\n_ + 5\\n{ 1,\\n2 }\\n' | LUA -q -i", "25")
