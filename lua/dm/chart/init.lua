@@ -5,6 +5,7 @@ local budget = require "dm.chart.budget"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local given_steps = require "dm.chart.steps"
+local has_own_time = require "dm.base.own_time"
 local journal = require "dm.chart.journal"
 local measures = require "dm.chart.measures"
 local option = require "dm.base.options"
@@ -120,7 +121,7 @@ local function measure(chart, entry, h)
   local options, rule = chart.options, entry.rule
   local steps = steps_for(options, h)
   local step = options.t / steps
-  local own = tostring(rule):find "^log%-hamiltonian"
+  local own = has_own_time(rule)
   local solver = chart.system:solver { rule = rule, h = own and h or step, newton = entry.newton }
   local setup = core.cpu()
   solver:run(run_options(options, { steps = 1 }))

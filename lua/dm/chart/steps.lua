@@ -2,6 +2,7 @@
 -- halves.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local has_own_time = require "dm.base.own_time"
 local lists = require "dm.base.lists"
 local M = {}
 
@@ -20,9 +21,9 @@ function M.list(options, key, what)
 end
 
 -- is a rule among them whose steps are not steps of time?
-local function has_own_time(rules)
+local function any_has_own_time(rules)
   for _, rule in ipairs(type(rules) == "table" and rules or { rules }) do
-    if tostring(rule):find "^log%-hamiltonian" then return true end
+    if has_own_time(rule) then return true end
   end
   return false
 end
@@ -39,7 +40,7 @@ function M.sizes(options)
     counts = counts and h > options.t and math.tointeger(h) ~= nil
   end
   for i, n in ipairs(counts and out or {}) do out[i] = options.t / n end
-  if longest > options.t and not counts and not has_own_time(options.rules) then
+  if longest > options.t and not counts and not any_has_own_time(options.rules) then
     fail("option '%s' holds %g, but the run has the duration t = %g: give sizes of steps%s", key,
       longest, options.t, key == "steps" and ", or whole numbers of steps, all larger than t" or "")
   end

@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local has_own_time = require "dm.base.own_time"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
@@ -12,11 +13,17 @@ local abs, max, log = math.abs, math.max, math.log
 
 -- columns q and p of the end of a run of n steps over the duration
 local function finish(solver, options, duration, n)
+  local o = { q = options.q, v = options.v, p = options.p, t0 = options.t0 }
+  if has_own_time(solver.rule) then
+    o.at = { (options.t0 or 0) + duration }
+  else
+    o.steps, o.every = n, n
+  end
   local path = solver.system:solver { rule = solver.rule, h = duration / n,
-    newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
-    :run { q = options.q, v = options.v, p = options.p, t0 = options.t0, steps = n, every = n }
-  local out = {}
-  for i = 2, #path.columns do out[i - 1] = path:column(path.columns[i])[#path] end
+    newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }:run(o)
+  local out, own = {}, solver.system.place
+  local count = (own and own.size or solver.system.Q.dimension) + #path.p[1]
+  for i = 1, count do out[i] = path:column(path.columns[1 + i])[#path] end
   return out
 end
 

@@ -14,6 +14,7 @@ local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local flats = require "dm.group.flat"
+local has_own_time = require "dm.base.own_time"
 local lifts = require "dm.measure.lifts"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
@@ -199,7 +200,7 @@ local function check(solver, options)
   if not s or not s.autonomous or given.rolling or given.force then
     error(what .. " needs a Lagrangian without time, rolling and forces", 0)
   end
-  if tostring(solver.rule):find "^log%-hamiltonian" then
+  if has_own_time(solver.rule) then
     error(what .. ": '" .. tostring(solver.rule)
       .. "' has a time of its own; the energy it keeps is H itself", 0)
   end

@@ -1,6 +1,7 @@
 --- What runs of a prolonged system have in common: its solver, what cannot be prolonged, options.
 local core = require "dm.core"
 local option = require "dm.base.options"
+local has_own_time = require "dm.base.own_time"
 local starts = require "dm.base.start"
 local prolong = require "dm.measure.prolong"
 
@@ -27,8 +28,9 @@ function M.prolongs(solver)
   return type(rule) == "string" or rule.linear ~= false
 end
 
---- Raises why L~ stepped by the rule is not the tangent of the rule
-function M.refuse(solver, what)
+--- Raises why L~ stepped by the rule is not the tangent of the rule. any_time: for what looks at
+-- runs of L alone, at whatever times.
+function M.refuse(solver, what, any_time)
   local rule = tostring(solver.rule)
   local given = solver.system.given
   if rule:find "^degenerate" then
@@ -39,10 +41,10 @@ function M.refuse(solver, what)
   if not (given and (given.L or given.H)) then
     error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
   end
-  if rule:find "^log%-hamiltonian" then
+  if has_own_time(rule) and not any_time then
     error(what .. ": '" .. rule
-      .. "' changes the time with the state, so the prolonged system runs on another time: "
-      .. "use a rule with a fixed step", 0)
+      .. "' changes the time with the state, so the prolonged system, or the reversed one, runs on "
+      .. "another time: use a rule with a fixed step", 0)
   end
 end
 

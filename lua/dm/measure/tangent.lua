@@ -224,7 +224,7 @@ end
 M.backward_error = blame.caller(function(solver, options)
   options, solver = starts.lists(options, solver)
   check_options(options, "solver:backward_error")
-  refuse(solver, "solver:backward_error")
+  refuse(solver, "solver:backward_error", options.steps ~= nil)
   local steps = steps_of(solver, options)
   local every = max(1, steps // 20000)
   if steps // every < 16 then error("solver:backward_error needs at least 16 steps", 0) end

@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local engine = require "dm.reference.engine"
+local has_own_time = require "dm.base.own_time"
 
 local M = {}
 
@@ -54,8 +55,6 @@ end
 --- The rule R of "controlled(R)", whose steps are as long as their error allows; else nil.
 function M.controlled(rule) return rule:match "^controlled%((.*)%)$" end
 
-local function has_own_time(rule) return rule:find "^log%-hamiltonian" ~= nil end
-
 --- The rule of models that are solved: what is watched is a function of time there, and any step is
 -- as good as another one.
 M.EXACT = "exact"
@@ -94,7 +93,8 @@ local ALMOST = "%s: V almost vanishes at the start, where its steps are too long
 -- the length of the motion in the time of a rule that has its own, with steps that are short enough
 -- to tell: shorter ones where they fail
 local function length_of(model, rule, finish)
-  local mean, signs, first = own_rate(model)
+  local mean, signs, first = 1, false, 1
+  if rule:find "^log%-hamiltonian" then mean, signs, first = own_rate(model) end
   if signs then
     error(("%s: V changes its sign on the way, where its steps have no length"):format(rule), 0)
   end

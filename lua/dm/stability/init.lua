@@ -6,6 +6,7 @@ local borders = require "dm.stability.borders"
 local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local has_own_time = require "dm.base.own_time"
 local journal = require "dm.stability.journal"
 local lines = require "dm.stability.lines"
 local prolong = require "dm.measure.prolong"
@@ -199,8 +200,6 @@ local function new_map(options, names)
   return map
 end
 
-local NO_EXPONENT = { "^log%-hamiltonian", "^degenerate" }
-
 local MANY = 4096  -- cells of which an implicit rule follows no tangent vectors unless asked to
 
 -- are all steps of the rules kicks and drifts or explicit stages?
@@ -245,9 +244,7 @@ local function wants_chaos(map, cell)
     return false
   end
   for _, rule in ipairs(map.rules) do
-    for _, pattern in ipairs(NO_EXPONENT) do
-      if rule:find(pattern) then return false end
-    end
+    if has_own_time(rule) or rule:find "^degenerate" then return false end
   end
   return true
 end

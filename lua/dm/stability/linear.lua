@@ -2,6 +2,7 @@
 -- resonances.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local has_own_time = require "dm.base.own_time"
 local option = require "dm.base.options"
 
 local M = {}
@@ -77,9 +78,9 @@ local function read_off(m)
 end
 
 local function check_rule(rule, what)
-  if tostring(rule):find "^log%-hamiltonian" then
-    error(what .. ": 'log-hamiltonian' changes the time with the state: its step on an oscillator "
-      .. "is not linear", 0)
+  if has_own_time(rule) then
+    error(("%s: '%s' changes the time with the state: its step on an oscillator is not linear")
+      :format(what, rule), 0)
   end
   if tostring(rule):find "gauss%s*%(%s*%d+%s*,%s*%d" then
     error(what .. ": a number of sweeps starts each step from the stages of the last one: one "

@@ -3,7 +3,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, raises = tap.ok, tap.raises
-local sin, cos, max, abs = dm.sin, dm.cos, math.max, math.abs
+local sin, cos, max, abs, floor = dm.sin, dm.cos, math.max, math.abs, math.floor
 
 -- largest distance of the rows of two paths
 local function apart(a, b, columns)
@@ -162,6 +162,28 @@ raises("not that of its system", hoop.discrete, hoop, dm.discrete_lagrangian { Q
   Ld = Ld.Ld, constraint = function(p) return p[3] ^ 2 + p[4] ^ 2 - 1 end })
 ok(hoop:discrete(dm.discrete_lagrangian { Q = dm.R(4), h = 0.1, Ld = Ld.Ld,
   constraint = function(p) return p[1] ^ 2 + p[2] ^ 2 - 1 end }), "the same constraint, written again")
+
+-- of a rule in the coordinates (theta, x): paths over its steps, and points of its connection, are
+-- in the coordinates of Q
+for _, rule in ipairs { "midpoint", "trapezoidal", "gauss(2)" } do
+  local gaps, J = {}, 0
+  for i, step in ipairs { 0.05, 0.025 } do
+    local own = well:routh { action = turn, section = along, q = q, v = { 0.2, 0.6, -0.5, 0.3 } }
+    local by_rule, n = own:discrete { rule = rule, h = step }, floor(1 / step + 0.5)
+    local z, w, angle = own:start(q, { 0.2, 0.6, -0.5, 0.3 })
+    local over = by_rule:solver():run({ q = z, p = own:momentum(z, w), steps = n })
+      :reconstruct { theta = angle }
+    local full = well:solver({ rule = "gauss(4)", h = step })
+      :run { q = q, v = { 0.2, 0.6, -0.5, 0.3 }, steps = n }
+    local away = max((over.q[1] - full.q[1]):norm(), (over.p[1] - full.p[1]):norm())
+    ok(away < 1e-14, rule .. ": the path over the start begins there", away)
+    gaps[i] = (over.q[n + 1] - full.q[n + 1]):norm()
+    for k = 1, n do J = max(J, abs(by_rule:connection(over.q[k], over.q[k + 1])[1])) end
+  end
+  local order = math.log(gaps[1] / gaps[2], 2)
+  ok(gaps[2] < 5e-3 and order > (rule == "gauss(2)" and 3.5 or 1.7), "  and stays by the motion", order)
+  ok(J < 1e-12, "  its steps are horizontal", J)
+end
 
 -- a step that is given: the map of a kicked rotor, with its Ld, and what is wrong with one
 local K, h = 0.8, 1

@@ -222,6 +222,24 @@ single = one:run { q = { 0.6, 0 }, v = { 0, 1.5 }, steps = 20, energy = -0.6 }
 ok(cloud.q[2][1] == single.q[21][1], "  with the energy that is asked for, too")
 raises("does not", function() kepler:solver { rule = "gauss(1)", h = 0.1 }:ensemble { members = 1, q = { { 1, 0 } }, v = { { 0, 1 } }, steps = 1, energy = 1 } end)
 
+-- what is asked of steps of one length: h sees the state, which the tangent of L~ does not know
+local free_h = sem(2, 2, 0.05)
+for _, name in ipairs { "tangent", "symplecticity", "lyapunov", "multipliers", "reversal" } do
+  raises("changes the time", free_h[name], free_h, with { steps = 20 })
+end
+raises("time of its own", free_h.modified_energy, free_h, with { steps = 60 })
+raises("changes the time", dm.amplification, "sem(1, gauss(1))", 0.1)
+near(free_h:measured_order({ q = start.q, v = start.v, t = 1 }).order, 4, 0.1,
+  "orders are measured at one time")
+near(free_h:backward_error(with { steps = 300 }).order, 4, 0.1, "and energies along the run")
+-- a scene that allows this rule alone goes to its end: E = 0.5 - 2 = -1.5, a = 1/3, a turn is
+-- 2 pi a^(3/2)
+local turn = 2 * math.pi * (1 / 3) ^ 1.5
+local scene = dm.scene { system = kepler, q = { 0.5, 0 }, v = { 0, 1 }, watch = { "q1" },
+  tolerance = 1e-3, until_t = turn, rules = { "sem(2, gauss(2))" } }:run()
+near(scene.t[#scene.t], turn, 1e-14, "a scene by this rule ends when it was told to")
+near(scene:column "q1"[#scene], 0.5, 1e-3, "  where its tolerance says, a turn later")
+
 -- what has no energy to keep
 local function run(system, rule, n)
   local zero, v = {}, {}

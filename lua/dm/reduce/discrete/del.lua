@@ -100,19 +100,17 @@ local function group_along(D, path, theta)
   return out
 end
 
---- The unreduced path over a path of the solver above: psi_mu is added from step to step, also
--- between rows that are further apart.
-function M.reconstruct(D, path, theta)
+--- Columns t, q, p in the coordinates (theta, x) of a path of the solver above: psi_mu is added
+-- from step to step, also between rows that are further apart.
+function M.columns(D, path, theta)
   local info, group = D.info, group_along(D, path, theta)
   local n, columns = info.n, { path:column "t" }
   for c = 2, 2 * n + 1 do columns[c] = {} end
   for k = 1, #path do
     local q, p = model.embed(info, path.q[k], group[k]), model.embed(info, path.p[k], info.mu)
-    if info.ambient then q, p = info.ambient.point(q, p) end
     for i = 1, n do columns[1 + i][k], columns[1 + n + i][k] = q[i], p[i] end
   end
-  return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h,
-    rule = path.rule, steps = path.steps, columns = columns }
+  return columns
 end
 
 return M

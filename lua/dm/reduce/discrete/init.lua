@@ -57,7 +57,8 @@ local FULL = "%s must be a point of the unreduced system: %d number%s (got %s)"
 -- theta and the shape of a point of the unreduced system; of several shapes the one near another
 local function full_point(D, q, what, near)
   q = lists.numbers(what, q, D.info.n, FULL)
-  local x, theta = model.split(D.info, D.info.ambient and D.info.ambient.place(q, near) or q)
+  local home = routh.info(D.shape).ambient
+  local x, theta = model.split(D.info, home and home.place(q, near) or q)
   return core.vector(x), theta
 end
 

@@ -1,6 +1,7 @@
 --- Pairs of points at which Ld and what acts beside it are looked at, ((theta, x0), (theta + psi,
 -- x1)), in the user's coordinates, and what is round-off there: a group that stretches (boosts)
 -- moves points so far that their last digits matter.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local model = require "dm.reduce.routh.model"
 
@@ -40,7 +41,8 @@ local ULPS = 2 ^ -50 -- what a coordinate of a point may be off by, relatively
 local function change(at, f, value, key, i, part)
   local moved = { q0 = at.q0:copy(), q1 = at.q1:copy() }
   moved[key][i] = moved[key][i] * (1 + part)
-  return abs(f(moved.q0, moved.q1) - value)
+  local fine, there = blame.try(f, moved.q0, moved.q1)
+  return fine and abs(there - value) or 0 / 0
 end
 
 --- How far the number f(q0, q1) goes when the coordinates of the points `at` change by round-off;

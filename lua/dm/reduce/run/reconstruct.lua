@@ -13,8 +13,8 @@ local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}
 
-local function info_of(path, what)
-  local info = routh.info(path.system)
+local function info_of(path, what, system)
+  local info = routh.info(system or path.system)
   if not info then error(what .. " is for a path of a reduced system (system:routh)", 0) end
   if path.watched then
     error(what .. " needs q and p, but this run recorded only what it watched", 0)
@@ -32,7 +32,7 @@ local function group_along(path, info, theta)
   return out
 end
 
--- columns t, q, p of the unreduced system
+-- columns t, q, p in the coordinates (theta, x)
 local function columns_of(path, info, theta)
   local n, out = info.n, { path:column "t" }
   local names = path.columns
@@ -72,10 +72,10 @@ M.reconstruct = blame.caller(function(path, options)
   option.check(options, { "theta" }, "path:reconstruct")
   local del = require "dm.reduce.discrete.del"
   local D = del.of(path.system)
-  if D then return del.reconstruct(D, path, shape_of.theta_list(D.info, options.theta)) end
-  local info = info_of(path, "path:reconstruct")
-  local theta = group_along(path, info, shape_of.theta_list(info, options.theta))
-  local columns = columns_of(path, info, theta)
+  local info = info_of(path, "path:reconstruct", D and D.shape)
+  local theta = shape_of.theta_list(info, options.theta)
+  local columns = D and del.columns(D, path, theta)
+    or columns_of(path, info, group_along(path, info, theta))
   if info.ambient then columns = ambient_columns(columns, info) end
   return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h,
     rule = path.rule, steps = path.steps,
