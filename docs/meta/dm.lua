@@ -1314,7 +1314,7 @@ function dm_ensemble_class:stride(i, names, share) end
 
 ---ensemble:summary([name]) -> {first, last, least, largest, mean, slope, error, early, late, nearest, span, megno} or {name = {least, mean, largest}}
 ---
----What the rows of every member say of a watched column y, as tables with an entry for each: slope per unit of time with its standard error as path:drift finds them; early, late: largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y - first| and largest - least in their second half (infinite without rows there); megno: the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a tangent vector. NaN without rows. Without a name: of every watched column the extent over the rows of all members.
+---What the rows of every member say of a column y, as tables with an entry for each: slope per unit of time with its standard error as path:drift finds them; early, late: largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y - first| and largest - least in their second half (infinite without rows there); megno: the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a tangent vector. NaN without rows. Without a name: of every column the extent over the rows of all members.
 ---@param name? any
 ---@return table
 function dm_ensemble_class:summary(name) end
@@ -3365,10 +3365,11 @@ local dm_operator_class = {}
 ---
 ---m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
 ---of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
----best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
----with which eigenvalues do not converge, or the farthest of all eigenvalues is left out. Up to 300
----unknowns (1200 where many are asked for) by dense rotations, else by Lanczos iterations, which need
----dm/sparse.so (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the
+---best first. Fewer where there are no more. residuals: |A a - lambda a|, and an eigenvalue is no
+---farther away. note: values are round-off of the largest ones, as in a mesh of very thin cells, duals
+---are barycentric, with which eigenvalues do not converge, or the farthest of all is left out. Up to
+---300 unknowns (1200 where many are asked for) by dense rotations, else by Lanczos iterations, which
+---need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the
 ---operator is not self-adjoint, and where negative stars leave the forms without a norm. u' = -A u,
 ---with A = K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k]
 ---t) (forms[k] . u0) forms[k].

@@ -225,7 +225,8 @@ local registry = debug.getregistry()
 for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument = "argument" } do
   registry[name] = function(...) return require "dm.session.missing"[own](...) end
 end
-for name, own in pairs { dm_params = "shown", dm_unread = "unread", dm_may_read = "may_read",
+for name, own in pairs { dm_params = "shown", dm_unread = "unread",
+  dm_out_of_reach = "why_out_of_reach",
   dm_param_names = "names" } do
   registry[name] = function(...) return require "dm.base.params"[own](...) end
 end

@@ -68,6 +68,35 @@ function M.may_read(system, name)
   return false
 end
 
+-- where functions get params: L(q, v, t, params) and those like it; fields on lines, L(u, ut, ux,
+-- x, t, params)
+local PLACE, ON_LINES = 4, 6
+local EARLIER = { constraint = 2 }
+
+-- Can a function of the system read this parameter in what it is given?
+local function may_be_given(system, name)
+  local is_line = type(system) == "table"
+  local field = not is_line and system.field -- whose functions are wrapped
+  for key, f in pairs(field and field.options or system.given) do
+    local info = type(f) == "function" and debug.getinfo(f, "u")
+    if info and (info.isvararg or info.nparams >= (EARLIER[key] or is_line and ON_LINES or PLACE))
+      and mentions(f, name, {}) then
+      return true
+    end
+  end
+  return false
+end
+
+local ELSEWHERE = ": '%s' is read elsewhere, from a table that stays as it is; functions get "
+  .. "params as their last argument, as L(q, v, t, params)"
+
+--- Why another value of a parameter that was not read while a system was traced never reaches its
+-- functions, "" where that is plain; nil: it may, in another branch.
+function M.why_out_of_reach(system, name)
+  if may_be_given(system, name) then return nil end
+  return M.may_read(system, name) and ELSEWHERE:format(name) or ""
+end
+
 -- system -> names that its functions have read; ALL: which ones cannot be told
 local read = setmetatable({}, { __mode = "k" })
 

@@ -150,6 +150,7 @@ M.field = blame.caller(function(options)
   field.check = function() check_speeds(field.L, n, grid) end
   field.check()
   field.held = at_ends(grid, n, function(side) return fixed[side] and 1 or 0 end)
+  solver.trace(field)
   return field
 end)
 

@@ -49,7 +49,12 @@ function M.strip(solver, held)
     action
 end
 
---- The strip of a solver whose nodes stay, made anew where L does what it did not when the last one
+local ONE = rules.parse("cell(gauss(1))", "dm.field")
+
+--- Raises what L raises at symbols.
+function M.trace(field) M.strip { field = field, points = ONE } end
+
+-- The strip of a solver whose nodes stay, made anew where L does what it did not when the last one
 -- was made, since what it reads has changed.
 local function current(solver)
   if not solver.strip:follows(solver.action) then

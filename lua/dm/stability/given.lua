@@ -3,6 +3,7 @@ local blame = require "dm.base.blame"
 local axes = require "dm.stability.axes"
 local core = require "dm.core"
 local lines = require "dm.stability.lines"
+local params = require "dm.base.params"
 local rule_alone = require "dm.base.rule_alone"
 local starts = require "dm.base.start"
 
@@ -13,17 +14,28 @@ local fail = require "dm.base.options".failing "dm.stability"
 -- a copy of the system with these numbers among its params
 local function with_params(system, values, names)
   if system.line then return lines.with_params(system, values, names) end
-  local given, params, field = {}, {}, system.field
+  local given, own, field = {}, {}, system.field
   for key, value in pairs(field and field.options or system.given) do given[key] = value end
-  for key, value in pairs(system.params) do params[key] = value end
-  for _, name in ipairs(names) do params[name] = values[name] end
-  given.params = params
+  for key, value in pairs(system.params) do own[key] = value end
+  for _, name in ipairs(names) do own[name] = values[name] end
+  given.params = own
   return field and field.mesh:field(given) or core.system(given)
 end
 
 local function is_system(x)
   if type(x) == "table" and x.line then return true end
   return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system"
+end
+
+-- Raises where a parameter reaches no function that reads it, and no start: all rows would be one.
+local function check_reach(system, used, by_starts)
+  local unread = system.line and used or params.unread(system, system.params, used)
+  for _, name in ipairs(unread) do
+    local why = not by_starts[name] and params.why_out_of_reach(system.line or system, name)
+    if why and why ~= "" then -- one that is read nowhere is noted when the map is made
+      fail("parameter '%s' changes nothing: no function of the system reads it%s", name, why)
+    end
+  end
 end
 
 -- system_of(cell), and the parameters that it depends on; map.base: the system whose params these
@@ -142,7 +154,6 @@ end
 function M.read(map, options, names)
   local of, used = make_systems(map, options.system or options[1], names)
   local uses, last, kept = {}, nil, nil
-  for _, name in ipairs(used) do uses[name] = true end
   map.key_of, map.used, map.families = make_key(used), used, {}
   map.system_of = function(cell)
     local key = map.key_of(cell)
@@ -155,6 +166,8 @@ function M.read(map, options, names)
     p = options.p and make_start(map, "p", options.p, names, uses),
     given = { q = make_given(map, "q", options.q, names),
       v = options.v and make_given(map, "v", options.v, names) } }
+  if map.base and #used > 0 then check_reach(map.base, used, uses) end
+  for _, name in ipairs(used) do uses[name] = true end
   for _, name in ipairs(names) do
     if not uses[name] then
       fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an "

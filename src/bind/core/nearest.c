@@ -93,6 +93,17 @@ static const char *const other_names[][2] = {{"dt", "h"},
                                              {"symplectic_form", "two_form"},
                                              {"dt_out", "every"},
                                              {"save_every", "every"},
+                                             {"Sphere", "S"},
+                                             {"sphere", "S"},
+                                             {"Torus", "T"},
+                                             {"torus", "T"},
+                                             {"Circle", "T"},
+                                             {"circle", "T"},
+                                             {"Euclidean", "R"},
+                                             {"euclidean", "R"},
+                                             {"Rn", "R"},
+                                             {"Sn", "S"},
+                                             {"Tn", "T"},
                                              {NULL, NULL}};
 
 static int is_among(const char *word, const char *const *known) {

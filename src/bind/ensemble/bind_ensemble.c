@@ -241,12 +241,12 @@ static const dml_row methods[] =
      {"summary", dml_ensemble_summary,
       "ensemble:summary([name]) -> {first, last, least, largest, mean, slope, error, early, late, "
       "nearest, span, megno} or {name = {least, mean, largest}}\n"
-      "What the rows of every member say of a watched column y, as tables with an entry for each: "
+      "What the rows of every member say of a column y, as tables with an entry for each: "
       "slope per unit of time with its standard error as path:drift finds them; early, late: "
       "largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y "
       "- first| and largest - least in their second half (infinite without rows there); megno: the "
       "mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a "
-      "tangent vector. NaN without rows. Without a name: of every watched column the extent over "
+      "tangent vector. NaN without rows. Without a name: of every column the extent over "
       "the rows of all members."},
      {"departure", dml_ensemble_departure,
       "ensemble:departure(i, flow, j, names [, until, bounds]) -> table of numbers, number\n"

@@ -41,7 +41,7 @@ static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e
     lua_setiuservalue(L, -3, DML_PATH_MODEL);
     lua_pop(L, 1);
     lua_getiuservalue(L, 1, DML_ENSEMBLE_COLUMNS);
-    path->watched = !lua_isnil(L, -1);
+    path->watched = !lua_isnil(L, -1) && !e->rows.beside;
     lua_setiuservalue(L, -2, DML_PATH_NAMES);
 }
 

@@ -119,17 +119,26 @@ static void check_plain(lua_State *L, dml_stepping *r, dm_stepper **steppers, in
     dml_stepping_checkplain(L, r);
 }
 
+/* what is watched, or the parts of the rule; their names are left at the old top of the stack + 1,
+ * under what keeps the kernels */
+static void read_columns(lua_State *L, dml_observables *o, const dml_stepping *r) {
+    dm_impulses none = {0};
+    if (has(L, "watch"))
+        dml_watch_read(L, o, r);
+    else
+        dml_record_read(L, o, r, &none);
+}
+
 /* what every thread records, by kernels of its own; leaves them on the stack */
-static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads) {
-    if (!has(L, "watch")) return NULL;
+static dm_observer *read_observers(lua_State *L, dm_stepper **steppers, int threads) {
     dm_observer *out = lua_newuserdatauv(L, (size_t)threads * sizeof *out, 0);
     for (int i = 0; i < threads; i++) {
         luaL_checkstack(L, 8, "too many threads");
         dml_observables *o = lua_newuserdatauv(L, sizeof *o, 0);
         memset(o, 0, sizeof *o);
-        dml_watch_read(L, o,
-                       (dml_stepping *)(void *)((char *)steppers[i] -
-                                                offsetof(dml_stepping, stepper)));
+        read_columns(L, o,
+                     (dml_stepping *)(void *)((char *)steppers[i] -
+                                              offsetof(dml_stepping, stepper)));
         out[i] = o->observer;
     }
     return out;
@@ -139,7 +148,7 @@ static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads)
 static dm_observer *read_aside(lua_State *L, dm_stepper **steppers, int threads) {
     const int options = lua_gettop(L) + 1;
     if (!dml_follow_options(L)) return NULL;
-    dm_observer *out = read_watch(L, steppers, threads);
+    dm_observer *out = read_observers(L, steppers, threads);
     lua_pushvalue(L, options);
     lua_replace(L, 2);
     return out;
@@ -185,6 +194,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     open_steppers(L, &r, threads, steppers);
     for (int i = 0; i < threads; i++) steppers[i]->energy = p->energy;
     const dm_ensemble_rows rows = rows_of(p);
+    const int watched = rows.beside || has(L, "watch");
     dm_ensemble plan = {.members = p->count,
                         .steps = p->steps,
                         .t0 = e->t,
@@ -194,7 +204,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
                         .state = e->state + (size_t)p->first * dm_state_size(e->n),
                         .member = e->member + p->first,
                         .rows = rows.room ? &rows : NULL,
-                        .watch = read_watch(L, steppers, threads),
+                        .watch = watched ? read_observers(L, steppers, threads) : NULL,
                         .follow = p->follow ? p->follow + p->first : NULL,
                         .aside = read_aside(L, steppers, threads),
                         .lanes = &e->lanes,
@@ -246,26 +256,28 @@ static dm_status run_all(lua_State *L, dml_part *p, const dml_varied *v) {
     return status;
 }
 
-/* one state in `every`, or what is watched; room 0: only the ends. Pushes the names of watched
- * columns, or nil. */
+/* one state in `every` with the parts of the rule, or what is watched; room 0: only the ends.
+ * Pushes the names of columns, or nil where they are those of the state. */
 static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
     dm_ensemble_rows rows = {.every = dml_read_every(L, steps)};
     dml_stepping r = {.solver = lua_touserdata(L, 1)};
-    dml_observables *o;
-    const int top = lua_gettop(L);
+    const int top = lua_gettop(L), watched = has(L, "watch");
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    rows.width = 1 + r.solver->n + dml_checksystem(L, -1)->momenta;
+    const uint32_t states = r.solver->n + dml_checksystem(L, -1)->momenta;
     lua_settop(L, top);
     lua_pushnil(L);
-    if (has(L, "every") || has(L, "watch"))
+    if (has(L, "every") || watched)
         rows.room = dm_run_rows(&(dm_run_plan){.steps = steps, .every = rows.every});
     if (has(L, "rows")) rows.room = dml_count(L, 2, "rows", 1, 1) + 2;
-    if (!has(L, "watch")) return dml_refuse_gaps(L), rows;
-    o = lua_newuserdatauv(L, sizeof *o, 0);
+    rows.width = 1 + states;
+    if (!watched && !rows.room) dml_refuse_gaps(L);
+    if (!rows.room || !(watched || dml_records(L, &r))) return rows;
+    dml_observables *o = lua_newuserdatauv(L, sizeof *o, 0);
     dml_stepping_prepare(L, &r, t0);
     const int names = lua_gettop(L) + 1;
-    dml_watch_read(L, o, &r);
-    rows.width = 1 + dm_observer_width(&o->observer);
+    read_columns(L, o, &r);
+    rows.beside = !watched;
+    rows.width = 1 + dm_observer_width(&o->observer) + (watched ? 0 : states);
     lua_pushvalue(L, names);
     lua_replace(L, top + 1);
     lua_settop(L, top + 1);

@@ -1,6 +1,7 @@
 /* ensemble_summary.c - what the rows of members say of watched columns: `ensemble:summary`, and
  * beside a resolved flow `ensemble:departure` and `ensemble:range`. */
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/run/bind_path.h"
 #include "run/departure.h"
 #include "run/summary.h"
 
@@ -19,11 +20,18 @@ static const struct {
               {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
 enum { FIELDS = sizeof fields / sizeof *fields };
 
-/* names of what was watched, the time first */
+/* names of the columns of rows, the time first */
 static void push_columns(lua_State *L, int arg) {
-    if (lua_getiuservalue(L, arg, DML_ENSEMBLE_COLUMNS) != LUA_TTABLE)
-        luaL_error(L, "this ensemble watched nothing: ask for rows with watch = { \"energy\" }, "
-                      "or another column of a path");
+    const dml_ensemble *e = luaL_checkudata(L, arg, DML_ENSEMBLE);
+    if (lua_getiuservalue(L, arg, DML_ENSEMBLE_COLUMNS) == LUA_TTABLE) return;
+    if (!e->rows.room)
+        luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or watch = { "
+                      "\"energy\" }, or another column of a path");
+    lua_getiuservalue(L, arg, DML_ENSEMBLE_SOLVER);
+    lua_getiuservalue(L, -1, DML_SOLVER_SYSTEM);
+    dml_state_names(L, -1, e->n, e->rows.width - 1 - e->n);
+    lua_replace(L, -4);
+    lua_pop(L, 2);
 }
 
 uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name) {
@@ -41,7 +49,7 @@ uint32_t dml_ensemble_column(lua_State *L, int arg, const char *name) {
         lua_rawgeti(L, -3, k);
         lua_concat(L, 3);
     }
-    return (uint32_t)luaL_error(L, "no column '%s' was watched, but %s", name, lua_tostring(L, -1));
+    return (uint32_t)luaL_error(L, "rows have no column '%s', but %s", name, lua_tostring(L, -1));
 }
 
 /* how many steps lie between two rows of member i */

@@ -86,16 +86,20 @@ static void keep_unread(lua_State *L, const double *values, int names, long i) {
     lua_replace(L, unread);
 }
 
-/* is the first name of the list on top in the code of a function of the system? */
-static int may_be_read(lua_State *L) {
+/* raises where the k-th name of the list on top reaches no function of the system */
+static void check_reach(lua_State *L, lua_Integer k) {
     const int unread = lua_gettop(L);
-    lua_getfield(L, LUA_REGISTRYINDEX, "dm_may_read");
+    lua_getfield(L, LUA_REGISTRYINDEX, "dm_out_of_reach");
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    lua_rawgeti(L, unread, 1);
+    lua_rawgeti(L, unread, k); /* the list keeps it alive */
+    const char *name = lua_tostring(L, -1);
     lua_call(L, 2, 1);
-    const int may = lua_toboolean(L, -1);
+    if (!lua_isnil(L, -1))
+        luaL_error(L,
+                   "field 'vary': no function of the system reads its parameter '%s', so members "
+                   "would not differ by it%s",
+                   name, lua_tostring(L, -1));
     lua_settop(L, unread);
-    return may;
 }
 
 /* A parameter that nothing reads makes members that are alike without a word. One value of another
@@ -108,13 +112,7 @@ static void check_read(lua_State *L, const double *values, int names, long membe
     lua_pushvalue(L, names);
     for (long k = 0; k < LOOKS && k < members && luaL_len(L, -1); k++)
         keep_unread(L, values, names, members <= LOOKS ? k : k * (members - 1) / (LOOKS - 1));
-    if (luaL_len(L, -1) && !may_be_read(L)) {
-        lua_rawgeti(L, -1, 1);
-        luaL_error(L,
-                   "field 'vary': no function of the system reads its parameter '%s', so members "
-                   "would not differ by it",
-                   lua_tostring(L, -1));
-    }
+    for (lua_Integer k = 1; k <= luaL_len(L, -1); k++) check_reach(L, k);
     lua_pop(L, 1);
 }
 

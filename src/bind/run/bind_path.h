@@ -68,6 +68,8 @@ uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first);
 /* Push the table of column names; number of the column called `name` (raises when there
  * is none). */
 int dml_path_names(lua_State *L);
+/* Push the names of t, q[n] and p[momenta] of a system at index `system`. */
+void dml_state_names(lua_State *L, int system, uint32_t n, uint32_t momenta);
 uint32_t dml_path_find(lua_State *L, const char *name);
 
 /* Is there a column of that name? */

@@ -119,31 +119,35 @@ static int columns_tostring(lua_State *L) {
     return 1;
 }
 
-/* t, coordinates, momenta: made when first asked for, where the run has named none. */
+void dml_state_names(lua_State *L, int system, uint32_t n, uint32_t momenta) {
+    system = lua_absindex(L, system);
+    const int given = dml_systemfield(L, system, "coordinates") != LUA_TNIL;
+    lua_pop(L, 1);
+    lua_createtable(L, (int)(1 + n + momenta), 0);
+    dml_setresult(L);
+    lua_pushliteral(L, "t");
+    lua_rawseti(L, -2, 1);
+    for (uint32_t i = 0; i < n; i++) {
+        const char *name = dml_coordinate(L, system, i);
+        if (given)
+            lua_pushfstring(L, "p_%s", name);
+        else
+            lua_pushfstring(L, "p%d", (int)i + 1);
+        if (i < momenta)
+            lua_rawseti(L, -3, 2 + (lua_Integer)n + i);
+        else
+            lua_pop(L, 1);
+        lua_rawseti(L, -2, 2 + (lua_Integer)i);
+    }
+}
+
+/* Made when first asked for, where the run has named none. */
 int dml_path_names(lua_State *L) {
     const dml_path *p = check(L);
     if (lua_getiuservalue(L, 1, DML_PATH_NAMES) != LUA_TNIL) return 1;
     lua_pop(L, 1);
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    const int system = lua_gettop(L);
-    lua_createtable(L, (int)dml_path_width(p), 0);
-    dml_setresult(L);
-    lua_pushstring(L, "t");
-    lua_rawseti(L, -2, 1);
-    for (uint32_t i = 0; i < p->n; i++) {
-        const char *name = dml_coordinate(L, system, i);
-        const int given = dml_systemfield(L, system, "coordinates") != LUA_TNIL;
-        lua_pop(L, 1);
-        if (given)
-            lua_pushfstring(L, "p_%s", name);
-        else
-            lua_pushfstring(L, "p%d", (int)i + 1);
-        if (i < p->momenta)
-            lua_rawseti(L, -3, 2 + (lua_Integer)p->n + i);
-        else
-            lua_pop(L, 1);
-        lua_rawseti(L, -2, 2 + (lua_Integer)i);
-    }
+    dml_state_names(L, -1, p->n, p->momenta);
     return 1;
 }
 

@@ -307,24 +307,6 @@ int dml_records(lua_State *L, const dml_stepping *r) {
     return asked || parts;
 }
 
-/* columns of every path */
-static void add_state_names(lua_State *L, const dml_stepping *r, const reading *in) {
-    const lua_Integer n = r->solver->n, momenta = dml_checksystem(L, r->system)->momenta;
-    const int given = dml_systemfield(L, r->system, "coordinates") != LUA_TNIL;
-    const int top = lua_gettop(L) - 1;
-    add_name(L, in, "t");
-    for (lua_Integer i = 1; i <= n; i++, lua_settop(L, top)) {
-        const char *q = dml_coordinate(L, r->system, (uint32_t)i - 1);
-        lua_pushstring(L, q);
-        lua_rawseti(L, in->names, 1 + i);
-        if (given)
-            lua_pushfstring(L, "p_%s", q);
-        else
-            lua_pushfstring(L, "p%d", (int)i);
-        if (i <= momenta) lua_rawseti(L, in->names, 1 + n + i);
-    }
-}
-
 /* how many impulses the constraints have, at how many points of a step; raises where there are
  * none */
 static void read_impulses(lua_State *L, const dml_stepping *r, dm_impulses *out) {
@@ -365,9 +347,8 @@ static void add_impulse_names(lua_State *L, const dm_impulses *i, const reading 
 
 void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
                      dm_impulses *impulses) {
-    lua_newtable(L);
+    dml_state_names(L, r->system, r->solver->n, dml_checksystem(L, r->system)->momenta);
     reading in = {.field = "record", .names = lua_gettop(L), .impulses = impulses};
-    add_state_names(L, r, &in);
     dml_observables_start(o, r);
     read_gaps(L, o);
     add_parts(L, o, r, &in);

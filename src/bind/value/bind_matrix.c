@@ -22,6 +22,15 @@ static uint32_t check_extent(lua_State *L, int arg) {
     return (uint32_t)n;
 }
 
+/* entry j of row i, which is at stack index `row` */
+static dml_scalar entry_of_row(lua_State *L, int row, uint32_t i, uint32_t j) {
+    const char *type = "";
+    dml_scalar x;
+    if (!dml_tryentry(L, row, j, &x, &type))
+        luaL_error(L, "entry %d of row %d must be a number, got %s", (int)j + 1, (int)i + 1, type);
+    return x;
+}
+
 /* row i of the matrix at stack index m = the vector or table on top, which is popped */
 static void set_row(lua_State *L, int m, uint32_t i) {
     const dml_array *a = lua_touserdata(L, m);
@@ -33,7 +42,7 @@ static void set_row(lua_State *L, int m, uint32_t i) {
     double *numbers = dml_numbersof(a);
     uint32_t j = numbers ? dml_readplain(L, row, numbers + (size_t)i * a->columns, a->columns) : 0;
     for (; j < a->columns; j++) {
-        const dml_scalar x = dml_entry(L, row, j);
+        const dml_scalar x = entry_of_row(L, row, i, j);
         dml_assign(L, m, i * a->columns + j, &x);
     }
     lua_pop(L, 1);

@@ -214,8 +214,7 @@ const char *dml_kindname(lua_State *L, int arg) {
     return name ? name : luaL_typename(L, arg);
 }
 
-/* entry i, or 0 with *type what stands there instead */
-static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type) {
+int dml_tryentry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type) {
     const dml_array *a = dml_toarray(L, arg, 1);
     if (a && i < a->rows) return *x = dml_get(a, i), 1;
     if (a || !dml_islist(L, arg)) {
@@ -233,7 +232,7 @@ static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const ch
 dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
     dml_scalar x;
     const char *type = "";
-    if (!read_entry(L, arg, i, &x, &type))
+    if (!dml_tryentry(L, arg, i, &x, &type))
         luaL_error(L, "entry %d must be a number, got %s%s", (int)i + 1, type,
                    i == 0 && strcmp(type, "table") == 0 ? ": rows make a dm.matrix {{1, 2}, {3, 4}}"
                                                         : "");
@@ -295,7 +294,7 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
     for (uint32_t i = dml_readplain(L, arg, out, n); i < n; i++) {
         dml_scalar x;
         const char *type = "";
-        if (!read_entry(L, arg, i, &x, &type))
+        if (!dml_tryentry(L, arg, i, &x, &type))
             luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1, type);
         if (x.kind != DML_NUMBER)
             luaL_error(L, "%s: entry %d is a %s, but a plain number is needed here", name,

@@ -53,6 +53,8 @@ int dml_islist(lua_State *L, int arg);
 long dml_length(lua_State *L, int arg);
 /* Entry i (from 0) of what dml_length measured. Raises when it is no scalar. */
 dml_scalar dml_entry(lua_State *L, int arg, uint32_t i);
+/* The same into *x; 0, with *type what stands there instead, where it is no scalar. */
+int dml_tryentry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type);
 
 /* out = the first entries, at most n, of a vector or plain table that are finite numbers; gives how
  * many. */

@@ -66,6 +66,7 @@ void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i) {
                                                   : 1,
                               .until = INFINITY,
                               .watch = run->watch,
+                              .beside = e->rows && e->rows->beside,
                               .follow = e->follow ? e->follow + i : NULL,
                               .aside = run->aside,
                               .inertia = run->inertia,

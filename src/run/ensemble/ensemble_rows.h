@@ -8,7 +8,8 @@
 typedef struct {
     long every;     /* >= 1 */
     long room;      /* rows of a member at most (dm_run_rows) */
-    uint32_t width; /* t and q[n], p[n], or t and what is watched */
+    uint32_t width; /* t and q[n], p[n], or t and what is watched, or both */
+    int beside;     /* both */
     double *data;   /* [members][room][width] */
     long *count;    /* [members] rows there are */
 } dm_ensemble_rows;
@@ -17,7 +18,7 @@ static inline double *dm_ensemble_rows_of(const dm_ensemble_rows *r, long member
     return r->data + (size_t)member * (size_t)r->room * r->width;
 }
 
-/* Add the row of a state at time t; watch NULL: q, p. */
+/* Add the row of a state at time t; watch NULL: q, p alone. */
 dm_status dm_ensemble_rows_add(const dm_ensemble_rows *r, dm_observer *watch, long member,
                                const double *state, double t);
 

@@ -130,4 +130,31 @@ for _, size in ipairs { 1e-60, 1e60 } do
   local values = in_units(size):laplacian(2):eigen(4).values * size ^ 2
   near(values[4], ball:laplacian(2):eigen(4).values[4], 1e-12, "eigenvalues of 2-forms in units of " .. size)
 end
+-- a grid of 6 by 6 thin cells: along it waves have 72 (1 - cos(k pi/6)), across it a^2 more; the
+-- residuals bound what is off, and a note says where that is all of it
+for _, a in ipairs { 1, 1e3, 1e6, 1e9 } do
+  local points, cells, n = {}, {}, 6
+  for j = 0, n do for i = 0, n do points[#points + 1] = { i / n, j / n / a } end end
+  for j = 0, n - 1 do
+    for i = 1, n do
+      local k = j * (n + 1) + i
+      cells[#cells + 1], cells[#cells + 2] = { k, k + 1, k + n + 2 }, { k, k + n + 2, k + n + 1 }
+    end
+  end
+  local K, want = dm.mesh { simplices = cells, points = points }, {}
+  for j = 0, n do
+    for k = 0, n do
+      want[#want + 1] = 2 * n ^ 2 * ((1 - cos(k * pi / n)) + a ^ 2 * (1 - cos(j * pi / n)))
+    end
+  end
+  table.sort(want)
+  local found, within = K:laplacian(0):eigen(4), true
+  for i = 1, 4 do
+    local nearest = math.huge
+    for _, x in ipairs(want) do nearest = math.min(nearest, math.abs(x - found.values[i])) end
+    within = within and nearest <= found.residuals[i]
+  end
+  ok(within, ("thin cells, 1 : %g: values are as near as residuals say"):format(a), tostring(found.values))
+  ok((found.note ~= nil) == (a >= 1e6), ("thin cells, 1 : %g: a note"):format(a), found.note)
+end
 tap.done()

@@ -207,6 +207,21 @@ do
   ok(each[2] == each[1] - 1 and each[3] == each[2], "one trace tells what is read", table.concat(each, " "))
   raises("reads its parameter 'idle'", members, { idle = { 1, 2 } })
 end
+-- functions that read a table outside, which is the same for all members
+do
+  local outside = { k = 4, l = 1 }
+  local function of(fields)
+    fields.Q, fields.params = dm.R(2), outside
+    return dm.system(fields):solver({ rule = "midpoint", h = 0.1 })
+  end
+  local function members(solver)
+    return solver:ensemble { members = 2, q = { { 0, -2 }, { 0, -2 } }, v = { { 0, 0 }, { 0, 0 } }, steps = 1, vary = { l = { 1, 2 }, k = { 4, 5 } } }
+  end
+  local why = "reads its parameter 'k', so members would not differ by it: 'k' is read elsewhere"
+  raises(why, members, of { L = function(q, v) return outside.l * v:dot(v) / 2 - outside.k * q[2] end })
+  raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, force = function(q) return -outside.k * q end })
+  raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - outside.k end })
+end
 -- what nothing reads makes no member another one
 for _, rule in ipairs { "verlet", "gauss(2)" } do
   local idle = dm.system { Q = dm.R(1), params = { k = 1, idle = 1, mode = 1, deep = 1 }, L = function(q, v, _, p)
@@ -332,8 +347,8 @@ end
 ok(all.place.least == least and all.place.largest == largest and math.abs(all.place.mean - sum / 15) < 1e-15,
   "a summary without a name lists the columns", dm.pretty(all))
 ok(all.energy and not all.t, "but for the time")
-raises("no column 'x' was watched, but t, energy, place", watched.summary, watched, "x")
-raises('watch = { "energy" }', bare.summary, bare)
+raises("rows have no column 'x', but t, energy, place", watched.summary, watched, "x")
+ok(bare:summary().q1.largest >= bare:path(1).q[1][1] and bare:summary().p1, "rows of states have their columns")
 
 -- members without a start are told together
 local function starts_of(of, q, v) return of.ensemble, of, { members = 12, steps = 1, q = q, v = v } end

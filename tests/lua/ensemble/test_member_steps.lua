@@ -82,7 +82,7 @@ for i = 1, 2 do
 end
 near(r.nearest[1], 9.3, 1e-12, "the row of the second half nearest to the start: the 32nd of 65, at t = 3.1"); near(r.span[1], 19.2 - 9.3, 1e-12, "and what they span")
 raises("no column 'x'", e.summary, e, "x")
-raises("watched nothing", function() spring:solver({ rule = "verlet", h = 0.1 }):ensemble({ members = 1, q = { { 1 } }, p = { { 0 } }, steps = 1 }):summary "q1" end)
+raises("kept only the ends", function() spring:solver({ rule = "verlet", h = 0.1 }):ensemble({ members = 1, q = { { 1 } }, p = { { 0 } }, steps = 1 }):summary "q1" end)
 local function run(more)
   local o = { members = 2, q = { { 1 }, { 1 } }, p = { { 0 }, { 0 } }, steps = 3 }
   for k, v in pairs(more) do o[k] = v end

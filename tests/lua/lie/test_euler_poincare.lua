@@ -262,4 +262,15 @@ ok(short:reconstruct { q = stretched, project = true }.q[1][3][3] == 1, "or the 
 raises("spatial velocity", dm.euler_poincare, dm.system { Q = G, trivialization = "right",
   L = function(_, w) return w:dot(w) / 2 end })
 
+-- a path that is brought back again begins where it is told, and so does one whose run goes on
+do
+  local rigid = dm.euler_poincare { group = G, l = function(w) return (w[1] ^ 2 + 2 * w[2] ^ 2 + 3 * w[3] ^ 2) / 2 end }
+  local solver = rigid:solver { rule = "lie(2)", h = 0.05 }
+  local path, g0, g1 = solver:run { v = { 1, 2, 3 }, steps = 20 }, G:exp { 1, 2, 3 }, G:exp { -1, 0.5, 0 }
+  local twice = path:reconstruct { q = g0 }:reconstruct { q = g1 }
+  local once, rest = path:reconstruct { q = g1 }, dm.resume(path, rigid):run { steps = 5 }
+  ok(far(twice.q[1], g1) < 1e-15 and far(twice.q[21], once.q[21]) < 1e-14, "brought back twice")
+  ok(far(rest:reconstruct { q = g0 }.q[1], g0) < 1e-15, "the rest of a run")
+end
+
 tap.done()

@@ -141,4 +141,14 @@ do
   tap.ok(F(given).params.x == 2, "a parameter may be called x")
 end
 
+-- what L raises is raised where the field is made
+for word, L in pairs {
+  ["local 'p'"] = function(_, ut, ux, _, _, p) return (ut ^ 2 - p.k * ux ^ 2) / 2 end,
+  ["global 'Stiffness'"] = function(_, ut, ux) return (ut ^ 2 - Stiffness * ux ^ 2) / 2 end, -- luacheck: ignore
+  ["dm.where"] = function(u, ut, ux) return (u > 0 and 1 or 2) * ut ^ 2 - ux ^ 2 end,
+  ["a symbol has no field '1'"] = function(_, ut) return ut[1] ^ 2 end,
+} do
+  tap.raises(word, dm.field, { x = { 0, 1, 8 }, L = L })
+end
+
 tap.done()

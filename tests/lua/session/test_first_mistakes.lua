@@ -176,4 +176,12 @@ local a = K:form(0, function(x) return x end)
 local _, why = xpcall(function() return a.valus[1] end, debug.getregistry().dm_explain)
 ok(why:find("a dm.form has no 'valus'; did you mean 'values'?", 1, true), "a field that is not there",
   why)
+
+-- other names of spaces; places in a matrix
+for other, name in pairs { Sphere = "S", sphere = "S", torus = "T", Torus = "T", circle = "T", Rn = "R" } do
+  _, why = xpcall(function() return dm[other](2) end, debug.getregistry().dm_explain)
+  ok(why:find(("dm has no '%s'; did you mean '%s'?"):format(other, name), 1, true), "dm." .. other, why)
+end
+raises("entry 1 of row 2 must be a number, got string", dm.matrix, { { 1, 2 }, { "x", 3 } })
+raises("entry 2 of row 1 must be a number, got table", dm.matrix, { { 1, {} }, { 2, 3 } })
 tap.done()

@@ -377,4 +377,23 @@ ok(circle:at(1, 1).class == "drifting" and circle:at(1, 2).class == "drifting", 
 local thrown = dm.stability { system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }, rule = "rk4", q = { 0.9, 0 },
   v = { 0, math.sqrt(1.1 / 0.9) }, h = { 0.1, 6 }, steps = 1000, refine = false }
 ok(thrown:at(1, 1).class == "bounded" and thrown:at(1, 2).class == "off", "an escape is off, however small its energy", thrown:at(1, 2).class)
+-- a parameter that functions read from a table outside never reaches them
+do
+  local outside, K = { k = 1 }, dm.mesh { grid = 2 }
+  local line = dm.field { x = { 0, 1, 8 }, params = outside,
+    L = function(_, ut, ux) return (ut ^ 2 - outside.k * ux ^ 2) / 2 end }
+  local field = K:field { params = outside,
+    L = function(u, ut) return ut:dot(ut) / 2 - outside.k * u:d():dot(u:d()) / 2 end }
+  local point = dm.system { Q = dm.R(1), params = outside,
+    L = function(q, v) return (v[1] ^ 2 - outside.k * q[1] ^ 2) / 2 end }
+  local function map(system, rule, more)
+    local o = { system = system, rule = rule, steps = 10, h = { 0.1, 1, 3 }, k = { 1, 2 } }
+    for key, value in pairs(more) do o[key] = value end
+    return dm.stability(o)
+  end
+  local why = "parameter 'k' changes nothing: no function of the system reads it: 'k' is read elsewhere"
+  raises(why, map, point, "verlet", { q = { 1 }, v = { 0 } })
+  raises(why, map, field, "verlet", { q = function(x) return x end, v = function() return 0 end })
+  raises(why, map, line, "cell(gauss(2))", { q = function(x) return x end, v = function() return 0 end })
+end
 tap.done()

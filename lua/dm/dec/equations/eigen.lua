@@ -212,6 +212,22 @@ local function find(A, m, options)
   return pairs_, name, solves, m > most and #pairs_ == most and ONE_LESS or nil
 end
 
+local SURE = 1e-6 -- of an eigenvalue, or of that of a wave across the longest edge
+
+-- Low eigenvalues of meshes of needles and flakes are round-off of the largest ones.
+local function doubt(K, values, residuals)
+  local longest, doubtful, worst = 0, 0, 0
+  local lengths = K:volume(1)
+  for i = 1, #lengths do longest = math.max(longest, lengths[i]) end
+  for i = 1, #values do
+    if residuals[i] > SURE * math.max(math.abs(values[i]), longest ^ -2) then
+      doubtful, worst = doubtful + 1, math.max(worst, residuals[i])
+    end
+  end
+  return doubtful > 0 and ("%d of %d values are known to %.1e only (residuals): round-off of the "
+    .. "largest eigenvalues; cells are too thin"):format(doubtful, #values, worst) or nil
+end
+
 local function check(m, options)
   if math.type(m) ~= "integer" or m < 1 then
     fail("how many eigenvalues must be a whole number >= 1 (got %s)", option.got(m))
@@ -234,15 +250,16 @@ class.method("dm.operator", "eigen", function(A, m, options)
   end
   return core.result { values = core.vector(values), forms = forms,
     residuals = core.vector(residuals), solver = name, solves = solves,
-    note = mass.note(A.mesh) or note }
+    note = doubt(A.mesh, values, residuals) or mass.note(A.mesh) or note }
 end, [[
 A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver, note }
 m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
 of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
-best first. Fewer where there are no more. residuals: |A a - lambda a|. note: duals are barycentric,
-with which eigenvalues do not converge, or the farthest of all eigenvalues is left out. Up to 300
-unknowns (1200 where many are asked for) by dense rotations, else by Lanczos iterations, which need
-dm/sparse.so (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the
+best first. Fewer where there are no more. residuals: |A a - lambda a|, and an eigenvalue is no
+farther away. note: values are round-off of the largest ones, as in a mesh of very thin cells, duals
+are barycentric, with which eigenvalues do not converge, or the farthest of all is left out. Up to
+300 unknowns (1200 where many are asked for) by dense rotations, else by Lanczos iterations, which
+need dm/sparse.so (libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the
 operator is not self-adjoint, and where negative stars leave the forms without a norm. u' = -A u,
 with A = K:laplacian(0) heat or the gradient flow of |du|^2/2, has the solution sum_k exp(-values[k]
 t) (forms[k] . u0) forms[k].]])

@@ -5,14 +5,20 @@ local starts = require "dm.group.starts"
 
 local M = {}
 
--- the system of it: (g0 g)^-1 (g0 a) is g^-1 a
-local function system_from(path, place, g0)
+-- the system of it: (s g)^-1 (s a) is g^-1 a
+local function system_from(path, place, shift)
   local reduced = place.reduced
   local a = reduced and reduced.carry and (path.a or reduced.a)
-  return a and reduced.with(reduced.carry(place.element(g0), a)) or path.system
+  return a and reduced.with(reduced.carry(place.element(shift), a)) or path.system
 end
 
---- The path over a reduced one that starts at the element q: g0 g_k, with the same momenta.
+-- coordinates of the element that takes the first row, which need not be the identity, to g0
+local function shift_to(place, g0, first)
+  local back = place.flat(place.kit.inverse(place.element(first)))
+  return place.right and place.carry(back, g0) or place.carry(g0, back)
+end
+
+--- The path over a reduced one that starts at the element q: s g_k, with the same momenta.
 function M.reconstruct(path, options)
   local own, what = path.system.place, "path:reconstruct"
   option.check(options, { "q", "project" }, what, "{ q = g0 }")
@@ -21,11 +27,13 @@ function M.reconstruct(path, options)
   local columns, n, d = { path:column "t" }, own.size, own.dimension
   local q = {}
   for i = 1, n do q[i] = path:column("q" .. i) end
-  local rows = {}
+  local rows, first = {}, {}
+  for i = 1, n do first[i] = q[i][1] end
+  local shift = shift_to(own, g0, first)
   for k = 1, #path do
     local here = {}
     for i = 1, n do here[i] = q[i][k] end
-    rows[k] = own.right and own.carry(here, g0) or own.carry(g0, here)
+    rows[k] = own.right and own.carry(here, shift) or own.carry(shift, here)
   end
   for i = 1, n do
     local column = {}
@@ -33,7 +41,7 @@ function M.reconstruct(path, options)
     columns[1 + i] = core.vector(column)
   end
   for i = 1, d do columns[1 + n + i] = path:column("p" .. i) end
-  return core.path { system = system_from(path, own, g0), h = path.h, rule = path.rule,
+  return core.path { system = system_from(path, own, shift), h = path.h, rule = path.rule,
     steps = path.steps, columns = columns }
 end
 
