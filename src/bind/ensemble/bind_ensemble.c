@@ -52,13 +52,16 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
     }
     ensemble *e = lua_newuserdatauv(L, sizeof *e + (size_t)members * each, DML_ENSEMBLE_VALUES);
     *e = (ensemble){.members = members, .n = n, .rows = *rows};
-    clear(L, (char *)(e + 1), (size_t)members * each);
+    clear(L, (char *)(e + 1), (size_t)members * (each - sizeof *e->member - sizeof(long)));
     e->state = (double *)(e + 1);
     e->rows.data = e->state + (size_t)members * dm_state_size(n);
     e->member =
         (dm_member *)(void *)(e->rows.data + (size_t)members * (size_t)rows->room * rows->width);
     e->rows.count = (long *)(void *)(e->member + members);
-    for (long i = 0; i < members; i++) e->member[i].status = DM_STOPPED;
+    for (long i = 0; i < members; i++) {
+        e->member[i] = (dm_member){.status = DM_STOPPED};
+        e->rows.count[i] = 0;
+    }
     luaL_setmetatable(L, DML_ENSEMBLE);
     return e;
 }

@@ -8,12 +8,8 @@ enum { TOLD = 8 }; /* members by number */
 static int run_rest(lua_State *L) {
     dml_starting *s = lua_touserdata(L, -1);
     lua_pop(L, 1);
-    const int top = lua_gettop(L);
     luaL_checkstack(L, LUA_MINSTACK, NULL);
-    for (; s->next < s->these->first + s->these->count; s->next++) {
-        s->body(L, s);
-        lua_settop(L, top);
-    }
+    for (; s->next < s->these->first + s->these->count; s->next++) s->body(L, s);
     return 0;
 }
 

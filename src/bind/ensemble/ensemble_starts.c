@@ -101,6 +101,19 @@ static double *place_in(const dml_part *p, const char *key, long i) {
     return p->e->state + (size_t)i * dm_state_size(p->e->n) + (*key == 'q' ? 0 : p->e->n);
 }
 
+/* those of a part; 0: one of them has an entry that is not finite. One test for all: ensembles.lua,
+ * start, one step, end: 1.03x. */
+static int copy_rows(const dml_part *p, const char *key, const double *rows) {
+    const uint32_t n = p->e->n;
+    const size_t size = dm_state_size(n), all = (size_t)p->count * n;
+    double *to = place_in(p, key, p->first), none[2] = {0.0};
+    rows += (size_t)p->first * n;
+    for (size_t i = 0; i + 1 < all; i += 2) none[0] += 0.0 * rows[i], none[1] += 0.0 * rows[i + 1];
+    if (all % 2) none[0] += 0.0 * rows[all - 1];
+    for (long i = 0; i < p->count; i++, to += size, rows += n) dm_small_copy(to, rows, n);
+    return none[0] + none[1] == 0.0;
+}
+
 /* field s->key of member s->next */
 static void read_field(lua_State *L, dml_starting *s) {
     read_member(L, s, s->next, place_in(s->these, s->key, s->next), s->these->e->n);
@@ -114,6 +127,7 @@ static void read_both(lua_State *L, dml_starting *s) {
         lua_getfield(L, 2, s->key);
         s->source = lua_gettop(L);
         read_field(L, s);
+        lua_pop(L, 1);
     }
 }
 
@@ -123,9 +137,7 @@ static void read_column(lua_State *L, const dml_part *p, const char *key) {
     lua_getfield(L, 2, key);
     s.source = lua_gettop(L);
     const double *rows = entries_of(L, s.source, p->e->n);
-    long i = p->first;
-    while (rows && i < p->first + p->count && copy_row(place_in(p, key, i), rows, i, p->e->n)) i++;
-    if (i < p->first + p->count) dml_each_start(L, &s);
+    if (!rows || !copy_rows(p, key, rows)) dml_each_start(L, &s);
     lua_pop(L, 1);
 }
 

@@ -88,16 +88,27 @@ void dm_lanes_advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t
     }
 }
 
-/* Entries of a member are as far apart as there are lanes. */
+/* Entries of a member are as far apart as there are lanes; 4 n of them are q, p and low parts. Taken
+ * by four: ensembles.lua, start, one step, end: 1.02x. */
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state) {
     double *to = dm_lanes_member(x, n, i);
-    for (size_t k = 0; k < dm_state_size(n); k++) to[k * x->lanes] = state[k];
+    const size_t lanes = x->lanes;
+    for (size_t k = 0; k < n; k++, state += 4, to += 4 * lanes) {
+        to[0] = state[0], to[lanes] = state[1];
+        to[2 * lanes] = state[2], to[3 * lanes] = state[3];
+    }
+    for (size_t k = 0; k < DM_STATE_OWN; k++) to[k * lanes] = state[k];
 }
 
 /* And back into one state. */
 void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state) {
     const double *from = dm_lanes_member(x, n, i);
-    for (size_t k = 0; k < dm_state_size(n); k++) state[k] = from[k * x->lanes];
+    const size_t lanes = x->lanes;
+    for (size_t k = 0; k < n; k++, state += 4, from += 4 * lanes) {
+        state[0] = from[0], state[1] = from[lanes];
+        state[2] = from[2 * lanes], state[3] = from[3 * lanes];
+    }
+    for (size_t k = 0; k < DM_STATE_OWN; k++) state[k] = from[k * lanes];
 }
 
 /* their sum is not, where one is not */

@@ -15,12 +15,12 @@ typedef struct {
     long alive;        /* members that still run */
     /* steps: the next row, look or end of one of them; row or end; end */
     long next, next_row, next_end;
-    long kept;                /* steps of the states kept in the lanes; -1: none are */
-    long row[DM_HAND_MOST];   /* steps of their next rows, where rows are kept */
-    char ended[DM_HAND_MOST]; /* members that have done all of their steps */
-    uint64_t told; /* members whose mass lanes found to be positive, and that are not quiet */
-    /* Where the inertia may change; elsewhere they are left as they are.
-     * Speed: ensembles.lua, start, one step, end: 1.1x. */
+    long kept;      /* steps of the states kept in the lanes; -1: none are */
+    uint64_t told;  /* members whose mass lanes found to be positive, and that are not quiet */
+    uint64_t ended; /* members that have done all of their steps */
+    /* Steps of their next rows, where rows are kept; what is known where the inertia may change.
+     * Elsewhere they are left as they are. Speed: ensembles.lua, start, one step, end: 1.1x. */
+    long row[DM_HAND_MOST];
     dm_inertia_seen seen[DM_HAND_MOST];
     dm_inertia_there there[DM_HAND_MOST]; /* of those in told */
 } dm_hand;
@@ -39,7 +39,7 @@ static inline dm_member *dm_hand_member(const dm_hand *x, long i) {
 
 /* Member i still runs. */
 static inline int dm_hand_runs(const dm_hand *x, long i) {
-    return dm_hand_member(x, i)->status == DM_OK && !x->ended[i];
+    return dm_hand_member(x, i)->status == DM_OK && !(x->ended >> i & 1);
 }
 
 /* Lanes have steps of their own, by member. */

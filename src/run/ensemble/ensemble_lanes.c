@@ -44,8 +44,8 @@ static void put_memory(const dm_hand *x, uint32_t i) {
 void dm_hand_pad(dm_hand *x) {
     const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dm_hand_dim(x);
     long whole = 0;
-    while (whole < x->count && !dm_hand_runs(x, whole)) whole++;
-    if (whole == x->count) return;
+    if (!x->alive) return;
+    while (!dm_hand_runs(x, whole)) whole++;
     dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->lanes.alone);
     for (uint32_t i = 0; i < all; i++)
         if (i >= x->count || !dm_hand_runs(x, i)) {
@@ -59,8 +59,8 @@ void dm_hand_pad(dm_hand *x) {
 /* steps of the members, and any for lanes without one */
 static void set_steps(dm_hand *x) {
     const dm_pace *own = dm_hand_has_paces(x) ? x->e->pace + x->first : NULL;
-    for (long i = 0; i < DM_LANES_GROUPS * 8; i++)
-        x->b->h[i] = own ? own[i < x->count ? i : 0].h : x->e->h;
+    for (long i = 0; i < DM_HAND_MOST; i++) x->b->h[i] = x->e->h;
+    for (long i = 0; own && i < DM_HAND_MOST; i++) x->b->h[i] = own[i < x->count ? i : 0].h;
 }
 
 /* It looks at member i from here on. */
@@ -76,7 +76,7 @@ static void begin(dm_hand *x) {
         dm_member *m = dm_hand_member(x, i);
         dm_hand_choose(x, i);
         if (x->e->follow) dm_follow_begin(x->e->follow + x->first + i);
-        *m = (dm_member){.status = dm_stepper_start(s, dm_hand_state(x, i), x->e->t0, x->b->h[i])};
+        m->status = dm_stepper_start(s, dm_hand_state(x, i), x->e->t0, x->b->h[i]);
         if (m->status != DM_OK) continue;
         if (x->b->inertia) {
             m->status =
@@ -108,7 +108,7 @@ static void run_alone(dm_hand *x, long i) {
                                    .aside = x->b->aside,
                                    .inertia = inertia_of(x, i)},
                   x->first + i);
-    x->ended[i] = 1;
+    x->ended |= (uint64_t)1 << i;
 }
 
 /* Member i goes on from a look. */
@@ -239,7 +239,7 @@ static void advance(dm_hand *x, long count, int last) {
 /* member i goes no further */
 static void end(dm_hand *x, long i, dm_status status) {
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
-    *dm_hand_member(x, i) = (dm_member){.status = status, .steps = x->done};
+    dm_hand_member(x, i)->status = status, dm_hand_member(x, i)->steps = x->done;
     if (status == DM_OK) dm_hand_look_beside(x, i, dm_hand_state(x, i), x->done);
     dm_hand_keep_last_row(x, i);
 }
@@ -258,11 +258,13 @@ static void end_crossed(dm_hand *x) {
 /* members that have done all of their steps leave */
 static void end_some(dm_hand *x) {
     const long before = x->alive;
-    if (x->done < x->next_end) return;
+    const int paces = dm_hand_has_paces(x); /* else all of them */
+    if (x->done < (paces ? x->next_end : x->e->steps)) return;
     for (long i = 0; i < x->count; i++) {
-        if (!dm_hand_runs(x, i) || x->done < dm_hand_steps(x, i)) continue;
+        if (!dm_hand_runs(x, i) || (paces && x->done < dm_hand_steps(x, i))) continue;
         end(x, i, DM_OK);
-        x->ended[i] = 1;
+        if (!dm_hand_runs(x, i)) continue; /* its last row has no value */
+        x->ended |= (uint64_t)1 << i;
         x->alive--;
     }
     if (x->alive < before) dm_hand_pad(x);
@@ -308,7 +310,10 @@ static dm_status run(dm_hand *x) {
 /* As many groups as the members in hand need, rounded up to what is stepped together. */
 void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     dm_hand x;
-    memset(&x, 0, b->inertia ? sizeof x : offsetof(dm_hand, seen));
+    memset(&x, 0,
+           b->inertia ? sizeof x
+           : e->rows  ? offsetof(dm_hand, seen)
+                      : offsetof(dm_hand, row));
     x.e = e, x.b = b, x.first = first, x.count = count, x.kept = -1;
     const uint32_t together = b->lanes.together ? b->lanes.together : 1;
     const long pass = (long)b->lanes.lanes * together;
@@ -318,7 +323,7 @@ void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     b->lanes.told = 0;
     dm_hand_keep_rows(&x);
     const dm_status status = run(&x);
-    for (long i = 0; i < count; i++)
+    for (long i = 0; i < count && x.alive; i++)
         if (dm_hand_runs(&x, i)) end(&x, i, status);
 }
 

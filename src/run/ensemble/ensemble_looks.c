@@ -49,8 +49,9 @@ static void keep_row(dm_hand *x, long i, const double *state, long steps) {
 
 void dm_hand_keep_last_row(dm_hand *x, long i) {
     const dm_ensemble_rows *rows = x->e->rows;
+    if (!rows) return;
     const long steps = dm_hand_member(x, i)->steps;
-    if (rows && (steps % dm_hand_every(x, i) != 0 || !rows->count[x->first + i]))
+    if (steps % dm_hand_every(x, i) != 0 || !rows->count[x->first + i])
         keep_row(x, i, dm_hand_state(x, i), steps);
 }
 
@@ -114,8 +115,9 @@ void dm_hand_keep_rows(dm_hand *x) {
 
 void dm_hand_find_next(dm_hand *x) {
     const int rows = x->e->rows != NULL;
-    long look = LONG_MAX, row = LONG_MAX, end = LONG_MAX;
-    for (long i = 0; i < x->count; i++) {
+    const int alike = !rows && !x->e->follow && !x->b->inertia && !dm_hand_has_paces(x);
+    long look = LONG_MAX, row = LONG_MAX, end = alike ? x->e->steps : LONG_MAX;
+    for (long i = 0; i < x->count && !alike; i++) {
         if (!dm_hand_runs(x, i)) continue;
         if (x->e->follow) look = dm_lesser(look, follow_of(x, i)->due);
         if (x->b->inertia) look = dm_lesser(look, x->seen[i].due);

@@ -291,6 +291,9 @@ for _, rule in ipairs { "verlet", "gauss(2)", "rk8" } do -- in lanes and alone
   tap.ok(e.status[1] == "no_value" and e.steps[1] == 16 and #e:path(1) == 16 and e.status[9] == "ok", rule .. ": a member whose column is NaN fails alone", e)
   tap.ok(e:failures()[1].message:find "a recorded column is NaN", rule .. ": and says why", e:failures()[1].message)
   tap.ok(members({ gaps = true }).status[1] == "ok", rule .. ": but with gaps")
+  local last = members { every = 7 } -- the row of the last step is one more
+  tap.ok(last.status[1] == "no_value" and #last:path(1) == 3 and last.status[9] == "ok" and last.steps[9] == 16,
+    rule .. ": also in the row of the last step alone", last)
 end
 
 -- printing raises nothing that the functions of a system raise by now
