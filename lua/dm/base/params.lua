@@ -119,6 +119,39 @@ function M.unread(system, params, names)
   return left(names, seen)
 end
 
+-- does code of the function name the parameter, and is one of its upvalues or globals the system or
+-- the table of its params?
+local function reads_table(f, system, name)
+  local fine, code = blame.try(string.dump, f, true)
+  if not (fine and has_constant(code, name)) then return false end
+  local params = system.params
+  local raw = debug.getmetatable(params).__index
+  local function is_own(value)
+    return rawequal(value, system) or rawequal(value, params) or rawequal(value, raw)
+  end
+  for k = 1, 255 do
+    local upvalue, value = debug.getupvalue(f, k)
+    if not upvalue then return false end
+    if is_own(value) then return true end
+    if upvalue == "_ENV" or upvalue == "" and type(value) == "table" and rawequal(value, _G) then
+      for key, global in next, value do
+        if type(key) == "string" and is_own(global) and has_constant(code, key) then return true end
+      end
+    end
+  end
+end
+
+--- A function of the table `watch` that reads one of these parameters from the system, or the table
+-- it was made with: its name and that of the parameter; nil where none does. It sees the values of
+-- the system, whatever those of members are.
+function M.outside(system, watch, names)
+  for key, f in pairs(type(watch) == "table" and watch or {}) do
+    for _, name in ipairs(type(f) == "function" and names or {}) do
+      if reads_table(f, system, name) then return key, name end
+    end
+  end
+end
+
 --- Names of parameters, joined: those that are there.
 function M.names(params)
   local names = {}

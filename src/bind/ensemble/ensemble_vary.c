@@ -116,6 +116,25 @@ static void check_read(lua_State *L, const double *values, int names, long membe
     lua_pop(L, 1);
 }
 
+/* Raises where a function of the options' field `watch` reads a parameter that varies. */
+static void check_watch(lua_State *L, int names) {
+    const int top = lua_gettop(L);
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_outside") != LUA_TFUNCTION) /* the core alone */
+        return lua_settop(L, top);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    lua_getfield(L, 2, "watch");
+    lua_pushvalue(L, names);
+    lua_call(L, 3, 2);
+    const char *name = lua_tostring(L, -1), *key = lua_tostring(L, -2);
+    if (name)
+        luaL_error(L,
+                   "field 'watch': %s reads params.%s, which is that of the system, not that of a "
+                   "member: watch what it is made of, and compute it from the rows of "
+                   "ensemble:path(i)",
+                   key, name);
+    lua_settop(L, top);
+}
+
 const double *dml_read_vary(lua_State *L, long members, uint32_t *count) {
     const int type = lua_getfield(L, 2, "vary"), vary = lua_gettop(L);
     if (type == LUA_TNIL) return lua_pop(L, 1), NULL;
@@ -135,6 +154,7 @@ const double *dml_read_vary(lua_State *L, long members, uint32_t *count) {
         lua_pop(L, 1);
     }
     check_read(L, values, vary + 1, members);
+    check_watch(L, vary + 1);
     lua_insert(L, -2);
     lua_remove(L, vary);
     return values;

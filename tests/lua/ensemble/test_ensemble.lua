@@ -222,6 +222,21 @@ do
   raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, force = function(q) return -outside.k * q end })
   raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - outside.k end })
 end
+-- what is watched does not see the values of members
+do
+  local outside = { k = 1 }
+  local own = dm.system { Q = dm.R(1), params = outside,
+    L = function(q, v, _, p) return (v[1] ^ 2 - p.k * q[1] ^ 2) / 2 end }
+  local function members(watch)
+    return own:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1 }, { 1 } }, v = { { 0 }, { 0 } }, steps = 3, vary = { k = { 1, 9 } }, watch = watch }
+  end
+  local why = "field 'watch': E reads params.k, which is that of the system, not that of a member"
+  raises(why, members, { E = function(q, v) return (v[1] ^ 2 + own.params.k * q[1] ^ 2) / 2 end })
+  raises(why, members, { E = function(q, v) return (v[1] ^ 2 + outside.k * q[1] ^ 2) / 2 end })
+  local other = { k = 2 }
+  local e = members { "energy", E = function(q, v) return (v[1] ^ 2 + other.k * q[1] ^ 2) / 2 end }
+  ok(e:path(2):column "energy"[1] == 4.5 and e:path(2):column "E"[1] == 1, "another table may be read")
+end
 -- what nothing reads makes no member another one
 for _, rule in ipairs { "verlet", "gauss(2)" } do
   local idle = dm.system { Q = dm.R(1), params = { k = 1, idle = 1, mode = 1, deep = 1 }, L = function(q, v, _, p)
