@@ -4,40 +4,38 @@
 -- that elements which move nothing make no difference. Points where the frame has no finite value
 -- or an ill-conditioned one tell nothing.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
 local places = require "dm.action.points"
 local points = require "dm.frame.points"
+local reach = require "dm.frame.reach"
+local steady = class.module(function() return require "dm.frame.steady" end)
 local tangent = require "dm.frame.tangent"
 local text = require "dm.frame.text"
 
 local M = {}
 
-
 local abs, huge, max, min = math.abs, math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds
-local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
+local FORMULAS, ROOTS = { 36, 36, 24, 20, 20, 14, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
 local LOST = 6           -- samples' worth of time to find that there is no root,
 local RARE = 12          -- samples at least while less than a third of those wanted have one
 local OUTSIDE = 1 / 16   -- that the points are outside of the domain
 local ON_SECTION = 6     -- samples of which one must lead to the section
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
-local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
-local PUSHES = { 1, 2.5, 0.5, 3.1 }     -- of vectors of the algebra whose exp moves them
--- of them, by dim G, for every sample that has a root: an orbit that cuts the section twice is seen
+-- pushes, by dim G, of every sample that has a root: an orbit that cuts the section twice is seen
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
 local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
--- and as many that go far, between these sizes, since two cuts of an orbit may lie far apart
-local FAR_AGAIN = { 1, 1, 1, 1, 1, 1, 2, 3 }
-local NEAREST, FARTHEST, GOLDEN = 5, 600, (5 ^ 0.5 - 1) / 2
-local FAR = 1e3          -- entries beyond which digits are missing
+local TURNS = 3          -- of samples far away every third is pushed
+local STEADY = 1e6       -- entries up to which rounding is told from what a formula makes
 local VALID = 1e-9       -- how far an element may be from the group
 local NUDGE = 1e-7       -- of points, relative
--- conditions beyond which two formulas, or one frame, tell nothing; what a root makes of rounding
-local ILL, WORST, ROUNDING = 1e6, 1e9, 1e-13 -- for a condition of 1, relative
+-- a condition beyond which a root tells nothing; what it makes of rounding
+local WORST, ROUNDING = 1e9, 1e-13 -- for a condition of 1, relative
 local SAME = 1e-7        -- relative distance of points that are one
 local ONE = 1e-9         -- of entries of elements that are one
 local MEASURED = 6       -- samples that tell the scale of Z,
@@ -46,21 +44,10 @@ local ON = 1e-10         -- of which this much is surely on the section
 local function fail(...) options.fail("dm.moving_frame", ...) end
 local function refuse(what, ...) fail("no moving frame: " .. what, ...) end
 
--- a list of points of sample `seed` with numbers of size SIZES; nothing outside of the domain
-local function sample(frame, seed)
-  local kit, list = kits.of(frame.action.on), points.sample(frame, seed)
-  local size = kit.manifold and 1 or SIZES[seed % #SIZES + 1]
-  for _, z in ipairs(list) do
-    for j = 1, size ~= 1 and #z or 0 do z[j] = kit.angles[j] and z[j] or z[j] * size end
-    if not places.is_inside(frame.action, z) then return nil end
-  end
-  return list
-end
-
 -- the list moved by g; nothing where it is not finite, far away or outside of the domain
 local function moved(frame, g, list)
   local fine, out, most = blame.try(places.images, frame.action, g, list)
-  if not (fine and most and most < FAR) then return nil end
+  if not (fine and most and most < (frame.solution and STEADY or reach.FAR)) then return nil end
   for i = 1, frame.action.domain and #out or 0 do
     if not places.is_inside(frame.action, out[i]) then return nil end
   end
@@ -92,20 +79,30 @@ local function stretch(frame, g, list, there)
   return moved_too and worst / NUDGE or huge
 end
 
--- what the formula gives, an element; nothing where it raises or is not finite
+-- what the formula gives, of the form of an element; nothing where it raises or is not finite
 local function by_formula(frame, list)
   local kit = groups.kit(frame.group)
   local fine, value = blame.try(frame.solution, table.unpack(list))
   if not fine then return nil, value end
   local is, g = blame.try(kit.element, value)
   if not is then refuse("at z = %s the solution gives something else: %s", text.points(list), g) end
-  if not kits.is_finite(kit.entries(g)) then return nil end
+  return kits.is_finite(kit.entries(g)) and g or nil
+end
+
+-- the same, an element of the group; nothing where rounding made it none
+local function by_valid_formula(frame, list)
+  local kit = groups.kit(frame.group)
+  local g, raised = by_formula(frame, list)
+  if not g then return nil, raised end
   local defect, why = kit.defect(g)
-  if not (defect <= VALID) then
-    refuse("at z = %s the solution is no element of %s: %s", text.points(list),
-      tostring(frame.group), why or ("it is off by %.3g"):format(defect))
+  if defect <= VALID then return g end
+  local function defect_at(nudged)
+    local h = by_formula(frame, nudged)
+    return h and kit.defect(h)
   end
-  return g
+  if not steady.is_own(frame, list, defect, defect_at) then return nil end
+  refuse("at z = %s the solution is no element of %s: %s", text.points(list),
+    tostring(frame.group), why or ("it is off by %.3g"):format(defect))
 end
 
 -- The root; nothing where there is none, and why. What else it raises is an error of the section,
@@ -121,7 +118,7 @@ end
 
 -- the frame's element at the points; nothing where there is none, and why
 local function element_of(frame, list)
-  if frame.solution then return by_formula(frame, list) end
+  if frame.solution then return by_valid_formula(frame, list) end
   return by_root(frame, list)
 end
 
@@ -139,6 +136,26 @@ local function is_surely_on(trial, size)
   return trial.measured >= MEASURED and size <= ON * trial.scale
 end
 
+-- the frame by formula, of points that may be nudged: its element g and the points there
+local function plain(frame, list)
+  local g = by_formula(frame, list)
+  local there = g and moved(frame, g, list)
+  return there and { g = g, there = there }
+end
+
+-- Is the distance `off` of the points there from the section more than rounding makes?
+local function is_told(trial, list, a, off)
+  local frame = trial.frame
+  if frame.solution then
+    return steady.is_own(frame, list, off, function(nudged)
+      local b = plain(frame, nudged)
+      return b and (tangent.distance(frame, b.there, trial.section(frame, b.there)))
+    end)
+  end
+  local worst = condition_of(frame, list, a)
+  return worst <= WORST and off > tangent.allowed(worst)
+end
+
 -- Are the points there on the section? Nothing: it cannot be told.
 local function is_on(trial, list, a)
   local frame = trial.frame
@@ -154,19 +171,32 @@ local function is_on(trial, list, a)
     trial.measured, trial.scale = trial.measured + 1, min(trial.scale, 1 / unit)
     return true
   end
-  local worst = condition_of(frame, list, a)
-  if worst > WORST or off <= tangent.allowed(worst) then return nil end
+  if not is_told(trial, list, a, off) then return nil end
   return false, off
 end
 
+-- what the branch gives at the points there, a list
+local function branch_values(frame, a)
+  return frame.branch and points.entries(frame.branch(table.unpack(a.there))) or {}
+end
+
+-- Does rounding leave no doubt that the branch does not hold at the points there?
+local function is_outside(frame, list, a)
+  if not frame.solution then return condition_of(frame, list, a) < WORST end
+  return steady.is_own(frame, list, 1, function(nudged)
+    local b, least = plain(frame, nudged), huge
+    for _, value in ipairs(b and branch_values(frame, b) or {}) do least = min(least, value) end
+    return least <= 0 and 1
+  end)
+end
+
 local function check_branch(frame, list, a)
-  local values = frame.branch and points.entries(frame.branch(table.unpack(a.there))) or {}
-  for _, b in ipairs(values) do
+  for _, b in ipairs(branch_values(frame, a)) do
     if type(b) ~= "number" then
       fail("the branch must return a number that is > 0 where it holds, or several (got %s)",
         kits.class_of(b))
     end
-    if b <= 0 and condition_of(frame, list, a) < WORST then
+    if b <= 0 and is_outside(frame, list, a) then
       refuse("at z = %s the solution brings the points to %s on the cross-section, where the "
         .. "branch condition does not hold (it is %.3g)", text.points(list), text.points(a.there),
         b)
@@ -229,20 +259,40 @@ local function are_one(frame, a, b, h)
   return worst <= ONE
 end
 
+-- how far apart the frames a, of z, and b, of h z, move other points
+local function probes_apart(frame, h, a, b, seed)
+  local probe = points.sample(frame, seed + 1000, 2)
+  local once, moved_probe = moved(frame, a.g, probe), moved(frame, h, probe)
+  local twice = moved_probe and moved(frame, b.g, moved_probe)
+  return once and twice and apart(frame, once, twice) or 0
+end
+
+-- is the distance, measure(a, b), more than rounding makes?
+local function is_apart(frame, h, list, pushed, a, b, distance, measure)
+  if frame.solution then
+    return steady.is_own(frame, list, distance, function(nudged)
+      local x, there = plain(frame, nudged), moved(frame, h, nudged)
+      local y = there and plain(frame, there)
+      return x and y and measure(x, y)
+    end)
+  end
+  local worst = max(condition_of(frame, list, a), condition_of(frame, pushed, b))
+  return worst <= WORST and distance >= worst * ROUNDING
+end
+
 -- is rho(h z) h what rho(z) is? list: z, pushed: h z; a and b: the frame at both
 local function check_equivariance(frame, h, list, pushed, a, b, seed)
-  local distance, refused = apart(frame, a.there, b.there), cut_twice
-  if distance <= SAME and (frame.basis or are_one(frame, a.g, b.g, h)) then return end
-  if distance <= SAME then
-    local probe = points.sample(frame, seed + 1000, 2)
-    local once, moved_probe = moved(frame, a.g, probe), moved(frame, h, probe)
-    local twice = moved_probe and moved(frame, b.g, moved_probe)
-    distance, refused = once and twice and apart(frame, once, twice) or 0, not_free
+  local distance = apart(frame, a.there, b.there)
+  local one = distance <= SAME
+  if one and (frame.basis or are_one(frame, a.g, b.g, h)) then return end
+  local function measure(x, y)
+    return one and probes_apart(frame, h, x, y, seed) or not one and apart(frame, x.there, y.there)
   end
-  if distance <= SAME then return end
-  local worst = max(condition_of(frame, list, a), condition_of(frame, pushed, b))
-  if worst > (frame.solution and ILL or WORST) or distance < worst * ROUNDING then return end
-  if refused == cut_twice then cut_twice(frame, list, a, b, distance) end
+  distance = measure(a, b)
+  if distance <= SAME or not is_apart(frame, h, list, pushed, a, b, distance, measure) then
+    return
+  end
+  if not one then cut_twice(frame, list, a, b, distance) end
   not_free(frame, list, h, distance)
 end
 
@@ -253,93 +303,31 @@ local function compare(trial, h, list, a, seed)
   if b then check_equivariance(trial.frame, h, list, pushed, a, b, seed) end
 end
 
-local ELEMENTS, OTHERS = core.random(11), 1000
-
--- an element far from the identity, by turns in every component of the group
-local function large(kit, seed)
-  local others = kit.others()
-  local size = PUSHES[seed % #PUSHES + 1]
-  local h = kit.exp(kits.normals(ELEMENTS, seed, kit.dimension, size))
-  local other = others[seed % (#others + 1)]
-  return other and kit.compose(other, h) or h
-end
-
--- Push number `again` of a sample: large elements and, by turns, the inverse of the next one. Every
--- one is pushed with by two samples.
-local function push(trial, seed, again)
-  local kit, known = groups.kit(trial.frame.group), trial.pushes
-  local place = seed + again // 2
-  known[place] = known[place] or large(kit, place)
-  return again % 2 == 1 and known[place] or kit.inverse(known[place])
-end
-
--- the largest entry of an element that is no angle
-local function extent(kit, g)
-  local flat, size = kit.flat(g), 0
-  for i = 1, #flat do
-    if not (kit.angles[i] or abs(flat[i]) <= size) then size = abs(flat[i]) end
-  end
-  return size
-end
-
--- exp of so much of axis j of the algebra
-local function along(kit, j, size)
-  local xi = core.zeros(kit.dimension)
-  xi[j] = size
-  return kit.exp(xi)
-end
-
--- axes of the algebra along which exp goes away on a straight line, as translations do; boosts are
--- far away at moderate sizes, and rotations never
-local function open_axes(kit)
-  local out = {}
-  for j = 1, kit.dimension do
-    local fine, g = blame.try(along, kit, j, FARTHEST)
-    local size = fine and extent(kit, g) or 0
-    if size > FARTHEST / 2 and size < 2 * FARTHEST then out[#out + 1] = j end
-  end
-  return out
-end
-
--- An element far away along all these axes, as far as its entries allow. Its sizes are log-uniform,
--- by numbers that fill (0, 2) evenly, half of them for either sign.
-local function far(kit, axes, seed)
-  local h = kit.exp(kits.normals(ELEMENTS, OTHERS + seed, kit.dimension, 1))
-  for i = 1, #axes do
-    local turn = (seed + i) % #axes
-    local place = 2 * ((GOLDEN * seed + turn / #axes) % 1)
-    local size = NEAREST * (FARTHEST / NEAREST) ^ (place % 1)
-    local g = kit.compose(along(kit, axes[turn + 1], place < 1 and size or -size), h)
-    if extent(kit, g) < FAR then h = g end
-  end
-  return h
-end
-
--- Elements far away for a sample of a frame that is solved for: a formula may lose more digits at
--- such points than can be told from a wrong one.
-local function far_ones(trial, seed)
-  local kit, out = groups.kit(trial.frame.group), {}
-  if trial.frame.solution then return out end
-  trial.axes = trial.axes or open_axes(kit)
-  local count = #trial.axes > 0 and FAR_AGAIN[min(trial.frame.r, #FAR_AGAIN)] or 0
-  for i = 1, count do out[i] = far(kit, trial.axes, count * seed + i) end
-  return out
-end
-
 -- The frame at sample `seed` and where large elements move it; nothing where nothing is told, and
 -- why: what the formula raises, or why there is no root; true: the sample is outside of the domain
 local function try(trial, seed)
   local frame = trial.frame
-  local list = sample(frame, seed)
+  local list = reach.sample(frame, seed)
   if not list then return nil, nil, true end
   local a, why = frame_of(trial, list)
   if not a then return nil, why end
   trial.on[#trial.on + 1] = a.there
   for again = 1, not frame.solution and AGAIN[min(frame.r, #AGAIN)] or 1 do
-    compare(trial, push(trial, seed, again), list, a, seed)
+    compare(trial, reach.push(frame, trial.pushes, seed, again), list, a, seed)
   end
-  for _, h in ipairs(far_ones(trial, seed)) do compare(trial, h, list, a, seed) end
+  for _, h in ipairs(frame.root and reach.far_elements(frame, trial.axes, seed) or {}) do
+    compare(trial, h, list, a, seed)
+  end
   return a
+end
+
+-- a formula is tried at points far away, too
+local function try_far(trial, seed)
+  local frame = trial.frame
+  local list = reach.far_sample(frame, seed)
+  local a = list and frame_of(trial, list)
+  if not a or seed % TURNS > 0 then return end
+  compare(trial, reach.push(frame, trial.pushes, seed, 1), list, a, seed)
 end
 
 -- orbits beside folds of the section
@@ -357,7 +345,7 @@ local function is_singular(why) return why and tostring(why):find("is singular",
 --- Raises where the frame is none. section(frame, list): Z at the points, as a list.
 function M.check(frame, section)
   local trial = { frame = frame, section = section, measured = 0, scale = huge, on = {},
-    pushes = {} }
+    pushes = {}, axes = {} }
   local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
   local few, told, first, tangential, seed = left / 3, 0, nil, 0, 0
   local function is_rare() return not frame.solution and first and tangential < seed end
@@ -365,6 +353,7 @@ function M.check(frame, section)
       or told < few and seed < RARE and is_rare() do
     seed = seed + 1
     local a, why, outside = try(trial, seed)
+    if frame.solution then try_far(trial, seed) end
     local cost = (a or frame.solution) and 1 or LOST
     left = left - (outside and OUTSIDE or cost)
     told, first = told + (a and 1 or 0), first or why
@@ -388,7 +377,7 @@ end
 --- Points on the section, from one of the first samples that have a frame; nothing where none has.
 function M.on_section(frame)
   for seed = 1, ON_SECTION do
-    local list = sample(frame, seed)
+    local list = reach.sample(frame, seed)
     local g = list and element_of(frame, list)
     local there = g and moved(frame, g, list)
     if there then return there end
