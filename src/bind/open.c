@@ -176,6 +176,10 @@ static const dml_row functions[] = {
     {"cut_file", dml_core_cut_file,
      "core.cut_file(file, bytes)\n"
      "Leave the first `bytes` bytes of a file. Raises where that is not possible."},
+    {"lock_file", dml_core_lock_file,
+     "core.lock_file(handle) -> true   or   nil, why\n"
+     "Take the lock of an open file, until any handle of it is closed: nil where another process "
+     "has it. Also true where the file system has no locks."},
     {"nearest", dml_core_nearest,
      "core.nearest(word, names) -> name or nil\n"
      "The name of the list that is spelt most like the word, nil when none is near."},

@@ -115,9 +115,24 @@ local function is_there(file)
   return some ~= nil and some ~= false
 end
 
+-- The file for rows, empty unless a run goes on; rows of two processes in one are those of neither.
+local function locked(file, where, goes_on)
+  if core.is_silent() then return text_file.open(file, "wb", where) end
+  local made = text_file.open(file, "ab", where)
+  local handle = text_file.open(file, "r+b", where)
+  made:close()
+  local fine, why = core.lock_file(handle)
+  if not fine then
+    handle:close()
+    error(("%s: %s is %s; give another name"):format(where, file, why), 0)
+  end
+  if not goes_on then core.cut_file(file, 0) end
+  return handle
+end
+
 local function open(file, fields, where, from)
   local goes_on = from and not core.is_silent() and is_there(file)
-  local out = { handle = text_file.open(file, goes_on and "r+b" or "wb", where), file = file,
+  local out = { handle = locked(file, where, goes_on), file = file,
     rows = 0, since = 0, width = 0, counted = os.time() }
   out.handle:setvbuf "no" -- a row is there or is not counted, also on a disk that is full
   out.head, out.behind = M.header(fields, 0)

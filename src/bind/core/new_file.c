@@ -26,6 +26,18 @@ int dml_issilent(void) {
     return silent;
 }
 
+/* fcntl tells the process where flock would not */
+const char *dml_lockfile(lua_State *L, int fd) {
+    struct flock all = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    if (fcntl(fd, F_SETLK, &all) == 0) return NULL;
+    if (errno != EACCES && errno != EAGAIN) return strerror(errno);
+    const char *who = "in use";
+    if (fcntl(fd, F_GETLK, &all) == 0 && all.l_type != F_UNLCK)
+        who = lua_pushfstring(L, "in use by process %d", (int)all.l_pid);
+    errno = EAGAIN;
+    return who;
+}
+
 /* random letters; 0: the system has none */
 static int draw(char out[LETTERS + 1]) {
     unsigned char bytes[LETTERS];
@@ -152,7 +164,20 @@ int dml_core_cut_file(lua_State *L) {
     const char *file = luaL_checkstring(L, 1);
     const lua_Integer bytes = luaL_checkinteger(L, 2);
     luaL_argcheck(L, bytes >= 0, 2, "a number of bytes >= 0 is needed");
-    if (truncate(file, (off_t)bytes) != 0)
+    if (truncate(file, (off_t)bytes) != 0 && errno != EINVAL) /* a device has no length */
         return luaL_error(L, "cannot write %s: %s", file, strerror(errno));
     return 0;
+}
+
+int dml_core_lock_file(lua_State *L) {
+    const luaL_Stream *s = luaL_checkudata(L, 1, LUA_FILEHANDLE);
+    luaL_argcheck(L, s->closef, 1, "an open file is needed");
+    const char *why = dml_lockfile(L, fileno(s->f));
+    if (!why || errno != EAGAIN) {
+        lua_pushboolean(L, 1);
+        return 1;
+    }
+    luaL_pushfail(L);
+    lua_pushstring(L, why);
+    return 2;
 }

@@ -18,6 +18,10 @@ FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]);
  * remove it. 0: errno says why. */
 int dml_endfile(FILE *f, int whole, const char *name, const char *file);
 
+/* The lock of an open file: NULL, it is this process's until any descriptor of the file is closed;
+ * or why not, EAGAIN in errno where another process has it. A child that is forked has no lock. */
+const char *dml_lockfile(lua_State *L, int fd);
+
 /* From now on nothing is put in its place: of many ranks one writes. */
 void dml_silencefiles(void);
 int dml_issilent(void);
@@ -29,5 +33,8 @@ int dml_core_is_silent(lua_State *L);
 
 /* core.cut_file, for rows that a run which goes on writes anew */
 int dml_core_cut_file(lua_State *L);
+
+/* core.lock_file, for rows that are written as they come */
+int dml_core_lock_file(lua_State *L);
 
 #endif

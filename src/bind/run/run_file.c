@@ -2,6 +2,7 @@
 #include "bind/core/new_file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,15 +187,23 @@ static int keep_rows(lua_State *L, dml_run_file *f, const dml_file_start *from) 
            count_rows(f, least);
 }
 
-/* open for reading and writing: the file as it is, or (fresh) emptied */
+/* Open for reading and writing: the file as it is, or (fresh) emptied. It is locked before, since
+ * rows of two processes in one file are those of neither; where there are no locks it goes
+ * without. */
 static void open_stream(lua_State *L, dml_run_file *f, int fresh) {
     f->stream = lua_newuserdatauv(L, sizeof *f->stream, 0);
     f->stream->closef = NULL;
     f->stream->f = NULL;
     luaL_setmetatable(L, LUA_FILEHANDLE);
-    f->stream->f = fopen(dml_issilent() ? "/dev/null" : f->name, fresh ? "w+b" : "r+b");
+    const int fd = open(dml_issilent() ? "/dev/null" : f->name, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    f->stream->f = fd < 0 ? NULL : fdopen(fd, "r+b");
     if (!f->stream->f) luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
     f->stream->closef = close_stream;
+    const char *why = dml_issilent() ? NULL : dml_lockfile(L, fd);
+    if (why && errno == EAGAIN)
+        luaL_error(L, "field 'file': %s is %s; give another name", f->name, why);
+    if (fresh && ftruncate(fd, 0) != 0 && errno != EINVAL) /* a device has no length */
+        luaL_error(L, "field 'file': cannot empty %s: %s", f->name, strerror(errno));
     setvbuf(f->stream->f, NULL, _IONBF, 0);
 }
 

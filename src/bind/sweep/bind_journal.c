@@ -2,6 +2,7 @@
  * through one descriptor, on the disk when `sync` returns. What its bytes mean is told by
  * lua/dm/data/journal.lua. */
 #include "bind/core/bind.h"
+#include "bind/core/new_file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -13,8 +14,7 @@
 
 #define TNAME "dm.journal_file"
 
-/* The lock of fcntl belongs to the process: it is lost when any descriptor of the file is closed,
- * so the file is read through the same one. A child that is forked has no lock. */
+/* The lock is lost when any descriptor of the file is closed: it is read through the same one. */
 typedef struct {
     int fd; /* -1: closed */
 } file;
@@ -33,15 +33,6 @@ static int failed(lua_State *L, const char *why) {
     return 2;
 }
 
-/* NULL, or who has the lock: fcntl tells the process where flock would not. */
-static const char *lock(lua_State *L, int fd) {
-    struct flock all = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    if (fcntl(fd, F_SETLK, &all) == 0) return NULL;
-    if (errno != EACCES && errno != EAGAIN) return strerror(errno);
-    if (fcntl(fd, F_GETLK, &all) != 0 || all.l_type == F_UNLCK) return "in use";
-    return lua_pushfstring(L, "in use by process %d", (int)all.l_pid);
-}
-
 /* (name [, write]) -> file   or   nil, why */
 static int open_file(lua_State *L) {
     const char *name = luaL_checkstring(L, 1);
@@ -53,7 +44,7 @@ static int open_file(lua_State *L) {
     if (f->fd < 0) return failed(L, strerror(errno));
     if (fstat(f->fd, &s) != 0) return failed(L, strerror(errno));
     if (!S_ISREG(s.st_mode)) return failed(L, "not a file");
-    const char *why = writes ? lock(L, f->fd) : NULL;
+    const char *why = writes ? dml_lockfile(L, f->fd) : NULL;
     if (why) return failed(L, why);
     lua_pushvalue(L, 3);
     return 1;

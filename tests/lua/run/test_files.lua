@@ -230,5 +230,30 @@ for _, x in ipairs { 0.22, 0.32 } do
   ok(t[#t] == last, "and so does its file", t)
 end
 
+-- a file that another process writes is left to it: rows of two runs in one file are those of neither
+local core = require "dm.core"
+local busy = at "busy.npy"
+gauss:run(start { steps = 3, file = busy })
+local bytes = slurp(busy)
+local mine = io.open(busy, "r+b")
+ok(core.lock_file(mine), "it is locked")
+local other = at "other.lua"
+spit(other, [[
+local dm = require "dm"
+local s = dm.system { Q = dm.R(1), L = function(q, v) return (v[1]^2 - q[1]^2)/2 end }
+local wave = dm.schroedinger { x = { -8, 8, 16 }, V = function(x) return x^2/2 end }
+local sheet = dm.field { x = { 0, 1, 8 }, fixed = "ends", L = function(_, ut, ux) return (ut^2 - ux^2)/2 end }
+local function psi(x) return math.exp(-x^2/2), 0 end
+print(pcall(function() s:solver { rule = "gauss(1)", h = 0.1 }:run { q = {1}, v = {0}, steps = 9, file = arg[1] } end))
+print(pcall(function() wave:solver { rule = "strang", h = 0.1 }:run { psi = psi, steps = 9, file = arg[1] } end))
+print(pcall(function() sheet:solver { h = 0.01 }:run { u = 0, t = 0.1, file = arg[1] } end))
+]])
+local answer = io.popen(("%s %s %s 2>&1"):format(arg[-1], other, busy)):read "a"
+ok(select(2, answer:gsub("busy.npy is in use by process %d+; give another name", "")) == 3, "refused, with who has it", answer)
+ok(mine:read "a" == bytes, "and its rows are there")
+mine:close()
+answer = io.popen(("%s %s %s 2>&1"):format(arg[-1], other, busy)):read "a"
+ok(answer == ("true\n"):rep(3), "then it is free", answer)
+
 os.execute("rm -r " .. folder)
 tap.done()

@@ -149,6 +149,13 @@ M["core.cut_file"] = [=[
 > io.open("cut.txt"):read "a"
 whole]=]
 
+M["core.lock_file"] = [=[
+> core = require "dm.core"
+> f = io.open("mine.txt", "w")
+> core.lock_file(f)
+true
+> f:close();]=]
+
 M["core.locked"] = [=[
 > core = require "dm.core"
 > list = core.locked({ "t", "q1" }, "the list of the columns")
