@@ -106,8 +106,34 @@ local reduced = later:routh { cyclic = { 1 }, mu = 1 }
 local V = reduced:amended_potential { 2 }
 numbers.k = 2
 near(reduced:amended_potential { 2 } - V, 4, 1e-14, "params of the system that change are seen")
+raises("params.k of the unreduced system is 2 by now, and was 1 where it was reduced", function() reduced.params.mu = 0.5 return reduced:amended_potential { 2 } end)
 raises("'nu' is not a number among the params", function()
   shape:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 1, steps = 1, q = function() return { 1, 0 } end, v = function() return { 0, 0 } end, vary = { nu = { 1 } } }
 end)
 
+-- what is set in the params of a shape, and what members vary, is in the paths that come back
+do
+  local full = arm()
+  local arm_shape = full:routh { cyclic = { "theta" }, mu = 1 }
+  local rule, start = { rule = "gauss(2)", h = 0.05 }, { q = { 0.7 }, v = { 0.3 }, steps = 40 }
+  local function compare(path, m, mu, what)
+    local own = arm(m):routh { cyclic = { "theta" }, mu = mu }:solver(rule):run(start)
+    local back, want = path:reconstruct(), own:reconstruct()
+    ok(dm.compare(back, want).worst == 0 and back:energy()[41] == want:energy()[41], what)
+    ok(back.system.params.m == m and path.system:reduction().mu[1] == mu, what .. ": params")
+  end
+  local members = arm_shape:solver(rule):ensemble { members = 2, q = function() return start.q end, v = function() return start.v end, steps = 40, every = 1, vary = { m = { 1.5, 2 }, mu = { 1, 1.1 } } }
+  compare(members:path(2), 2, 1.1, "the path of a member, brought back")
+  compare(members:path(1), 1.5, 1, "the path of one with the values of the shape")
+  arm_shape.params.mu = 0.8
+  local path = arm_shape:solver(rule):run(start)
+  compare(path, 1.5, 0.8, "another momentum that was set")
+  arm_shape.params.m = 2
+  raises("or have its params changed since", path.reconstruct, path)
+  local again = arm_shape:solver(rule):run(start)
+  compare(again, 2, 0.8, "another mass that was set")
+  local q, v = arm_shape:lift({ 0.7 }, { 0.3 })
+  local x, u = arm_shape:start(q, v)
+  near(x[1] + u[1], 1, 1e-15, "a start at these")
+end
 tap.done()

@@ -13,6 +13,7 @@ local core = require "dm.core"
 local forces = require "dm.reduce.discrete.forces"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local parameters = require "dm.reduce.routh.params"
 local psi_of = require "dm.reduce.discrete.psi"
 local routh = require "dm.reduce.routh"
 local shape_of = require "dm.reduce.routh.shape"
@@ -210,7 +211,7 @@ local function read(info, full, given)
   end
   if type(given) == "table" then
     check.places(info, full)
-    return check.of_rule(info.full, { rule = given.rule, h = given.h })
+    return check.of_rule(parameters.full(info), { rule = given.rule, h = given.h })
   end
   local fine, n = blame.try(function() return given.Q.dimension, given.h end)
   if not fine or type(given) ~= "userdata" or n ~= full.Q.dimension then
@@ -223,7 +224,7 @@ end
 
 M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
-  local full = info.ambient and info.ambient.system or info.full
+  local full = parameters.unreduced(info)
   local Ld = read(info, full, given)
   local own = lists.copy(info)
   if type(given) == "table" then own.ambient = nil end

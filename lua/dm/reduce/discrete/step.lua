@@ -8,6 +8,7 @@ local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local parameters = require "dm.reduce.routh.params"
 
 local M = {}
 
@@ -39,8 +40,7 @@ end
 
 -- the constraint of the unreduced system and its derivative, or nothing
 local function constraint_of(info)
-  local full = info.ambient and info.ambient.system or info.full
-  local given = full.given
+  local given = parameters.unreduced(info).given
   if not given.constraint then return nil end
   local constraint = bound(given.constraint, given.params)
   local function g(q) return core.vector(lists.entries(constraint(q, 0))) end
@@ -81,7 +81,7 @@ local function units_of(D, constraints, count)
   local A, p, _, G = info.ambient, info.sample, constraint_of(info)
   local q, v = p.q, p.v
   if A then q, v = A.lift(q, v) end
-  local momentum = (A and A.system or info.full):momentum(q, v, p.t):norm()
+  local momentum = parameters.unreduced(info):momentum(q, v, p.t):norm()
   local rows = G and G(q) or {}
   local pulls = acting.reaction and acting.reaction(q, q + D.h * core.vector(v)) or {}
   for c = 1, count do

@@ -24,10 +24,9 @@ local of_lagrangian = setmetatable({}, { __mode = "k" })
 
 --- What a reduced system was made from, or nothing.
 function M.info(system)
-  local info = known[system]
-  local meta = not info and getmetatable(system)
-  if not meta or meta.__name ~= "dm.system" then return info end
-  info = of_lagrangian[system.L]
+  local meta = getmetatable(system)
+  if not meta or meta.__name ~= "dm.system" then return known[system] end
+  local info = known[system] or of_lagrangian[system.L]
   return info and parameters.at(info, system.params)
 end
 

@@ -45,7 +45,7 @@ end
 -- a copy of the reduction with other functions
 local function variant(info, p)
   local out, given = lists.copy(info), info.full.given
-  out.shown, out.variants, out.derived, out.general, out.mu = {}, nil, nil, nil, {}
+  out.shown, out.variants, out.derived, out.general, out.mu, out.own = {}, nil, nil, nil, {}, nil
   for a, name in ipairs(info.mu_names) do out.mu[a] = p[name] end
   if info.params ~= nil then
     out.params = merged(info, p)
@@ -54,6 +54,34 @@ local function variant(info, p)
     out.rolling, out.reaction = bound(given.rolling, out.params), bound(given.reaction, out.params)
   end
   return out
+end
+
+-- do two tables of params have the same numbers?
+local function has_same(a, b)
+  for key, value in pairs(a) do
+    if not rawequal(b[key], value) then return false end
+  end
+  return true
+end
+
+-- a system with the params of the reduction: itself, unless they are others
+local function with_params(info, system)
+  if type(info.params) ~= "table" or has_same(info.params, system.given.params) then
+    return system
+  end
+  info.own = info.own or {}
+  if not info.own[system] then
+    local given = lists.copy(system.given)
+    given.params = info.params
+    info.own[system] = core.system(given)
+  end
+  return info.own[system]
+end
+
+--- The unreduced system in the coordinates theta and x, and as it was given.
+function M.full(info) return with_params(info, info.full) end
+function M.unreduced(info)
+  return with_params(info, info.ambient and info.ambient.system or info.full)
 end
 
 -- do only momenta differ, so that L and its derivatives are the same?
@@ -120,6 +148,17 @@ local function plain(info, p)
   return by_general(info, p, info.general)
 end
 
+-- Raises where the system has other numbers by now: they are seen, but not beside those that vary.
+local function check_unchanged(info)
+  for name, value in pairs(type(info.params) == "table" and info.numbers or {}) do
+    local now = info.params[name]
+    if now ~= nil and not rawequal(now, value) then
+      error(("params.%s of the unreduced system is %s by now, and was %s where it was reduced: "
+        .. "reduce it again for other params or momenta"):format(name, now, value), 0)
+    end
+  end
+end
+
 local MOST = 16  -- reductions that are kept, of the last values
 
 --- The reduction with these params; p may hold symbols. x: where it is wanted, numbers or symbols.
@@ -128,6 +167,7 @@ function M.at(info, p, x)
   local same, key = true, {}
   for name, value in pairs(info.numbers) do same = same and rawequal(p[name], value) end
   if same then return info end
+  check_unchanged(info)
   for name in pairs(info.numbers) do
     local value = p[name]
     if type(value) ~= "number" then return by_general(info, p, general(info)) end

@@ -6,6 +6,7 @@ local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local parameters = require "dm.reduce.routh.params"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -200,7 +201,7 @@ M.start = blame.caller(function(shape, q, v, t)
   v = lists.numbers("start: v", v, info.n, OF_FULL)
   t = time("start", t)
   if info.ambient then q, v = info.ambient.split(q, v) end
-  local p = info.full:momentum(q, v, t)
+  local p = parameters.full(info):momentum(q, v, t)
   for a, i in ipairs(info.cyclic) do
     if not (math.abs(p[i] - info.mu[a]) <= 1e-10 * math.max(1, math.abs(info.mu[a]))) then
       error(("this start has the momentum %.15g of '%s', but the system was reduced at mu = "
@@ -231,7 +232,7 @@ M.reduction = blame.caller(function(shape)
   if not info then return nil end
   local names = {}
   for a, i in ipairs(info.cyclic) do names[a] = info.names[i] end
-  return setmetatable({ full = info.ambient and info.ambient.system or info.full,
+  return setmetatable({ full = parameters.unreduced(info),
     mu = core.vector(info.mu), group = names,
     cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }, reduction_class)
 end)

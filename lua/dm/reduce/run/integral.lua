@@ -87,7 +87,7 @@ end
 local LOST = "the rows of this path are not followed by '%s' from row %d: is the motion chaotic "
   .. "and rows far apart (keep more of them, a smaller every), does that row lie within a step "
   .. "(let 'at' begin with the start), are stages left unsolved (gauss(s, sweeps)), or were "
-  .. "they made by another rule or system?"
+  .. "they made by another rule or system, or have its params changed since?"
 
 --- The integrals of f (r values) from the first row to every row: r lists. Where the run again
 -- leaves the path (round-off on a chaotic orbit), it goes on from the last row that it reached.

@@ -8,6 +8,7 @@ local integral = require "dm.reduce.run.integral"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local option = require "dm.base.options"
+local parameters = require "dm.reduce.routh.params"
 local routh = require "dm.reduce.routh"
 local shape_of = require "dm.reduce.routh.shape"
 
@@ -77,7 +78,7 @@ M.reconstruct = blame.caller(function(path, options)
   local columns = D and del.columns(D, path, theta)
     or columns_of(path, info, group_along(path, info, theta))
   if info.ambient then columns = ambient_columns(columns, info) end
-  return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h,
+  return core.path { system = parameters.unreduced(info), h = path.h,
     rule = path.rule, steps = path.steps,
     columns = columns }
 end)
