@@ -25,13 +25,19 @@ dm_status dm_events_begin(dm_events *e, const double *state, double t, double h)
     return dm_observe(e->observer, e->before, state, t);
 }
 
+/* g_i is no number at time t */
+static dm_status miss(dm_events *e, uint32_t i, double t) {
+    e->observer->missing = i + 1, e->observer->missed = t;
+    return DM_NO_VALUE;
+}
+
 /* g_i of the state at time t between `from` and the end of the step; the state is left in
  * e->place */
 static dm_status value(dm_events *e, dm_stepper *s, uint32_t i, double *g, double from, double t) {
     dm_status status = dm_interpolate(s, e->place, e->start, from, t, e->h);
     if (status == DM_OK) status = dm_observe(e->observer, e->here, e->place, t);
     *g = e->here[i];
-    return status == DM_OK && !isfinite(*g) ? DM_NOT_FINITE : status;
+    return status == DM_OK && isnan(*g) ? miss(e, i, t) : status;
 }
 
 /* an interval with a change of sign */
@@ -58,12 +64,20 @@ static void narrow(bracket *k, double t, double g) {
     k->b = t, k->gb = g;
 }
 
-/* time of the zero of g_i, which changes its sign between `from` and `to` */
+/* A change of sign at which g grows far beyond the ends of the step is a pole. */
+static int is_pole(double before, double after, double there) {
+    static const double FAR = 16.0;
+    return fabs(there) > FAR * fmax(fabs(before), fabs(after));
+}
+
+/* time of the zero of g_i, which changes its sign between `from` and `to`; infinite: it has none,
+ * but a pole */
 static dm_status locate(dm_events *e, dm_stepper *s, uint32_t i, double from, double to,
                         double g_to) {
     enum { TRIES = 200 };
     bracket k = {.a = from, .ga = e->before[i], .b = to, .gb = g_to};
     const double close = 4e-16 * fmax(fabs(from), fabs(to));
+    double last = 0.0;
     for (int tries = 0; tries < TRIES && k.gb != 0.0; tries++) {
         double g;
         const double t = next_guess(&k, tries);
@@ -71,7 +85,9 @@ static dm_status locate(dm_events *e, dm_stepper *s, uint32_t i, double from, do
         const dm_status status = value(e, s, i, &g, from, t);
         if (status != DM_OK) return status;
         narrow(&k, t, g);
+        last = g;
     }
+    if (is_pole(e->before[i], g_to, last)) return DM_OK;
     /* the end behind the zero: a run that goes on from there does not meet it again */
     e->time[i] = k.gb == 0.0 || (k.gb < 0.0) == (g_to < 0.0) ? k.b : k.a;
     return DM_OK;
@@ -118,7 +134,7 @@ dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from
     memcpy(e->time, e->here, count * sizeof *e->time);
     for (uint32_t i = 0; i < count; i++) {
         const double before = e->before[i], after = e->time[i];
-        if (!isfinite(after)) return DM_NOT_FINITE;
+        if (isnan(after)) return miss(e, i, to);
         const int seen = changes(e->list + i, before, after);
         e->time[i] = INFINITY;
         if (seen) status = locate(e, s, i, from, to, after), some = 1;

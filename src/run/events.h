@@ -34,7 +34,8 @@ dm_status dm_events_begin(dm_events *e, const double *state, double t, double h)
 
 /* After a step of s from e->start at `from` to `state` at `to`: zeros in between, by steps of
  * fitting length (run/interpolate.h), so with the accuracy of the rule, to round-off in t. A
- * function that changes its sign twice within a step is not seen. */
+ * function that changes its sign twice within a step is not seen; its poles are no zeros. Where one
+ * is NaN: DM_NO_VALUE, and observer->missing is its number. */
 dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from, double to);
 
 #endif

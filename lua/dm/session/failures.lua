@@ -42,8 +42,8 @@ return {
     "A field on a line beyond the limit of stability of its cells: field:stability_limit says up "
       .. "to which height of a slab they are stable; the run so far is in failure.path." },
   { "no_value", "a recorded column is NaN",
-    "A function of watch = or record = left its domain: dm.where(c, a, b) gives it a value there, "
-      .. "gaps = true keeps NaN; the rows before are in failure.path." },
+    "A function of watch =, record = or events = left its domain: dm.where(c, a, b) gives it a "
+      .. "value there, gaps = true keeps NaN in columns; the rows before are in failure.path." },
   { "collapse", "a reduced system: the locked inertia vanishes there",
     "The shape comes near, or a step jumped over, one at which the group does not act freely (r = "
       .. "0): smaller steps there, or no reduction." },

@@ -203,6 +203,7 @@ static const dml_row functions[] = {
      "to `most`, 4 unless given), or a list of weights of substeps (rounded to whole numbers, 0: "
      "left out), from the state at its start; held for the step, derivatives too, so that a step "
      "is symplectic wherever the choice does not change; solver:report().substeps_per_step. "
+     "method and substeps are read here: upvalues of theirs keep the values that they have now. "
      "The order is found, and `order` (optional) checked against it. Methods that are linear in "
      "the values of f, as Runge-Kutta, leapfrog and Nystroem methods are, become tables of "
      "numbers; any other is written out as one expression. bias in [0, 1]: the part of a step "

@@ -118,3 +118,15 @@ void dml_pushevents(lua_State *L, const dml_run_events *e, int system) {
         lua_rawseti(L, -2, ++i);
     }
 }
+
+void dml_events_missed(lua_State *L, const dml_run_events *e, dml_stepping *r) {
+    const dm_observer *seen = &e->g.observer;
+    if (!seen->missing) return;
+    lua_rawgeti(L, e->names, seen->missing);
+    r->unseen_at = seen->missed;
+    r->unseen = lua_pushfstring(L,
+                                "event '%s' is NaN there: is its function inside its domain (a "
+                                "logarithm, root or quotient)? dm.where(c, a, b) gives it a value "
+                                "elsewhere; failure.path has the rows before",
+                                lua_tostring(L, -1));
+}

@@ -23,4 +23,7 @@ void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r);
 /* Push what was found: a list of { name =, t =, q =, p = }, of the system at that stack index. */
 void dml_pushevents(lua_State *L, const dml_run_events *e, int system);
 
+/* Note for the failure of the run which function was NaN; the text stays on the stack. */
+void dml_events_missed(lua_State *L, const dml_run_events *e, dml_stepping *r);
+
 #endif

@@ -391,6 +391,7 @@ int dml_solver_run(lua_State *L) {
     fill_path(&u, path, done, rows, seconds);
     status = finish(L, &u, status);
     dml_watch_missed(L, &u.watch, u.path, &u.r);
+    if (u.plan.events) dml_events_missed(L, &u.events, &u.r);
     dml_stepping_report(&u.r, done, seconds);
     u.r.t0 = u.plan.t0 + u.r.solver->h * (double)u.resume.steps;
     dml_solver_fail(L, &u.r, status, done, u.path);

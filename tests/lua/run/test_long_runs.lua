@@ -138,6 +138,21 @@ local path = run(gauss, { steps = 1000, every = 1000, events = { apsis = apsis }
 local worst = 0
 for i, e in ipairs(path.events) do worst = math.max(worst, abs(e.t - i * pi)) end
 ok(#path.events == 15 and worst < 1e-9, "all apsides of eight turns", ("%d %.1e"):format(#path.events, worst))
+-- a pole is no zero, a jump is; a function that is NaN is named
+do
+  local free = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end }:solver { rule = "verlet", h = 0.1 }
+  local function seen(g)
+    local out = {}
+    for i, e in ipairs(free:run { q = { 0.05 }, v = { 1 }, steps = 99, events = { here = g } }.events) do out[i] = e.t end
+    return out
+  end
+  local zeros, jumps = seen(function(q) return math.tan(q[1]) end), seen(function(q) return dm.where(q[1] - 2, 1, -1) end)
+  ok(#zeros == 3 and abs(zeros[3] - 3 * math.pi + 0.05) < 1e-12, "tan: zeros, not its poles", #zeros)
+  ok(#seen(function(q) return 1 / (q[1] - 3) end) == 0, "1/x has none")
+  ok(#jumps == 1 and abs(jumps[1] - 1.95) < 1e-12, "a jump through zero", jumps[1])
+  local fine, why = pcall(seen, function(q) return math.sqrt(1 - q[1]) end)
+  ok(not fine and why.code == "no_value" and why.message:find("event 'here' is NaN there", 1, true) and #why.path == 10, "NaN", tostring(why))
+end
 near(path.events[1].q[1], -1.6, 1e-11, "the first is the far one")
 path = run(gauss, { steps = 1000, every = 1000, events = { far = { g = apsis, direction = "down" }, near = { g = apsis, direction = "up" } } })
 ok(#path.events == 15 and path.events[1].name == "far" and path.events[2].name == "near", "directions tell them apart")
