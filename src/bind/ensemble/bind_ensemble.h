@@ -72,8 +72,8 @@ typedef struct {
     dm_follow *follow;    /* [members] of the ensemble beside their flows; NULL: they have none */
 } dml_part;
 
-/* What is done to the start of every member of a part: body does it to member `next`, and leaves the
- * stack as it was. */
+/* What is done to the start of every member of a part: body does it to member `next`, and
+ * leaves the stack as it was. */
 typedef struct dml_starting {
     const dml_part *these;
     dml_stepping *r;

@@ -88,8 +88,8 @@ void dm_lanes_advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t
     }
 }
 
-/* Entries of a member are as far apart as there are lanes; 4 n of them are q, p and low parts. Taken
- * by four: ensembles.lua, start, one step, end: 1.02x. */
+/* Entries of a member are as far apart as there are lanes; 4 n of them are q, p and low parts.
+ * Taken by four: ensembles.lua, start, one step, end: 1.02x. */
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state) {
     double *to = dm_lanes_member(x, n, i);
     const size_t lanes = x->lanes;

@@ -152,11 +152,12 @@ INLINE void note(kind k, course *c, V least, V all, const move *w) {
     c->fell = pick(WHERE(w->is < w->was), same(1.0), same(0.0));
 }
 
-/* The last multiple of the largest power of 2 among the next `far` steps: of members in lanes more
- * look at once. */
+/* The last of the next `far` steps that is a multiple of a power of 2, which is half of `far` or
+ * less: of members in lanes more look at once, and hardly earlier than they have to.
+ * Speed: steps, double spherical pendulum midpoint: 1.02x, against one up to `far`. */
 INLINE long meet(long done, long far) {
     long unit = 1;
-    while (2 * unit <= far) unit *= 2;
+    while (4 * unit <= far) unit *= 2;
     return (done + far) & -unit;
 }
 

@@ -98,6 +98,7 @@ void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *wo
     x->members = x->first + of_blocks(m);
     find_member(x, 0);
     memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);
+    dm_kernel_prepare(&m->mass, x->out);
     x->blocks = has_blocks(m) ? m->mass_blocks
                               : dm_blocks_whole(m->n, (uint32_t *)(void *)(x->values + blocks(m)));
 }

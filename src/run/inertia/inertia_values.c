@@ -4,6 +4,7 @@
 #include "linalg/signature.h"
 #include "mech/constraints.h"
 #include "mech/group.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,9 +37,14 @@ static void place_constraints(const dm_inertia *x, double *G, const double *at, 
     }
 }
 
-/* M at (q, v, t), which lies in x->room, into the outputs of the kernel behind its n momenta */
+/* M at (q, v, t), which lies in x->room, into the outputs of the kernel behind its n momenta; what
+ * is constant there stays from look to look, but where constraints and groups use the place.
+ * Speed: steps, double spherical pendulum midpoint: 1.005x. */
 static void evaluate(const dm_inertia *x) {
-    dm_kernel_prepare(&x->model->mass, x->out);
+    if (x->holonomic || x->rolling || x->model->group)
+        dm_kernel_prepare(&x->model->mass, x->out);
+    else
+        dm_kernel_remember(&x->model->mass, 0);
     dm_kernel_eval(&x->model->mass, x->room, x->out);
 }
 
@@ -46,8 +52,8 @@ int dm_inertia_find_state(const dm_inertia *x, const double *state, double t) {
     const dm_model *m = x->model;
     const size_t n = m->n;
     double *at = x->room;
-    memcpy(at, state, n * sizeof *at);
-    memset(at + n, 0, n * sizeof *at);
+    dm_small_copy(at, state, n);
+    for (size_t i = 0; i < n; i++) at[n + i] = 0.0;
     at[2 * n] = t;
     if (dm_inertia_sees_velocity(m) &&
         dm_legendre_inverse(m, at + n, state, state + n, t, x->work) != DM_OK)
@@ -76,14 +82,24 @@ static void place_border(double *A, size_t N, const double *M, const double *G, 
         for (size_t i = 0; i < n; i++) A[c * N + i] = A[i * N + c] = G[(c - n) * n + i];
 }
 
-/* The lower triangle of block b of the mass that was found, scaled, at A. */
-static void place_block(const dm_inertia *x, double *A, uint32_t b) {
-    const size_t n = x->model->n, size = dm_block_size(&x->blocks, b);
-    const double *M = x->out + n, *scale = x->scale;
-    const uint32_t *at = x->blocks.order + x->blocks.first[b];
+/* the lower triangle of those rows of M[n*n], scaled, as A[size*size] */
+static inline void place_lower(double *A, size_t size, const double *M, size_t n,
+                               const double *scale, const uint32_t *at) {
+#pragma GCC unroll 4
     for (size_t i = 0; i < size; i++)
+#pragma GCC unroll 4
         for (size_t j = 0; j <= i; j++)
             A[i * size + j] = scale[at[i]] * M[at[i] * n + at[j]] * scale[at[j]];
+}
+
+/* The same of block b of the mass that was found; four rows are written out. */
+static void place_block(const dm_inertia *x, double *A, uint32_t b) {
+    const size_t n = x->model->n, size = dm_block_size(&x->blocks, b);
+    const uint32_t *at = x->blocks.order + x->blocks.first[b];
+    if (size == 4)
+        place_lower(A, 4, x->out + n, n, x->scale, at);
+    else
+        place_lower(A, size, x->out + n, n, x->scale, at);
 }
 
 dm_inertia_form dm_inertia_place(const dm_inertia *x, uint32_t b) {
