@@ -126,9 +126,12 @@ test: programs
 	@tests/run $(HOUSE_TESTS) $(TEST_FILES)
 house: all
 	@tests/run $(HOUSE_TESTS)
-# what another compiler may change: the kernels, and the steps that scripts make with them
+# what another compiler may change: the kernels, and the steps that scripts make with them; and what
+# tries random models, of which SAMPLES=1 are all
+SAMPLED = $(shell grep -ls 'tap[.]samples' $(LUA_TESTS))
 steps: programs
-	@tests/run $(C_TESTS) $(foreach room,rule run ensemble,$(call below,tests/lua/$(room),test_*.lua))
+	@tests/run $(C_TESTS) $(sort $(SAMPLED) \
+	  $(foreach room,rule run ensemble,$(call below,tests/lua/$(room),test_*.lua)))
 
 demo: all
 	@.ci/setup --install pictures

@@ -4,6 +4,13 @@ local M, count, failed = {}, 0, 0
 --- watched: do sanitizers or valgrind look on, for whom a few of many like samples are enough?
 M.watched = (os.getenv "UNDER" or "") ~= ""
 
+--- samples(n): how many of n random models or starts are tried: a third, under sanitizers and valgrind a
+--- tenth, which look for other things; SAMPLES=1 tries all, SAMPLES=0.1 a tenth. At least one
+local part = tonumber(os.getenv "SAMPLES") or M.watched and 0.1 or 1 / 3
+function M.samples(n)
+  return math.max(1, math.floor(n * part + 0.5))
+end
+
 --- ok(condition, sentence [, figure]): one claim
 function M.ok(condition, sentence, figure)
   count = count + 1

@@ -139,11 +139,12 @@ local function unlike(s, system, rule, backend)
   return wrong
 end
 
-local ensembles = 0
-for _, s in ipairs(systems) do
+-- sanitizers see every rule and every system, and of the pairs one in four
+local stride, ensembles = tap.watched and not all and 4 or 1, 0
+for k, s in ipairs(systems) do
   local system, wrong, many = dm.system(s[2]), {}, 0
-  for _, rule in ipairs(names) do
-    for _, backend in ipairs(backends) do
+  for j, rule in ipairs(names) do
+    for _, backend in ipairs((j + k) % stride == 0 and backends or {}) do
       local members = unlike(s, system, rule[2], backend)
       if members then many = many + 1 end
       if members and #members > 0 then wrong[#wrong + 1] = ("%s, %s: %s"):format(rule[1], backend, table.concat(members, " ")) end
@@ -152,5 +153,5 @@ for _, s in ipairs(systems) do
   ensembles = ensembles + many
   ok(#wrong == 0 and many > 0, ("%s: members of three threads are runs of their own, by %d rules"):format(s[1], many), table.concat(wrong, "; "))
 end
-ok(ensembles > 400, "most rules step most systems", ensembles)
+ok(ensembles > 400 / stride, "most rules step most systems", ensembles)
 tap.done()

@@ -105,11 +105,11 @@ local function refused(m, starts, h)
 end
 for links = 2, 4 do
   for _, of_masses in ipairs { false, true } do
-    local count, why = refused(model(links, of_masses, 1, 1), 20, 0.005)
+    local count, why = refused(model(links, of_masses, 1, 1), tap.samples(24), 0.005)
     ok(count == 0, ("%d links by their %s"):format(links, of_masses and "masses" or "own"), why)
   end
 end
-ok(refused(model(3, true, 1000, 1e-3), 20, 5e-6) == 0, "in other units")
+ok(refused(model(3, true, 1000, 1e-3), tap.samples(24), 5e-6) == 0, "in other units")
 
 -- what sees symbols is found where v = 0, also where it makes little difference
 local function planar(force)

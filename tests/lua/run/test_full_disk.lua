@@ -41,8 +41,8 @@ try("every step", verlet, start)
 try("every third", verlet, with(start, { every = 3 }))
 try("at", verlet, { q = { 1 }, v = { 0 }, at = slices })
 try("impulses", pendulum:solver { rule = "rattle", h = 0.01 }, { q = { 1, 0 }, v = { 0, 0 }, steps = 9000, record = { "impulses" } })
-try("avi", wave:solver { rule = "avi" }, with(bump, { t = 300 }))
-try("slices", wave:solver { rule = dm.prismal(slices) }, bump)
+try("avi", wave:solver { rule = "avi" }, with(bump, { t = 100 }))
+try("slices", wave:solver { rule = dm.prismal(table.move(slices, 1, 3000, 1, {})) }, bump)
 ]]
 
 -- lines of what the script prints where files hold at most so many blocks of 512 bytes
