@@ -2,7 +2,7 @@
 local tap = require "tap"
 package.path = "tests/lua/scene/?.lua;" .. package.path
 local models = require "scene_models"
-local list = models.make(tap.samples(30), 16)
+local list = models.make(tap.samples(24), 16)
 if not models.solve(list, 3000) then
   tap.ok(true, "# SKIP no C compiler for the references")
 else
