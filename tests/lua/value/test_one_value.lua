@@ -120,6 +120,9 @@ end
 local line = dm.system { Q = dm.R(1), L = half }
 local polar = dm.system { Q = dm.R(2), L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 - q[1] ^ 2 end }
 local shape = polar:routh { cyclic = { 2 }, mu = 1 }
+rows["system:routh connection"] = function()
+  polar:routh { cyclic = { 2 }, mu = 1, connection = two(function() return { { 0 } } end) }
+end
 rows["shape:holonomy"] = function() shape:holonomy(two(function(s) return { 1 + math.cos(2 * math.pi * s) / 10 } end)) end
 rows["reduced members p"] = function()
   shape:solver({ rule = "verlet", h = 0.01 }):ensemble { members = 2, steps = 2,

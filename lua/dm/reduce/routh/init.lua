@@ -283,17 +283,15 @@ local function read(system, options)
   for i = 1, n do
     if not is_cyclic[i] then shape[#shape + 1] = i end
   end
+  option.callable(options, "connection", "system:routh", "the shape")
   local given = system.given
-  if options.connection ~= nil and type(options.connection) ~= "function" then
-    error(("option 'connection' must be a function of the shape (got %s)")
-      :format(type(options.connection)), 0)
-  end
   local p = given.params
   return { full = system, names = names, n = n, m = #cyclic, d = #shape,
     cyclic = cyclic, shape = shape, params = p, L = bound(given.L, p),
     g = bound(given.constraint, p), F = bound(given.force, p),
     rolling = bound(given.rolling, p), reaction = bound(given.reaction, p),
-    given_connection = options.connection, shown = {} }
+    given_connection = options.connection and core.one(options.connection, "connection"),
+    shown = {} }
 end
 
 -- invariance, a regular locked inertia that does not depend on theta', at points in the domain
