@@ -25,7 +25,7 @@ local function ending(made, case, rule, backend)
     local q, v = { table.unpack(case.q) }, { table.unpack(case.v) }
     for _, i in ipairs(case.long) do q[i], v[i] = q[i] * s, case.H and v[i] / s or v[i] * s end
     local path = dm.system(made(s)):solver { rule = rule, h = case.h or 0.05, backend = backend }
-      :run { q = q, [case.H and "p" or "v"] = v, steps = case.steps or 400 }
+      :run { q = q, [case.H and "p" or "v"] = v, steps = case.steps or 150 }
     local z = path.q[#path.q]:totable()
     for _, i in ipairs(case.long) do z[i] = z[i] / s end
     return z
