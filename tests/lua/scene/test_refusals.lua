@@ -38,17 +38,17 @@ ok(swings and math.abs(swings / (20 * 1e5 / (2 * math.pi)) - 1) < 0.02, "the ter
 needed = told(why)
 ok(needed and needed >= 1, "the seconds", needed)
 -- the seconds that are told are enough, of a machine that stays as fast: ten times as many here
-why = spring(1e6, 0.3)
+why = spring(1e5, 0.1)
 needed = why and told(why)
-if needed then why = spring(1e6, 10 * needed) end
+if needed then why = spring(1e5, 10 * needed) end
 ok(why == nil, "with seconds as were told it is answered, by less than the spring", why)
 
 -- a tolerance below what the references know: one that they do
 local tolerance = 1e-14
-why = ellipse { until_t = 200, tolerance = tolerance, seconds = 10 }
+why = ellipse { until_t = 50, tolerance = tolerance, seconds = 10 }
 local times = why and tonumber(why:match "Take a tolerance (%d+) times as large")
 ok(times and why:find "%(tolerances%)", "by what the tolerance falls short", why)
-why = ellipse { until_t = 200, tolerance = tolerance * (times or 1), seconds = 10 }
+why = ellipse { until_t = 50, tolerance = tolerance * (times or 1), seconds = 10 }
 ok(why == nil, "which is then promised", why)
 
 -- a pilot run by a rule with a time of its own that stands still ends by its steps, not by seconds: 16 times as many as were
