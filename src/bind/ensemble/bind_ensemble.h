@@ -22,7 +22,7 @@ typedef struct {
 /* user values of dm.ensemble: fields made so far, the solver, the values that vary and their
  * names (or nil), the names of columns that were watched (or nil), the paces of members (or
  * nil), why members failed (or nil), what was found beside flows and the names of
- * its columns (or nil) */
+ * its columns (or nil), the model that members without values of their own were stepped with */
 enum {
     DML_ENSEMBLE_FIELDS = 1,
     DML_ENSEMBLE_SOLVER,
@@ -33,7 +33,8 @@ enum {
     DML_ENSEMBLE_MESSAGES,
     DML_ENSEMBLE_FOLLOWED,
     DML_ENSEMBLE_ASIDE,
-    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_ASIDE
+    DML_ENSEMBLE_MODEL,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_MODEL
 };
 
 #define DML_ENSEMBLE "dm.ensemble"

@@ -30,16 +30,27 @@ static dml_solver *push_solver(lua_State *L, long i) {
     return lua_touserdata(L, -1);
 }
 
+/* push the model that the member ran with: that of all of them, as it was, or of the values that it
+ * has for itself; the solver is at index `at` */
+static void push_model(lua_State *L, int at) {
+    const int own = lua_getiuservalue(L, 1, DML_ENSEMBLE_NAMES) != LUA_TNIL;
+    const int kept = lua_getiuservalue(L, 1, DML_ENSEMBLE_MODEL) != LUA_TNIL;
+    lua_remove(L, -2);
+    if (kept && !own) return;
+    lua_pop(L, 1);
+    lua_getiuservalue(L, at, DML_SOLVER_SYSTEM);
+    dml_pushmodel(L, lua_gettop(L));
+    lua_remove(L, -2);
+}
+
 /* what a path says of itself; the solver is at index `at` */
 static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e, long i) {
     lua_getiuservalue(L, at, DML_SOLVER_RULE);
     path->h = e->pace ? e->pace[i].h : e->h, path->t0 = e->t0;
     path->rule = lua_tostring(L, -1);
     lua_setiuservalue(L, -2, DML_PATH_RULE);
-    lua_getiuservalue(L, at, DML_SOLVER_SYSTEM);
-    dml_pushmodel(L, lua_gettop(L));
-    lua_setiuservalue(L, -3, DML_PATH_MODEL);
-    lua_pop(L, 1);
+    push_model(L, at);
+    lua_setiuservalue(L, -2, DML_PATH_MODEL);
     lua_getiuservalue(L, 1, DML_ENSEMBLE_COLUMNS);
     path->watched = !lua_isnil(L, -1) && !e->rows.beside;
     lua_setiuservalue(L, -2, DML_PATH_NAMES);

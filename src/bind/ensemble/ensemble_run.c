@@ -185,6 +185,10 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);
+    if (!p->varied) {
+        lua_pushvalue(L, r.model_at);
+        lua_setiuservalue(L, p->at, DML_ENSEMBLE_MODEL);
+    }
     /* neither Lua nor factorizations, whose memory is that of Lua, run in several threads */
     if (r.model->callback || r.stepper.solvers) threads = 1;
     if (threads > p->count) threads = (int)p->count;

@@ -237,6 +237,17 @@ do
   local e = members { "energy", E = function(q, v) return (v[1] ^ 2 + other.k * q[1] ^ 2) / 2 end }
   ok(e:path(2):column "energy"[1] == 4.5 and e:path(2):column "E"[1] == 1, "another table may be read")
 end
+-- paths of members are those of the system as it was, as paths of runs are
+do
+  local k = 1
+  local own = dm.system { Q = dm.R(1), params = { m = 1 },
+    L = function(q, v, _, p) return (p.m * v[1] ^ 2 - k * q[1] ^ 2) / 2 end }
+  local solver = own:solver { rule = "verlet", h = 0.1 }
+  local e = solver:ensemble { members = 3, q = { { 1 }, { 2 }, { 3 } }, v = { { 1 }, { 1 }, { 1 } }, steps = 5, every = 1 }
+  local path = solver:run { q = { 2 }, v = { 1 }, steps = 5 }
+  own.params.m, k = 7, 5
+  ok(e:path(2):energy()[6] == path:energy()[6] and path:energy()[1] == 2.5, "energies after L has changed", e:path(2):energy()[1])
+end
 -- what nothing reads makes no member another one
 for _, rule in ipairs { "verlet", "gauss(2)" } do
   local idle = dm.system { Q = dm.R(1), params = { k = 1, idle = 1, mode = 1, deep = 1 }, L = function(q, v, _, p)
