@@ -50,11 +50,11 @@ local function far_number(place)
 end
 
 -- In (0, 2), spread evenly over 16 parts by samples, which every number j of a list goes through in
--- an order of its own (a s + b s^2 takes all values mod 2^n where a is odd and b even): points must
--- not come to lie on lines.
+-- an order of its own: a s + b s^2 takes all values mod 2^n where a is odd and b even. In one list
+-- parts are no linear function of j: points would lie on lines through 0.
 local function spread(seed, j)
-  local part = (seed * (2 * j + 1) + 2 * seed ^ 2 * (3 * j + 1) + j) % PARTS
-  return 2 * (part + GOLDEN * seed * (j + 1) % 1) / PARTS
+  local part = seed * (2 * j + 1) + 2 * seed ^ 2 * (3 * j + 1) + 3 * j * (j + 1) // 2
+  return 2 * (part % PARTS + GOLDEN * (seed + j ^ 2) % 1) / PARTS
 end
 
 --- A list of points far away; nothing where there are none, or outside of the domain.

@@ -30,6 +30,8 @@ local TANGENTIAL = 3     -- samples with a singular root that are enough, if the
 -- pushes, by dim G, of every sample that has a root: an orbit that cuts the section twice is seen
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
 local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
+-- lists of points far away for a frame that is solved for, by dim G, and pushes of each
+local FAR_ROOTS, FAR_AGAIN = { 4, 4, 3, 3, 3, 2, 1, 1 }, 2
 local TURNS = 3          -- of samples far away every third is pushed
 local STEADY = 1e6       -- entries up to which rounding is told from what a formula makes
 local VALID = 1e-9       -- how far an element may be from the group
@@ -277,7 +279,7 @@ local function is_apart(frame, h, list, pushed, a, b, distance, measure)
     end)
   end
   local worst = max(condition_of(frame, list, a), condition_of(frame, pushed, b))
-  return worst <= WORST and distance >= worst * ROUNDING
+  return distance >= worst * ROUNDING
 end
 
 -- is rho(h z) h what rho(z) is? list: z, pushed: h z; a and b: the frame at both
@@ -339,6 +341,20 @@ local function look_for_folds(trial)
   end)
 end
 
+-- pieces of the section that only orbits of points far away reach, where there are several orbits
+local function look_far(trial)
+  local frame = trial.frame
+  local _, dimension = tangent.level(frame)
+  for seed = 1, dimension > 0 and FAR_ROOTS[min(frame.r, #FAR_ROOTS)] or 0 do
+    local list = reach.far_sample(frame, seed)
+    local a = list and frame_of(trial, list)
+    if list and not a then return end -- which costs as much as several that have a root
+    for again = 1, a and FAR_AGAIN or 0 do
+      compare(trial, reach.push(frame, trial.pushes, seed, again), list, a, seed)
+    end
+  end
+end
+
 -- was a root refused because the section is tangent to the orbit there?
 local function is_singular(why) return why and tostring(why):find("is singular", 1, true) ~= nil end
 
@@ -359,7 +375,10 @@ function M.check(frame, section)
     told, first = told + (a and 1 or 0), first or why
     tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
-  if told > 0 then return look_for_folds(trial) end
+  if told > 0 then
+    if frame.root then look_far(trial) end
+    return look_for_folds(trial)
+  end
   if not first then
     refuse("no point tried was finite: %d samples of numbers up to 10 %s, and nothing is known of "
       .. "the frame. Take units and an origin in which such points are inside the domain of %s, or "

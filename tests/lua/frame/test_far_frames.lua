@@ -161,4 +161,47 @@ refused("is not on the cross-section", turns, function(z)
   return turns.solution(z) + 1e-3 * sin(calls)
 end)
 
+---- solved for: a second piece of the section that only orbits of large points reach ----
+
+local solved = {
+  { "turns", 1, turns.action, function(z) return { z[2] } end, function(z) return z[1] end },
+  { "rigid motions", 2, right[2][2].action,
+    function(a, b) return { b[2] - a[2], a[1], a[2] } end, function(a, b) return b[1] - a[1] end },
+  { "rotations", 2, right[6][2].action, function(a, b) return { b[3], a[2], a[3] } end,
+    function(a, b) return { a[1], b[2] } end },
+  { "turns and shifts", 1, action { group = dm.product(dm.SO(2), R1), on = R3,
+    map = function(g, z)
+      local c, s = cos(g[1]), sin(g[1])
+      return { c * z[1] - s * z[2], s * z[1] + c * z[2], z[3] + g[2][1] }
+    end }, function(z) return { z[2], z[3] } end, function(z) return z[1] end },
+  { "velocities", 1, action { group = dm.SE(2), on = R2 }:tangent(),
+    function(z) return { z[4], z[1], z[2] } end, function(z) return z[3] end },
+}
+for _, case in ipairs(solved) do
+  local name, k, of, section, branch = table.unpack(case)
+  for _, far in ipairs { 30, -30, 45 } do
+    local function two(...)
+      local Z = section(...)
+      Z[1] = Z[1] * (Z[1] - far)
+      return Z
+    end
+    local function first_piece(...)
+      local out = { branch(...) }
+      if type(out[1]) == "table" then out = { table.unpack(out[1]) } end
+      local z = section(...)[1]
+      out[#out + 1] = far > 0 and far / 2 - z or z - far / 2
+      return out
+    end
+    local function made(condition)
+      return pcall(frame, { action = of, points = not of.base and k or nil, cross_section = two,
+        branch = condition })
+    end
+    local fine, why = made(branch)
+    ok(not fine and why:find("cuts the cross-section more than once", 1, true),
+      ("refused: %s, two pieces %g apart"):format(name, far), why)
+    fine, why = made(first_piece)
+    ok(fine, ("taken: %s, the branch is one of them"):format(name), why)
+  end
+end
+
 tap.done()
