@@ -11,7 +11,9 @@
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     dm_stage_basis(&g, rule, m);
-    return g.sweeps ? "a number of sweeps is for systems without constraints; leave it out" : NULL;
+    return g.sweeps
+               ? "a number of sweeps is for systems without constraints and forces; leave it out"
+               : NULL;
 }
 
 /* Second derivatives of L always; of the constraints what the model has of them. */

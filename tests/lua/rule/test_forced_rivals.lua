@@ -55,4 +55,7 @@ raises("knows no", function()
   dm.system { Q = dm.R(2), L = function(_, v) return v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - 1 end }
     :solver { rule = "rk4", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1 }
 end)
+raises("without constraints and forces", function()
+  damped:solver { rule = "gauss(2, 3)", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 1 }
+end)
 tap.done()
