@@ -21,8 +21,9 @@ typedef struct {
 
 /* user values of dm.ensemble: fields made so far, the solver, the values that vary and their
  * names (or nil), the names of columns that were watched (or nil), the paces of members (or
- * nil), why members failed (or nil), what was found beside flows and the names of
- * its columns (or nil), the model that members without values of their own were stepped with */
+ * nil), why members failed (or nil), what was found beside flows and the names of its columns (or
+ * nil), the model that members without values of their own were stepped with, the params of the
+ * system where others varied some (or nil) */
 enum {
     DML_ENSEMBLE_FIELDS = 1,
     DML_ENSEMBLE_SOLVER,
@@ -34,7 +35,8 @@ enum {
     DML_ENSEMBLE_FOLLOWED,
     DML_ENSEMBLE_ASIDE,
     DML_ENSEMBLE_MODEL,
-    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_MODEL
+    DML_ENSEMBLE_PARAMS,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_PARAMS
 };
 
 #define DML_ENSEMBLE "dm.ensemble"
@@ -128,8 +130,8 @@ const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v);
 int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r);
 
 /* Replace the solver at 1 by one of the same rule for a system with these values; names at
- * `names`. */
-dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);
+ * `names`; the other params are those at `base`, 0: those of the system. */
+dml_solver *dml_vary_solver(lua_State *L, const double *values, int names, int base);
 
 /* Fill that in for a part that was stepped by *of, whose stepper is still open; what looked at the
  * inertia, or NULL. */

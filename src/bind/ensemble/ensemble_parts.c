@@ -54,7 +54,7 @@ static int is_run(lua_State *L, attempt *a) {
 /* the solver at 1 for the values of a part that begins at p->first */
 static void take_part(lua_State *L, dml_part *p, const dml_varied *v) {
     p->count = dml_vary_alike(v->values, v->count, p->first, p->e->members);
-    dml_vary_solver(L, v->values + (size_t)p->first * v->count, v->names);
+    dml_vary_solver(L, v->values + (size_t)p->first * v->count, v->names, 0);
 }
 
 static void give_back(lua_State *L, int own) {

@@ -4,9 +4,9 @@
 
 #include <string.h>
 
-/* (solver, names, values) -> the solver with these values, on a stack of its own */
+/* (solver, names, values, params) -> the solver with these values, on a stack of its own */
 static int vary(lua_State *L) {
-    dml_vary_solver(L, lua_touserdata(L, 3), 2);
+    dml_vary_solver(L, lua_touserdata(L, 3), 2, 4);
     lua_settop(L, 1);
     return 1;
 }
@@ -26,7 +26,8 @@ static dml_solver *push_solver(lua_State *L, long i) {
     const double *values = lua_touserdata(L, -1);
     lua_pop(L, 1);
     lua_pushlightuserdata(L, (void *)(values + (size_t)i * count));
-    lua_call(L, 3, 1);
+    lua_getiuservalue(L, 1, DML_ENSEMBLE_PARAMS);
+    lua_call(L, 4, 1);
     return lua_touserdata(L, -1);
 }
 

@@ -109,7 +109,7 @@ static void make_room(lua_State *L, dml_ensemble *e, const record *like) {
 /* (ensemble, members) -> one like it of so many members, of which none was run */
 static int like(lua_State *L) {
     static const int kept[] = {DML_ENSEMBLE_SOLVER, DML_ENSEMBLE_NAMES, DML_ENSEMBLE_COLUMNS,
-                               DML_ENSEMBLE_MODEL};
+                               DML_ENSEMBLE_MODEL, DML_ENSEMBLE_PARAMS};
     const record r = record_of(L, 1);
     const lua_Integer members = luaL_checkinteger(L, 2);
     luaL_argcheck(L, members > 0, 2, "must be > 0");

@@ -1,6 +1,7 @@
 /* ensemble_run.c - `solver:ensemble{}`: threads, parts with the same parameters, the run itself. */
 #include "bind/core/bind_failure.h"
 #include "bind/core/bind_terminal.h"
+#include "bind/core/missing_key.h"
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/model_sums.h"
 #include "bind/model/space_group.h"
@@ -288,6 +289,16 @@ static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
     return rows;
 }
 
+/* paths of members that vary some are those of the others as they are now */
+static void keep_params(lua_State *L, int at) {
+    const int top = lua_gettop(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_systemfield(L, -1, "params");
+    dml_copyparams(L, -1);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_PARAMS);
+    lua_settop(L, top);
+}
+
 static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
     const dml_failure f = {.status = DM_STOPPED, .time = t0, .h = e->h, .rule = "ensemble"};
     dml_stop = 0;
@@ -344,6 +355,7 @@ int dml_solver_ensemble(lua_State *L) {
         lua_setiuservalue(L, at, DML_ENSEMBLE_VARIED);
         lua_pushvalue(L, lua_gettop(L));
         lua_setiuservalue(L, at, DML_ENSEMBLE_NAMES);
+        keep_params(L, at);
     }
     v.names = lua_gettop(L);
     const dm_status status = run_all(L, &p, &v);

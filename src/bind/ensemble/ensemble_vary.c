@@ -169,10 +169,13 @@ long dml_vary_alike(const double *values, uint32_t count, long first, long membe
 }
 
 /* fields of the system, with these numbers among its params */
-static void push_fields(lua_State *L, int system, const double *values, int names) {
+static void push_fields(lua_State *L, int system, const double *values, int names, int base) {
     lua_getiuservalue(L, system, 1);
     dml_pushcopy(L, -1);
-    lua_getfield(L, -1, "params");
+    if (base)
+        lua_pushvalue(L, base);
+    else
+        lua_getfield(L, -1, "params");
     dml_copyparams(L, -1);
     for (lua_Integer k = 1; k <= luaL_len(L, names); k++) {
         lua_rawgeti(L, names, k);
@@ -184,7 +187,7 @@ static void push_fields(lua_State *L, int system, const double *values, int name
     lua_remove(L, -2);
 }
 
-dml_solver *dml_vary_solver(lua_State *L, const double *values, int names) {
+dml_solver *dml_vary_solver(lua_State *L, const double *values, int names, int base) {
     dml_solver *solver = dml_pushtwin(L, 1, DML_SOLVER_VALUES);
     const int twin = lua_gettop(L);
     for (int k = 1; k <= DML_SOLVER_VALUES; k++) {
@@ -193,7 +196,7 @@ dml_solver *dml_vary_solver(lua_State *L, const double *values, int names) {
     }
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     dml_pushtwin(L, twin + 1, 1);
-    push_fields(L, twin + 1, values, names);
+    push_fields(L, twin + 1, values, names, base);
     lua_setiuservalue(L, -2, 1);
     lua_setiuservalue(L, twin, DML_SOLVER_SYSTEM);
     lua_settop(L, twin);

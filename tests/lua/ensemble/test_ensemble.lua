@@ -240,13 +240,18 @@ end
 -- paths of members are those of the system as it was, as paths of runs are
 do
   local k = 1
-  local own = dm.system { Q = dm.R(1), params = { m = 1 },
-    L = function(q, v, _, p) return (p.m * v[1] ^ 2 - k * q[1] ^ 2) / 2 end }
+  local own = dm.system { Q = dm.R(1), params = { m = 1, c = 1 },
+    L = function(q, v, _, p) return (p.m * v[1] ^ 2 - k * p.c * q[1] ^ 2) / 2 end }
   local solver = own:solver { rule = "verlet", h = 0.1 }
-  local e = solver:ensemble { members = 3, q = { { 1 }, { 2 }, { 3 } }, v = { { 1 }, { 1 }, { 1 } }, steps = 5, every = 1 }
+  local function members(vary)
+    return solver:ensemble { members = 2, q = { { 1 }, { 2 } }, v = { { 1 }, { 1 } }, steps = 5, every = 1, vary = vary }
+  end
+  local e, varied = members(), members { m = { 1, 3 } }
   local path = solver:run { q = { 2 }, v = { 1 }, steps = 5 }
-  own.params.m, k = 7, 5
-  ok(e:path(2):energy()[6] == path:energy()[6] and path:energy()[1] == 2.5, "energies after L has changed", e:path(2):energy()[1])
+  own.params.m, own.params.c = 7, 5
+  ok(varied:path(2):energy()[1] == 3.5, "energies after other params have changed", varied:path(2):energy()[1])
+  k = 5
+  ok(e:path(2):energy()[6] == path:energy()[6] and path:energy()[1] == 2.5, "and after L has", e:path(2):energy()[1])
 end
 -- what nothing reads makes no member another one
 for _, rule in ipairs { "verlet", "gauss(2)" } do
