@@ -227,6 +227,7 @@ uint32_t dm_constrained_nodes(const dm_galerkin *g) {
 dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper) {
     dm_newton_report report = {0};
     g->constant.made = g->constant.J && g->factored == g->h;
+    g->position_size = dm_constrained_position_size(g);
     const dm_newton_problem problem = {.m = dm_constrained_unknowns(g),
                                        .equation = dm_constrained_equation,
                                        .ctx = g,

@@ -4,15 +4,15 @@
 #include "integ/method/method.h"
 
 #include "numbers/compensated.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
-#include <string.h>
 
 /* what the last increment of V moves a point by */
 static void moved(dm_constrained *g, const dm_weight *ha, const dm_weight *d, const double *dV) {
     const uint32_t n = g->n;
-    memset(g->shift, 0, n * sizeof *g->shift);
-    memset(g->v, 0, n * sizeof *g->v);
+    dm_small_zero(g->shift, n);
+    dm_small_zero(g->v, n);
     for (uint32_t j = 0; j < g->table.s; j++)
         for (uint32_t i = 0; i < n; i++) {
             g->shift[i] += ha[j].top * dV[j * (size_t)n + i];
@@ -52,43 +52,44 @@ static void correct_impulses(dm_constrained *g, const double *dV) {
     }
 }
 
-/* next = state + (dq, dp), compensated */
-static dm_status update(dm_constrained *g) {
+/* q or p of the end, those from `first` on: state + d, compensated */
+static dm_status update(dm_constrained *g, const double *d, size_t first) {
     const uint32_t n = g->n;
-    memcpy(g->next, g->state, 4 * (size_t)n * sizeof *g->next);
-    dm_sum_add_n(g->next, g->next + 2 * n, g->dq, n);
-    dm_sum_add_n(g->next + n, g->next + 3 * n, g->dp, n);
-    for (uint32_t i = 0; i < 4 * n; i++)
-        if (!isfinite(g->next[i])) return DM_NOT_FINITE;
-    return DM_OK;
+    double *next = g->next + first, *low = next + 2 * (size_t)n, none = 0.0;
+    dm_small_copy(next, g->state + first, n);
+    dm_small_copy(low, g->state + first + 2 * (size_t)n, n);
+    dm_sum_add_n(next, low, d, n);
+    for (uint32_t i = 0; i < n; i++) none += 0.0 * next[i] + 0.0 * low[i];
+    return none == 0.0 ? DM_OK : DM_NOT_FINITE;
 }
 
 /* g->scratch has the last increment of Newton's method. The momentum without I_K is left in
- * g->before; then I_K is added and the sums are made once more from the state, so that the end is
+ * g->before; then I_K is added and the sum is made once more from the state, so that the end is
  * rounded once. */
 dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper) {
     const uint32_t n = g->n, m = g->k + g->l;
     double *last = g->impulse + g->K * (size_t)n;
     correct_forces(g, g->scratch);
     correct_impulses(g, g->scratch);
-    memset(g->dq, 0, n * sizeof *g->dq);
-    memset(g->dp, 0, n * sizeof *g->dp);
+    dm_small_zero(g->dq, n);
+    dm_small_zero(g->dp, n);
     for (uint32_t j = 0; j < g->table.s; j++)
         dm_weighted_add(g->dq, g->hbeta[j], g->root + j * (size_t)n, n);
     for (uint32_t i = 0; i < g->table.r; i++)
         dm_weighted_add(g->dp, g->hb[i], g->slope + i * 2 * (size_t)n, n);
     for (uint32_t k = 0; k < g->K && m; k++)
         for (uint32_t i = 0; i < n; i++) g->dp[i] += g->impulse[k * n + i];
-    dm_status status = update(g);
+    dm_status status = update(g, g->dq, 0);
+    if (status == DM_OK) status = update(g, g->dp, n);
     if (status != DM_OK || m == 0) return status;
     if (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) { /* the next I_0 does all */
-        memset(g->end + n, 0, m * sizeof *g->end);
+        dm_small_zero(g->end + n, m);
         return DM_OK;
     }
-    memcpy(g->before, g->next + n, n * sizeof *g->before);
+    dm_small_copy(g->before, g->next + n, n);
     status = dm_constrained_hidden(g, stepper);
     if (status != DM_OK) return status;
     dm_constrained_impulse(g, last, g->end + n, g->K);
     for (uint32_t i = 0; i < n; i++) g->dp[i] += last[i];
-    return update(g);
+    return update(g, g->dp, n);
 }

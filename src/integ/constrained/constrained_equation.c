@@ -1,6 +1,7 @@
 /* constrained_equation.c - residual and exact matrix of the step equation; unknowns V[s][n],
  * impulses[K][m], m = k + l. */
 #include "integ/constrained/constrained_inside.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,15 +13,17 @@ uint32_t dm_constrained_unknowns(const dm_constrained *g) {
 /* sum_i b_i [h (a_ij - beta_j) (L_q + f)(i) + d_ij L_v(i)] */
 static void add_slopes(dm_constrained *g, double *Rj, uint32_t j) {
     const uint32_t n = g->n, s = g->table.s;
+    double size = g->size;
     for (uint32_t i = 0; i < g->table.r; i++) {
         const double *slope = g->slope + i * 2 * (size_t)n;
         const dm_weight wq = g->wq[i * s + j], wv = g->wv[i * s + j];
         for (uint32_t k = 0; k < n; k++) {
             const double term = dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
             Rj[k] += term;
-            g->size = dm_constrained_larger(g->size, fabs(term));
+            size = dm_constrained_larger(size, fabs(term));
         }
     }
+    g->size = size;
 }
 
 /* The first s n rows: the slopes, the impulses by their levers, less what p0 gives; the low-order
@@ -31,7 +34,7 @@ static void momentum_rows(dm_constrained *g, double *R) {
     for (uint32_t j = 0; j < s; j++) {
         double *Rj = R + j * (size_t)n;
         const dm_weight beta = g->table.beta[j];
-        memset(Rj, 0, n * sizeof *Rj);
+        dm_small_zero(Rj, n);
         add_slopes(g, Rj, j);
         for (uint32_t k = 0; k < g->K && m; k++)
             dm_weighted_add(Rj, g->lever[k * s + j], g->impulse + k * (size_t)n, n);
@@ -41,7 +44,7 @@ static void momentum_rows(dm_constrained *g, double *R) {
 }
 
 /* rounding q moves g by about G q, which is no error of the step */
-static double position_size(const dm_constrained *g) {
+double dm_constrained_position_size(const dm_constrained *g) {
     double most = 0.0;
     for (uint32_t i = 0; i < g->n; i++) most = dm_constrained_larger(most, fabs(g->state[i]));
     return g->k ? g->mass_size * most / fabs(g->h) : 0.0;
@@ -175,7 +178,7 @@ dm_status dm_constrained_equation(void *ctx, double *R, double *J, const double 
     dm_constrained *g = ctx;
     dm_constrained_slopes(g, z, J != NULL);
     dm_constrained_constraints(g, z, J != NULL);
-    g->size = position_size(g);
+    g->size = g->position_size;
     momentum_rows(g, R);
     constraint_rows(g, R + (size_t)g->table.s * g->n);
     if (J && !g->constant.made) dm_constrained_equation_matrix(g, J);

@@ -4,6 +4,7 @@
 
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -79,11 +80,11 @@ static dm_status end_equation(void *ctx, double *R, double *J, const double *z) 
 /* x = (q1, v of the curve's end, t1); rows of the holonomic constraints there */
 static void place_end(dm_constrained *g) {
     const uint32_t n = g->n, s = g->table.s;
-    memset(g->end, 0, n * sizeof *g->end);
+    dm_small_zero(g->end, n);
     for (uint32_t j = 0; j < s; j++)
         dm_weighted_add(g->end, g->constraint.d[g->K * s + j], g->root + j * (size_t)n, n);
-    memcpy(g->x, g->next, n * sizeof *g->x);
-    memcpy(g->x + n, g->end, n * sizeof *g->x);
+    dm_small_copy(g->x, g->next, n);
+    dm_small_copy(g->x + n, g->end, n);
     g->x[2 * n] = g->t + g->h;
     dm_constrained_rows(g, g->K);
 }
@@ -194,7 +195,7 @@ static dm_status by_elimination(dm_constrained *g) {
     offsets(g, offset);
     for (uint32_t i = 0; i < n; i++) g->v[i] = g->before[i] - g->m->momentum_shift[i];
     by_inverse(g->m, g->end, g->v);
-    memset(g->end + n, 0, m * sizeof *g->end);
+    dm_small_zero(g->end + n, m);
     for (int pass = 0; pass < 2; pass++) {
         missing(g, more, offset);
         dm_lu_solve(more, S, pivot, m);

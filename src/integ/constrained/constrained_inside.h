@@ -70,7 +70,9 @@ typedef struct {
     dm_newton_constant constant; /* without constraints where all is linear; J NULL: it is not */
     double factored;             /* the h that it is of */
     double *memory;              /* see constrained_memory.c */
+    int goes_on;                 /* it is that of the step before, which was as long */
     double size;                 /* of the terms of the residual */
+    double position_size;        /* of what rounding q leaves of it, in this step */
     long evaluations;            /* of L, in this step */
     int iterations, matrices;    /* of Newton, in this step */
     double residual;
@@ -144,6 +146,8 @@ void dm_constrained_product(double *y, const double *B, const double *x,
 /* ---- constrained_equation.c ---- */
 
 uint32_t dm_constrained_unknowns(const dm_constrained *g);
+/* How much of the residual rounding q leaves, in units of momentum. */
+double dm_constrained_position_size(const dm_constrained *g);
 dm_status dm_constrained_equation(void *ctx, double *R, double *J, const double *z);
 void dm_constrained_equation_matrix(const dm_constrained *g, double *J);
 

@@ -71,7 +71,7 @@ void dm_constrained_longer_guess(dm_constrained *g, const double *V) {
 int dm_constrained_guess(dm_constrained *g) {
     const size_t V = (size_t)g->table.s * g->n, N = dm_constrained_unknowns(g);
     const double *kept = kept_root(g);
-    if (!dm_constrained_memory_fits(g)) {
+    if (!g->goes_on) {
         dm_constrained_plain_guess(g);
         return 0;
     }

@@ -2,6 +2,7 @@
 #include "integ/constrained/constrained_inside.h"
 
 #include "base/largest.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,20 +11,22 @@
  */
 void dm_constrained_at(dm_constrained *g, const double *shift, const double *v, double after) {
     const uint32_t n = g->n;
-    const double *low = g->state + 2 * n;
-    for (uint32_t i = 0; i < n; i++) {
-        g->x[i] = g->state[i] + (shift ? low[i] + shift[i] : 0.0);
-        g->x[n + i] = v[i];
-    }
-    g->x[2 * n] = g->t + after;
+    const double *q = g->state, *low = q + 2 * (size_t)n;
+    double *x = g->x;
+    if (shift)
+        for (uint32_t i = 0; i < n; i++) x[i] = q[i] + (low[i] + shift[i]);
+    else
+        for (uint32_t i = 0; i < n; i++) x[i] = q[i] + 0.0;
+    dm_small_copy(x + n, v, n);
+    x[2 * n] = g->t + after;
 }
 
 /* x at a point with the rows ha[s] and d[s] */
 static void place(dm_constrained *g, const dm_weight *ha, const dm_weight *d, double after,
                   const double *V) {
     const uint32_t n = g->n;
-    memset(g->shift, 0, n * sizeof *g->shift);
-    memset(g->v, 0, n * sizeof *g->v);
+    dm_small_zero(g->shift, n);
+    dm_small_zero(g->v, n);
     for (uint32_t j = 0; j < g->table.s; j++) {
         const double *Vj = V + j * (size_t)n;
         dm_weighted_add(g->shift, ha[j], Vj, n);
@@ -55,7 +58,8 @@ void dm_constrained_slopes(dm_constrained *g, const double *V, int with_curve) {
         double *out = with_curve ? curve : g->plain + i * 2 * n;
         place(g, g->ha + i * s, g->table.d + i * s, g->h * dm_weight_double(g->table.c[i]), V);
         dm_kernel_eval(with_curve ? &g->m->stage : &g->m->slope, g->x, out);
-        memcpy(slope, out, 2 * n * sizeof *slope);
+        dm_small_copy(slope, out, n);
+        dm_small_copy(slope + n, out + n, n);
         add_force(g, slope, g->drag + i * (n + 2 * n * n), with_curve);
     }
     g->evaluations += g->table.r;
@@ -78,7 +82,7 @@ static void add_rows(double *impulse, const double *rows, const double *lambda,
 void dm_constrained_impulse(dm_constrained *g, double *impulse, const double *impulses,
                             uint32_t k) {
     unscale(g, impulses);
-    memset(impulse, 0, g->n * sizeof *impulse);
+    dm_small_zero(impulse, g->n);
     add_rows(impulse, dm_constrained_holonomic(g, k) + g->k, g->lambda, &g->G);
     add_rows(impulse, dm_constrained_rolling(g, k) + g->l, g->lambda + g->k, &g->E);
 }
@@ -170,8 +174,8 @@ static dm_status find_units(dm_constrained *g) {
 /* v0 from the memory, or from p0 */
 static dm_status find_velocity(dm_constrained *g) {
     const uint32_t n = g->n;
-    if (g->k + g->l && dm_constrained_memory_fits(g)) {
-        memcpy(g->v0, dm_constrained_memory_velocity(g), n * sizeof *g->v0);
+    if (g->k + g->l && g->goes_on) {
+        dm_small_copy(g->v0, dm_constrained_memory_velocity(g), n);
         return DM_OK;
     }
     memset(g->v0, 0, n * sizeof *g->v0);
@@ -203,6 +207,7 @@ static dm_status hold_controls(dm_constrained *g) {
 /* What holds for the whole step: v0, controls, the unit of mass, the rows at the start and their
  * units. */
 dm_status dm_constrained_begin(dm_constrained *g) {
+    g->goes_on = dm_constrained_memory_fits(g);
     dm_status status = find_velocity(g);
     if (status != DM_OK) return status;
     dm_constrained_at(g, NULL, g->v0, 0.0);
