@@ -18,28 +18,27 @@ local M = {}
 
 local abs, sqrt, max, huge = math.abs, math.sqrt, math.max, math.huge
 
+local NO_MASS = "system:linearize: no acceleration follows from L at q = %s, v = %s: d2L/dv2 is "
+  .. "singular there (system:mass(q, v) shows it); take a state beside it, or other coordinates"
+
 ---- matrices of small changes, as functions of a state (q, v, t), and its rates ----
 
 -- d(q, v)/dt: M a = L_qq q + (L_qv - L_vq) v; L does not depend on t
 local function by_hessian(system)
-  local given, n = system.given, system.Q.dimension
-  local params, traced = given.params, nil
+  local given, n, traced = system.given, system.Q.dimension, nil
   return function(q, v, t)
-    traced = traced or core.trace(function(x, y) return given.L(x, y, t, params) end, n, n)
+    traced = traced or core.trace(function(x, y) return given.L(x, y, t, given.params) end, n, n)
     local H = traced:hessian(q, v)
-    local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
+    local mass, right, out = core.matrix(n, n), core.matrix(n, 2 * n), core.matrix(2 * n, 2 * n)
     for i = 1, n do
       for k = 1, n do
         mass[i][k] = H[n + i][n + k]
-        right[i][k] = H[i][k]
-        right[i][n + k] = H[i][n + k] - H[n + i][k]
+        right[i][k], right[i][n + k] = H[i][k], H[i][n + k] - H[n + i][k]
       end
     end
-    local solved, out = mass:solve(right), core.matrix(2 * n, 2 * n)
-    for i = 1, n do
-      out[i][n + i] = 1
-      for k = 1, 2 * n do out[n + i][k] = solved[i][k] end
-    end
+    local fine, solved = blame.try(mass.solve, mass, right)
+    if not fine then error(NO_MASS:format(core.vector(q), core.vector(v)), 0) end
+    for i = 1, n do out[i][n + i], out[n + i] = 1, solved[i] end
     return out
   end
 end

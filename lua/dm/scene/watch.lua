@@ -122,7 +122,7 @@ function M.read(problem, options)
     local value = function_of_state(problem.q, problem.v, problem.t0, problem.p)
     local count = type(value) == "number" and 1 or #value
     for i = 1, count do
-      problem.columns[#problem.columns + 1] = type(value) == "number" and name or name .. i
+      problem.columns[#problem.columns + 1] = count == 1 and name or name .. i
     end
   end
   table.sort(problem.columns)

@@ -193,6 +193,8 @@ local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "
   ["phase portrait"] = "plot", ["phase space"] = "plot", gyroscope = "rotation", graph = "plot",
   figure = "plot", picture = "plot", export = "csv",
   collision = "encounter", integrator = "rule", scheme = "rule", error = "drift",
+  ["parallel transport"] = "holonomy", casimir = "coadjoint", stormer = "stoermer",
+  ["generating function"] = "legendre transform",
   conserved = "noether", invariant = "noether", ["error message"] = "failure" }
 
 -- and how it is written here
@@ -207,7 +209,12 @@ local PYTHON = "path:npy and path:csv write what others read; dmlua --where pyth
   .. "of a module that reads it and calls emitted C; dmlua --jupyter makes a kernel of notebooks"
 local ANGLES = "rotations are elements of dm.SO(3), which no angle describes: the examples "
   .. "?heavy_top, ?free_body"
-local WRITTEN = { jupyter = NOTEBOOKS, ipython = NOTEBOOKS, python = PYTHON, numpy = PYTHON,
+local LIGHT = "light is a field of 1-forms, the vector potential, with L = V:dot(V)/2 - "
+  .. "A:d():dot(A:d())/2: ?K.field, the example ?cavity"
+local NONLINEAR = "it is dm.schroedinger with g =, the factor of |psi|^2 psi: the example ?soliton"
+local WRITTEN = { maxwell = LIGHT, electromagnetic = LIGHT, electromagnetism = LIGHT,
+  electrodynamics = LIGHT, yee = LIGHT, ["gross-pitaevskii"] = NONLINEAR, nls = NONLINEAR,
+  jupyter = NOTEBOOKS, ipython = NOTEBOOKS, python = PYTHON, numpy = PYTHON,
   ["euler angles"] = ANGLES, fpu = CHAIN, fput = CHAIN, fermi = CHAIN, boris = CHARGE,
   lorentz = CHARGE, snake = SKATES, snakeboard = SKATES }
 

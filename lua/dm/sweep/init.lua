@@ -70,6 +70,8 @@ local function columns_of(value, i)
   return names, numbers
 end
 
+local MOST_BYTES = 0xffff  -- of a text behind its length, u16
+
 -- Of a member: its code and, of "ok", the names of its columns (each text behind its length, u16)
 -- and its numbers (f64); of another one the step and the message of its failure.
 local function member_bytes(run, i)
@@ -80,8 +82,13 @@ local function member_bytes(run, i)
       fail("member %d: run must return one value (got %d)", i, results.n - 1)
     end
     local names, numbers = columns_of(value, i)
+    local line = table.concat(names, "\t")
+    if #line > MOST_BYTES then
+      fail("member %d: the names of its %d columns take %d bytes, %d at most: return fewer "
+        .. "numbers, and write the rest to a file", i, #names, #line, MOST_BYTES)
+    end
     for k, x in ipairs(numbers) do numbers[k] = ("<d"):pack(x) end
-    return ("<s2s2"):pack("ok", table.concat(names, "\t")) .. table.concat(numbers)
+    return ("<s2s2"):pack("ok", line) .. table.concat(numbers)
   end
   local meta = type(value) == "table" and getmetatable(value)
   if meta and meta.__name == "dm.failure" and value.code ~= "stopped" then

@@ -31,21 +31,32 @@ static int find_entry(lua_State *L, const dml_stepping *r, const char *name) {
 /* where entries are read from, and what they add to */
 typedef struct {
     const char *field;
-    int table, names; /* stack indices */
+    int table, names, taken; /* stack indices; taken: name -> true */
     dm_impulses *impulses;
 } reading;
 
+/* Begin the list on top of the stack. */
+static void begin_names(lua_State *L, reading *in) {
+    in->names = lua_gettop(L);
+    lua_newtable(L);
+    in->taken = in->names + 1;
+    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, in->names); i++) {
+        lua_rawgeti(L, in->names, i);
+        lua_pushboolean(L, 1);
+        lua_rawset(L, in->taken);
+    }
+}
+
 /* Two columns of one name could not be told apart later. */
 static void add_name(lua_State *L, const reading *in, const char *name) {
-    const int names = in->names;
-    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, names); i++, lua_pop(L, 1)) {
-        lua_rawgeti(L, names, i);
-        if (strcmp(lua_tostring(L, -1), name) == 0)
-            luaL_error(L, "field '%s': there is a column '%s' already; choose another name",
-                       in->field, name);
-    }
+    if (lua_getfield(L, in->taken, name) != LUA_TNIL)
+        luaL_error(L, "field '%s': there is a column '%s' already; choose another name", in->field,
+                   name);
+    lua_pop(L, 1);
+    lua_pushboolean(L, 1);
+    lua_setfield(L, in->taken, name);
     lua_pushstring(L, name);
-    lua_rawseti(L, names, (lua_Integer)lua_rawlen(L, names) + 1);
+    lua_rawseti(L, in->names, (lua_Integer)lua_rawlen(L, in->names) + 1);
 }
 
 /* the multipliers at a state, as a function that is traced (lua/dm/measure/multipliers.lua) */
@@ -276,7 +287,8 @@ void dml_refuse_gaps(lua_State *L) {
 /* Rows hold t and these, in the order of dml_pushkeys. */
 void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
     lua_newtable(L);
-    reading in = {.field = "watch", .names = lua_gettop(L)};
+    reading in = {.field = "watch"};
+    begin_names(L, &in);
     add_name(L, &in, "t");
     dml_observables_start(o, r);
     read_gaps(L, o);
@@ -348,7 +360,8 @@ static void add_impulse_names(lua_State *L, const dm_impulses *i, const reading 
 void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
                      dm_impulses *impulses) {
     dml_state_names(L, r->system, r->solver->n, dml_checksystem(L, r->system)->momenta);
-    reading in = {.field = "record", .names = lua_gettop(L), .impulses = impulses};
+    reading in = {.field = "record", .impulses = impulses};
+    begin_names(L, &in);
     dml_observables_start(o, r);
     read_gaps(L, o);
     add_parts(L, o, r, &in);

@@ -282,4 +282,13 @@ local sparse = said("verlet", 628)
 ok(not sparse:find ", drift " and sparse:find "at these rows, slope .* oscillation faster than the rows",
   "aliased rows: no drift is claimed, and whose the energy is", sparse)
 ok(said("rk4", 1):find "drift %-", "  what drifts is said to")
+
+-- many columns of one function: names are told apart by a table
+local many = kepler:solver { rule = "verlet", h = 0.1 }:run { q = start.q, v = start.v, steps = 2,
+  watch = { a = function(q) return dm.zeros(50000) + q[1] end } }
+ok(#many.columns == 50001 and many.columns[50001] == "a50000" and many.a50000[3] == many.a1[3], "50000 columns")
+raises("there is a column 'a2' already", function()
+  kepler:solver { rule = "verlet", h = 0.1 }:run { q = start.q, v = start.v, steps = 2, watch = { a2 = function(q) return q[1] end,
+    a = function(q) return { q[1], q[2] } end } }
+end)
 tap.done()

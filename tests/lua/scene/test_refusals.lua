@@ -62,4 +62,9 @@ do
   local fine, failure = pcall(pilot.go, model, "log-hamiltonian(verlet)", 100, { at = { 20 } })
   ok(not fine and failure.code == "out_of_time" and failure.step == 1600, "and so do those that stand still", fine or failure.step)
 end
+
+-- a watch that gives a list of one number is a column of its own name, as in a run
+local listed = dm.scene { system = dm.system { Q = dm.R(1), L = function(q, v) return (v[1]^2 - q[1]^2)/2 end },
+  q = { 1 }, v = { 0 }, watch = { x = function(q) return { q[1] } end }, tolerance = 1e-3, until_t = 1 }:run()
+ok(math.abs(listed.x[#listed] - math.cos(1)) < 1e-3, "a list of one number", listed.columns)
 tap.done()

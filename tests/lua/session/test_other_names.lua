@@ -105,4 +105,20 @@ for _, how in ipairs { "%s %s", "%s -e 'x += 1' %s", "%s -i < %s" } do
 end
 os.remove(file)
 
+-- the momentum of a coordinate is a column
+local swung = spring:solver { rule = "verlet", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 2 }
+raises("that of a coordinate is a column: path.p_q1", swung.momentum, swung, "q1")
+
+-- no acceleration, no linearization: told with the place, not as a matrix that nobody wrote
+local sphere = dm.system { Q = dm.R(2), L = function(q, v) return (v[1]^2 + math.sin(q[1])^2*v[2]^2)/2 + math.cos(q[1]) end }
+raises("no acceleration follows from L at q = [0, 0], v = [0, 0]: d2L/dv2 is singular there", sphere.linearize, sphere, { q = { 0, 0 } })
+
+-- words of textbooks lead somewhere
+local words = require "dm.session.text".collected
+local find = require "dm.session.apropos".apropos
+for word, text in pairs { maxwell = "the example %?cavity", Casimirs = "dm.euler_poincare", ["Störmer"] = "verlet", stormer = "verlet",
+  ["gross-pitaevskii"] = "dm.schroedinger with g =", ["parallel transport"] = "A:holonomy", ["generating function"] = "system:legendre" } do
+  local said = words(find, word)
+  ok(said:find(text), word .. " leads to " .. text, said)
+end
 tap.done()

@@ -216,4 +216,9 @@ do
     "a sweep says in which columns NaN is", tostring(some))
 end
 
+-- names of very many columns do not fit into a journal's record
+raises("member 1: the names of its 20000 columns take 128893 bytes, 65535 at most", function()
+  dm.sweep { members = 2, run = function() return dm.zeros(20000) end }
+end)
+ok(#dm.sweep { members = 2, run = function() return dm.zeros(9000) end }.columns == 9000, "thousands do")
 tap.done()

@@ -12,8 +12,9 @@ local function also_of_actions(class, other, signature)
   doc = doc:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
   put(blame.relay(function(object, action, ...)
     if action == nil and kits.class_of(object) == class or type(action) == "string" then
-      error(("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got %s)")
-        :format(action and "a string" or "nil"), 0)
+      error(("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got %s)%s")
+        :format(action and "a string" or "nil", action and class == "dm.path"
+          and "; that of a coordinate is a column: path.p_" .. action or ""), 0)
     end
     local meta = type(action) == "table" and getmetatable(action)
     if not meta or meta.__name ~= "dm.action" or kits.class_of(object) ~= class then
