@@ -2,6 +2,7 @@
 -- lines, of boxes, of waves and of flows by the method `resume` of what they are runs of.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -14,6 +15,18 @@ local OF_RUN = { ["dm.line_run"] = "field", ["dm.box_run"] = "boxes", ["dm.wave_
 local MODELS = { ["dm.line_field"] = true, ["dm.boxes"] = true, ["dm.schroedinger"] = true,
   ["dm.euler"] = true }
 
+-- the same with a discrete Lagrangian of a system and a rule, whose steps are the system's
+local function resume_pair(from, Ld, options)
+  local own, with = Ld:solver {}, lists.copy(options or {})
+  with.rule = with.rule or own.rule
+  local solver = core.resume(from, own.system, with)
+  if solver.h ~= own.h then
+    option.fail(WHERE, "the checkpoint is of steps h = %g, this discrete Lagrangian has h = %g",
+      solver.h, own.h)
+  end
+  return solver
+end
+
 --- dm.resume(file | run [, model])
 M.resume = blame.caller(function(from, model, options)
   local key = OF_RUN[option.got(from)]
@@ -22,6 +35,9 @@ M.resume = blame.caller(function(from, model, options)
       .. "(got %s); others go on by a new run from their last row", option.got(from))
   end
   if option.got(model) == "dm.discrete_shape" then model = model:solver {}.system end
+  if option.got(model) == "dm.discrete_lagrangian" and model.system then
+    return resume_pair(from, model, options)
+  end
   if not key and not MODELS[option.got(model)] then return core.resume(from, model, options) end
   if options ~= nil then
     option.fail(WHERE, "the rule of a run on a line, of a wave or a flow is that of its "

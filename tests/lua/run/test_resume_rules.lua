@@ -63,5 +63,19 @@ raises("the rule is not the one of the checkpoint", function()
 end)
 save(dm.curve "rk4")
 ok(#resume() == 6 and #resume "curve(rk4)" == 6, "what a name tells needs no object")
+
+-- discrete Lagrangians of a rule: their runs go on from a file with them
+local function pairs_of(rule, h) return dm.discrete_lagrangian(quartic, { rule = rule, h = h }) end
+local start = { q = { 1 }, p = { 0.2 }, steps = 9 }
+for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)", "galerkin(2, gauss(3))" } do
+  local Ld = pairs_of(rule, 0.1)
+  local whole = Ld:solver():run(start)
+  Ld:solver():run({ q = { 1 }, p = { 0.2 }, steps = 5 }):checkpoint(file)
+  local fine, rest = pcall(function() return dm.resume(file, Ld):run { steps = 4 } end)
+  ok(fine and rest.q[5] == whole.q[10] and rest.p[5] == whole.p[10],
+    rule .. ": a run of its discrete Lagrangian goes on bit for bit", rest)
+end
+raises("h = 0.2", dm.resume, file, pairs_of("galerkin(2, gauss(3))", 0.2))
+raises("not 'gauss(2)'", dm.resume, file, pairs_of("gauss(2)", 0.1))
 os.remove(file)
 tap.done()
