@@ -68,6 +68,30 @@ function M.may_read(system, name)
   return false
 end
 
+-- does code of the function name the parameter, and is one of its upvalues or globals the system or
+-- the table of its params?
+local function reads_table(f, system, name)
+  local fine, code = blame.try(string.dump, f, true)
+  if not (fine and has_constant(code, name)) then return false end
+  local params = system.params
+  local shown = debug.getmetatable(params)
+  local raw = shown and shown.__index
+  local function is_own(value)
+    return value ~= nil
+      and (rawequal(value, system) or rawequal(value, params) or rawequal(value, raw))
+  end
+  for k = 1, 255 do
+    local upvalue, value = debug.getupvalue(f, k)
+    if not upvalue then return false end
+    if is_own(value) then return true end
+    if upvalue == "_ENV" or upvalue == "" and type(value) == "table" and rawequal(value, _G) then
+      for key, global in next, value do
+        if type(key) == "string" and is_own(global) and has_constant(code, key) then return true end
+      end
+    end
+  end
+end
+
 -- where functions get params: L(q, v, t, params) and those like it; fields on lines, L(u, ut, ux,
 -- x, t, params)
 local PLACE, ON_LINES = 4, 6
@@ -80,7 +104,7 @@ local function may_be_given(system, name)
   for key, f in pairs(field and field.options or system.given) do
     local info = type(f) == "function" and debug.getinfo(f, "u")
     if info and (info.isvararg or info.nparams >= (EARLIER[key] or is_line and ON_LINES or PLACE))
-      and mentions(f, name, {}) then
+      and mentions(f, name, {}) and not reads_table(f, system, name) then
       return true
     end
   end
@@ -117,28 +141,6 @@ function M.unread(system, params, names)
   if #left(names, seen) == 0 then return {} end
   if not blame.try(core.trace_with, system, watching(params, seen)) then return {} end
   return left(names, seen)
-end
-
--- does code of the function name the parameter, and is one of its upvalues or globals the system or
--- the table of its params?
-local function reads_table(f, system, name)
-  local fine, code = blame.try(string.dump, f, true)
-  if not (fine and has_constant(code, name)) then return false end
-  local params = system.params
-  local raw = debug.getmetatable(params).__index
-  local function is_own(value)
-    return rawequal(value, system) or rawequal(value, params) or rawequal(value, raw)
-  end
-  for k = 1, 255 do
-    local upvalue, value = debug.getupvalue(f, k)
-    if not upvalue then return false end
-    if is_own(value) then return true end
-    if upvalue == "_ENV" or upvalue == "" and type(value) == "table" and rawequal(value, _G) then
-      for key, global in next, value do
-        if type(key) == "string" and is_own(global) and has_constant(code, key) then return true end
-      end
-    end
-  end
 end
 
 --- A function of the table `watch` that reads one of these parameters from the system, or the table

@@ -219,6 +219,7 @@ do
   end
   local why = "reads its parameter 'k', so members would not differ by it: 'k' is read elsewhere"
   raises(why, members, of { L = function(q, v) return outside.l * v:dot(v) / 2 - outside.k * q[2] end })
+  raises(why, members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - outside.k * q[2] end })
   raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, force = function(q) return -outside.k * q end })
   raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - outside.k end })
 end
