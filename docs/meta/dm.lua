@@ -6247,9 +6247,10 @@ function dm.modf(x) end
 ---it is made the frame is tried at random points and under large elements of the group: it must be one
 ---of the group, on the section and its branch, and equivariant, wherever it is finite; an error
 ---has the point and the defect. A solution is trusted inside of runs; a root looks at branch and
----transversality every time. partial = true: a frame up to isotropy, where the action is not free:
----cross_section gives as many numbers as the orbits have dimensions (a slice), rho is an element that
----brings the points there, and rho(h z) is rho(z) h^-1 up to what leaves the section where it is;
+---transversality every time. partial = true: a frame up to isotropy, where the action is not free
+---(a discrete group, as half turns about the normal of a surface, is isotropy too): cross_section
+---gives as many numbers as the orbits have dimensions (a slice), rho is an element that brings the
+---points there, and rho(h z) is rho(z) h^-1 up to what leaves the section where it is;
 ---invariants are as ever. invariants: names for entries, {name = {point, entry}}, which
 ---dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated
 ---exactly. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent,

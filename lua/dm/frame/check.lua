@@ -84,18 +84,18 @@ local function sample(frame, seed)
   local _, P = blame.try(is_tame, frame, { table.unpack(there, 2) })
   if not g2 then return end
   local probe = points.sample(frame, seed + 500, 2)
-  local out = { condition = condition }
+  local out, loose = { condition = condition }, frame.basis or frame.discrete
   -- rho(h z) h = rho(z), seen by what they do to points
   local once, twice = F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe))
-  out.equivariance = not frame.basis and defect(frame, once, twice) or nil
+  out.equivariance = not loose and defect(frame, once, twice) or nil
   -- of a frame up to isotropy only its own points
-  local own = frame.basis and { table.unpack(there, 1, frame.k) } or there
+  local own = loose and { table.unpack(there, 1, frame.k) } or there
   out.invariance = defect(frame, own, there2)
   -- an invariant function is its own invariantization
-  local f = test_function(there)
-  local again = test_function(F.moved(frame, F.element(frame, there), there))
+  local f = test_function(own)
+  local again = test_function(F.moved(frame, F.element(frame, own), own))
   out.replacement = abs(f - again) / (1 + abs(f))
-  if P and type(P) ~= "string" and not frame.basis then
+  if P and type(P) ~= "string" and not loose then
     local velocities = points.sample(frame, seed + 700, #list)
     local fine, s = blame.try(derivatives.syzygies, frame, list, velocities)
     if fine then out.shift, out.derivative = s.shift / 20, s.derivative / 20 end

@@ -82,6 +82,8 @@ local function check_options(o)
   if o.solution then
     options.meaningless(o, "start", NAME, "nothing is solved for beside a solution")
   end
+  options.demand(o.invariants == nil or type(o.invariants) == "table", o, "invariants", NAME,
+    "a table { name = { point, entry } or a function }")
 end
 
 -- the action on one point and the number of points: on_pairs() and on_points(k) are joint actions
@@ -230,9 +232,10 @@ have more than one root. solution(z1, ..., zk) gives g by formula; without it g 
 it is made the frame is tried at random points and under large elements of the group: it must be one
 of the group, on the section and its branch, and equivariant, wherever it is finite; an error
 has the point and the defect. A solution is trusted inside of runs; a root looks at branch and
-transversality every time. partial = true: a frame up to isotropy, where the action is not free:
-cross_section gives as many numbers as the orbits have dimensions (a slice), rho is an element that
-brings the points there, and rho(h z) is rho(z) h^-1 up to what leaves the section where it is;
+transversality every time. partial = true: a frame up to isotropy, where the action is not free
+(a discrete group, as half turns about the normal of a surface, is isotropy too): cross_section
+gives as many numbers as the orbits have dimensions (a slice), rho is an element that brings the
+points there, and rho(h z) is rho(z) h^-1 up to what leaves the section where it is;
 invariants are as ever. invariants: names for entries, {name = {point, entry}}, which
 dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated
 exactly. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent,
@@ -251,7 +254,8 @@ local function assembled(o)
   local self = setmetatable({ action = action, group = action.group, k = k, points = k,
     m = action.dimension, r = action.group.dimension, cross_section = o.cross_section,
     branch = o.branch or false, solution = core.one(o.solution, "solution") or false,
-    name = o.name, basis = false, invariants_named = o.invariants }, class)
+    name = o.name, partial = o.partial or false, basis = false, discrete = false,
+    invariants_named = o.invariants }, class)
   if o.partial then partial.prepare(self, section) end
   self.chart = not is_flat(self) and partial.chart(self)
   check_section(self)

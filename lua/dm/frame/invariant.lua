@@ -189,7 +189,7 @@ local function check_options(o)
   for _, key in ipairs { "L", "constraint", "inside" } do
     options.callable(o, key, NAME, "the invariants I")
   end
-  if o.frame.basis then
+  if o.frame.basis or o.frame.discrete then
     fail "the frame is one up to isotropy (partial): an invariant problem needs a free action"
   end
   if o.action and o.frame.action ~= o.action and o.action.base ~= o.frame.action then

@@ -6,9 +6,9 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local found = require "dm.frame.found"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
-local options = require "dm.base.options"
 local places = require "dm.action.points"
 local points = require "dm.frame.points"
 local reach = require "dm.frame.reach"
@@ -33,9 +33,6 @@ local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
 -- lists of points far away for a frame that is solved for, by dim G, and pushes of each
 local FAR_ROOTS, FAR_AGAIN = { 4, 4, 3, 3, 3, 2, 1, 1 }, 2
 local TURNS = 3          -- of samples far away every third is pushed
-local STEADY = 1e6       -- entries up to which rounding is told from what a formula makes
-local VALID = 1e-9       -- how far an element may be from the group
-local NUDGE = 1e-7       -- of points, relative
 -- a condition beyond which a root tells nothing; what it makes of rounding
 local WORST, ROUNDING = 1e9, 1e-13 -- for a condition of 1, relative
 local SAME = 1e-7        -- relative distance of points that are one
@@ -43,94 +40,16 @@ local ONE = 1e-9         -- of entries of elements that are one
 local MEASURED = 6       -- samples that tell the scale of Z,
 local ON = 1e-10         -- of which this much is surely on the section
 
-local function fail(...) options.fail("dm.moving_frame", ...) end
-local function refuse(what, ...) fail("no moving frame: " .. what, ...) end
-
--- the list moved by g; nothing where it is not finite, far away or outside of the domain
-local function moved(frame, g, list)
-  local fine, out, most = blame.try(places.images, frame.action, g, list)
-  if not (fine and most and most < (frame.solution and STEADY or reach.FAR)) then return nil end
-  for i = 1, frame.action.domain and #out or 0 do
-    if not places.is_inside(frame.action, out[i]) then return nil end
-  end
-  return out
-end
+local condition_of, element_of, moved = found.condition, found.element, found.moved
+local fail, refuse = found.fail, found.refuse
 
 -- is the inverse of g what would bring the points to the section?
 local function hint(trial, g, list)
   local frame = trial.frame
   local there = moved(frame, groups.kit(frame.group).inverse(g), list)
   local fine, off = blame.try(tangent.distance, frame, there, there and trial.section(frame, there))
-  return fine and off < VALID and "; its inverse is: solution gives the element that moves the "
-    .. "points to the section" or ""
-end
-
--- How much larger g makes relative changes of the points: of those that lie close together it has
--- to magnify their differences, with the rounding in them. A formula for g takes such differences
--- as well, and loses as many digits again.
-local function stretch(frame, g, list, there)
-  local size, nudged, worst = 0, {}, 0
-  for _, z in ipairs(list) do size = max(size, places.size(z)) end
-  for i, z in ipairs(list) do
-    nudged[i] = z:map(function(x, j) return x + ((i + j) % 2 == 0 and NUDGE or -NUDGE) * size end)
-  end
-  local moved_too = moved(frame, g, nudged)
-  for i, z in ipairs(moved_too or {}) do
-    worst = max(worst, places.apart(frame.action, z, there[i]) / (1 + places.size(there[i])))
-  end
-  return moved_too and worst / NUDGE or huge
-end
-
--- what the formula gives, of the form of an element; nothing where it raises or is not finite
-local function by_formula(frame, list)
-  local kit = groups.kit(frame.group)
-  local fine, value = blame.try(frame.solution, table.unpack(list))
-  if not fine then return nil, value end
-  local is, g = blame.try(kit.element, value)
-  if not is then refuse("at z = %s the solution gives something else: %s", text.points(list), g) end
-  return kits.is_finite(kit.entries(g)) and g or nil
-end
-
--- the same, an element of the group; nothing where rounding made it none
-local function by_valid_formula(frame, list)
-  local kit = groups.kit(frame.group)
-  local g, raised = by_formula(frame, list)
-  if not g then return nil, raised end
-  local defect, why = kit.defect(g)
-  if defect <= VALID then return g end
-  local function defect_at(nudged)
-    local h = by_formula(frame, nudged)
-    return h and kit.defect(h)
-  end
-  if not steady.is_own(frame, list, defect, defect_at) then return nil end
-  refuse("at z = %s the solution is no element of %s: %s", text.points(list),
-    tostring(frame.group), why or ("it is off by %.3g"):format(defect))
-end
-
--- The root; nothing where there is none, and why. What else it raises is an error of the section,
--- branch or start. compared: are the equations what was traced? Where the points come to the
--- section they are.
-local function by_root(frame, list, compared)
-  local root, x, fine, y = frame.root, points.flat(list), nil, nil
-  if compared then fine, y = blame.try(root, x) else fine, y = blame.try(root.traced, root, x) end
-  if fine then return require "dm.frame".of_root(frame, y) end
-  if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
-  return nil, y
-end
-
--- the frame's element at the points; nothing where there is none, and why
-local function element_of(frame, list)
-  if frame.solution then return by_valid_formula(frame, list) end
-  return by_root(frame, list)
-end
-
--- what J psi and g make of rounding at the points there
-local function condition_of(frame, list, a)
-  if not a.condition then
-    local _, condition = tangent.transversality(frame, a.there)
-    a.condition = condition
-  end
-  return a.condition * max(1, stretch(frame, a.g, list, a.there)) ^ 2
+  return fine and off < found.VALID and "; its inverse is: solution gives the element that moves "
+    .. "the points to the section" or ""
 end
 
 -- |Z| far below what it was where the distance from the section was measured
@@ -138,19 +57,12 @@ local function is_surely_on(trial, size)
   return trial.measured >= MEASURED and size <= ON * trial.scale
 end
 
--- the frame by formula, of points that may be nudged: its element g and the points there
-local function plain(frame, list)
-  local g = by_formula(frame, list)
-  local there = g and moved(frame, g, list)
-  return there and { g = g, there = there }
-end
-
 -- Is the distance `off` of the points there from the section more than rounding makes?
 local function is_told(trial, list, a, off)
   local frame = trial.frame
   if frame.solution then
     return steady.is_own(frame, list, off, function(nudged)
-      local b = plain(frame, nudged)
+      local b = found.plain(frame, nudged)
       return b and (tangent.distance(frame, b.there, trial.section(frame, b.there)))
     end)
   end
@@ -186,7 +98,7 @@ end
 local function is_outside(frame, list, a)
   if not frame.solution then return condition_of(frame, list, a) < WORST end
   return steady.is_own(frame, list, 1, function(nudged)
-    local b, least = plain(frame, nudged), huge
+    local b, least = found.plain(frame, nudged), huge
     for _, value in ipairs(b and branch_values(frame, b) or {}) do least = min(least, value) end
     return least <= 0 and 1
   end)
@@ -216,7 +128,7 @@ local function frame_of(trial, list)
   local a = { g = g, there = there }
   local on, off = is_on(trial, list, a)
   if on == false then
-    if frame.root then by_root(frame, list, true) end
+    if frame.root then found.by_root(frame, list, true) end
     refuse("at z = %s the solution is not on the cross-section (off by %.3g)%s", text.points(list),
       off, hint(trial, g, list))
   end
@@ -244,7 +156,8 @@ end
 
 local function not_free(frame, list, h, distance)
   refuse("rho(h z) is not rho(z) h^-1 at z = %s, h = %s: they move other points to places %.3g "
-    .. "apart, since the action is not free at z; take more points (points = %d)",
+    .. "apart, since the action is not free at z; take more points (points = %d), or partial = "
+    .. "true: a frame up to isotropy, whose invariants of its own points stay along orbits",
     text.points(list), places.show(h), distance, frame.k + 1)
 end
 
@@ -273,8 +186,8 @@ end
 local function is_apart(frame, h, list, pushed, a, b, distance, measure)
   if frame.solution then
     return steady.is_own(frame, list, distance, function(nudged)
-      local x, there = plain(frame, nudged), moved(frame, h, nudged)
-      local y = there and plain(frame, there)
+      local x, there = found.plain(frame, nudged), moved(frame, h, nudged)
+      local y = there and found.plain(frame, there)
       return x and y and measure(x, y)
     end)
   end
@@ -295,7 +208,8 @@ local function check_equivariance(frame, h, list, pushed, a, b, seed)
     return
   end
   if not one then cut_twice(frame, list, a, b, distance) end
-  not_free(frame, list, h, distance)
+  if not frame.partial then not_free(frame, list, h, distance) end
+  frame.discrete = true
 end
 
 -- the frame a of the list beside that of what h makes of it; nothing where nothing is told
@@ -387,7 +301,7 @@ function M.check(frame, section)
       frame.solution and "section and solution" or "the section")
   end
   if frame.solution then fail("the solution fails at random points: %s", blame.bare(first)) end
-  by_root(frame, points.sample(frame, 1), true) -- does the trace alone have no root?
+  found.by_root(frame, points.sample(frame, 1), true) -- does the trace alone have no root?
   if tangential == seed then text.refuse(frame, frame.r) end
   refuse("there was none at %d samples of points of size 0.1 to 10 (where points that have one are "
     .. "rare, say where they are by the action's domain(z) > 0): %s", seed, blame.bare(first))

@@ -38,6 +38,33 @@ ok(plane:check() < 1e-11, "of a free action it is a frame")
 local fourth = slice { action = dm.action { group = dm.SO(4), on = dm.R(4) }, partial = true,
   cross_section = function(p) return { p[1], p[2], p[3] } end, branch = function(p) return p[4] end }
 near(fourth:invariants({ { 1, 2, 3, 4 } })[1][4], math.sqrt(30), 1e-13, "in four dimensions")
+-- by a formula, which turns about the pole as it likes
+local leaning = slice { partial = true, cross_section = pole, branch = function(z) return z[3] end,
+  solution = function(z)
+    local e, a = z / z:norm(), dm.vector { 0.3, 0.5, -0.8 }
+    local w = a - e * e:dot(a)
+    w = w / w:norm()
+    return dm.matrix { w:totable(), e:cross(w):totable(), e:totable() }
+  end }
+near(leaning:invariants({ { 3, 4, 12 } })[1][3], 13, 1e-13, "a formula up to isotropy")
+ok(leaning:check() < 1e-11, "whose replacement is that of its own points", leaning:check())
+-- discrete isotropy: curvatures of a surface, whose normal may be turned about by half a turn
+local surface = { action = dm.action { group = dm.SE(3), on = dm.R(3) }
+  :jet(2, { independent = { 1, 2 } }),
+  cross_section = function(z) return { z[1], z[2], z[3], z[4], z[5], z[7] } end,
+  branch = function(z) return { z[6] - z[8], z[6] + z[8] } end }
+raises("or partial = true", dm.moving_frame, surface)
+surface.partial = true
+local bent = dm.moving_frame(surface)
+local ux, uy, uxx, uxy, uyy = 0.3, -0.4, 1.2, 0.3, 0.5
+local W = math.sqrt(1 + ux ^ 2 + uy ^ 2)
+local I = bent:invariants { { 1, 2, 3, ux, uy, uxx, uxy, uyy } }[1]
+near(I[6] + I[8], ((1 + uy ^ 2) * uxx - 2 * ux * uy * uxy + (1 + ux ^ 2) * uyy) / W ^ 3, 1e-13,
+  "twice the mean curvature")
+near(I[6] * I[8], (uxx * uyy - uxy ^ 2) / W ^ 4, 1e-13, "Gauss' curvature")
+ok(bent:check() < 1e-10, "it is one up to isotropy", bent:check())
+raises("one up to isotropy", dm.invariant_problem, { frame = bent,
+  L = function(I) return I[1][6] end })
 -- quadratic forms have a square root of the determinant where they are definite
 local function forms(domain, least)
   return slice { action = dm.action { group = dm.SL(2), on = dm.R(3), domain = domain,
