@@ -246,6 +246,17 @@ double dml_positive(lua_State *L, int arg, const char *key, double fallback) {
     return x;
 }
 
+void dml_refuse_late(lua_State *L, double t0, double h) {
+    enum { APART = 8 }; /* numbers a step, at least: where there is none, time stands still */
+    const double gap = nextafter(fabs(t0), INFINITY) - fabs(t0);
+    if (gap > h / APART)
+        luaL_error(L,
+                   "field 't0': numbers near %f are %f apart, which is too far for steps of h = "
+                   "%f: "
+                   "count the time from a nearer origin",
+                   t0, gap, h);
+}
+
 long dml_count(lua_State *L, int arg, const char *key, long least, long fallback) {
     long n = fallback;
     int whole = 1;

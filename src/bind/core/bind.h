@@ -82,6 +82,8 @@ void dml_text(lua_State *L, int arg, const char *key);
 int dml_field(lua_State *L, int arg, const char *key);
 int dml_wrongfield(lua_State *L, const char *key, const char *expected);
 void dml_numbers(lua_State *L, int arg, const char *key, double *out, uint32_t n);
+/* Raises where doubles near the time t0 are too far apart for steps of h. */
+void dml_refuse_late(lua_State *L, double t0, double h);
 
 /* That of `known` which others call `word` or which is spelt most like it, or NULL when none is
  * near: for "did you mean". */

@@ -123,6 +123,7 @@ static int strip_run(lua_State *L) {
                           .every = dml_count(L, 2, "every", 1, 1),
                           .is_free = dml_flag(L, 2, "free", 0),
                           .stop = &dml_stop};
+    dml_refuse_late(L, plan.t0, plan.h);
     plan.guess = level_of(L, d, "guess");
     dm_strip_ending from = {0};
     plan.old = read_ending(L, d, &from);

@@ -149,4 +149,23 @@ do
     kepler:solver { rule = "verlet", h = 0.1 }:run { q = { 0.5, 0 }, v = { 0, sqrt(3) }, at = { 1 }, most = 9 }
   end)
 end
+
+-- where doubles are further apart than steps, time stood still: the force cos(t) was a constant one, without a word
+do
+  local pushed = dm.system { Q = dm.R(1), L = function(q, v, t) return (v[1]^2 - q[1]^2)/2 + q[1]*math.cos(t) end }
+  local solver = pushed:solver { rule = "gauss(2)", h = 0.05 }
+  local function late(t0) return function() return solver:run { q = { 1 }, v = { 0 }, steps = 100, t0 = t0 } end end
+  raises("field 't0': numbers near 1e+17 are 16.0 apart, which is too far for steps of h = 0.05", late(1e17))
+  raises("field 't0'", late(-1e15))
+  raises("field 't0'", late(1e300))
+  raises("field 't0'", function()
+    solver:ensemble { members = 2, q = function() return { 1 } end, v = function() return { 0 } end, steps = 10, t0 = 1e17 }
+  end)
+  raises("field 't0'", function() solver:step { q = { 1 }, v = { 0 }, t0 = 1e17 } end)
+  local string = dm.field { x = { 0, 1, 4 }, fixed = "ends", L = function(_, ut, ux) return (ut^2 - ux^2)/2 end }
+  raises("t0", function() string:solver { h = 0.01 }:run { u = 0, t = 0.1, t0 = 1e17 } end)
+  -- the same force, whole turns of cos later: 2 pi * 1e9 is rounded by 5e-7
+  local now, then_ = late(0)(), late(2*math.pi*1e9)()
+  ok((now.q[101] - then_.q[101]):norm() < 1e-5, "a late start that is told apart", then_.q[101])
+end
 tap.done()
