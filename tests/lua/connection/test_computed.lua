@@ -34,9 +34,12 @@ local function slope(f, i)
   return math.log(a / b) / math.log(2)
 end
 
-for _, G in ipairs { SO3, dm.SE(2), dm.SU(2), dm.SE(3), dm.Heisenberg(), dm.SL(2),
+-- each group by one of three maps, each map with two groups and more (SAMPLES=1: all)
+local MAPS = { "exp", "cayley", "pade(2)" }
+for i, G in ipairs { SO3, dm.SE(2), dm.SU(2), dm.SE(3), dm.Heisenberg(), dm.SL(2),
   dm.product(SO3, dm.R(1)) } do
-  for _, by in ipairs { "exp", "cayley", "pade(2)" } do
+  for j = 1, tap.samples(3) do
+    local by = MAPS[(i + j) % 3 + 1]
     local given = { group = G, base = dm.R(2), form = form_of(G), by = by, raw = true }
     local name = tostring(G) .. " by " .. by
     local raw = dm.connection(given)
