@@ -170,9 +170,9 @@ end
 
 function Run.__len(run) return #run.t end
 
--- an energy that has grown beyond itself: is the step too long?
+-- an energy that has gone from its start by more than a tenth: is the step too long?
 local function warning(run, off)
-  if not (off > 10 * math.abs(run.energy[1])) or run.steps == 0 then return "" end
+  if not (off > math.abs(run.energy[1]) / 10) or run.steps == 0 then return "" end
   local limit, about = beyond(run)
   return limit and ("; h = %.6g is beyond the limit of stability, %.6g about %s"):format(run.h,
     limit, about) or ""

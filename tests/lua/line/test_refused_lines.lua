@@ -151,4 +151,11 @@ for word, L in pairs {
   tap.raises(word, dm.field, { x = { 0, 1, 8 }, L = L })
 end
 
+-- a step beyond the limit is named as soon as the energy shows it, not when it is ten times what it was
+do
+  local string = dm.field { x = { 0, 1, 8 }, fixed = "ends", L = function(_, ut, ux) return (ut^2 - ux^2)/2 end }
+  local function said(h) return tostring(string:solver { h = h }:run { u = math.sin, steps = 3 }) end
+  ok(said(1.5):find "beyond the limit of stability, 0.132", "three steps ten times too long", said(1.5))
+  ok(not said(0.1):find "beyond", "and none that is stable", said(0.1))
+end
 tap.done()
