@@ -77,6 +77,12 @@ function M.own_floor(chart)
   return LEAST * unit_of(size)
 end
 
+local SENSITIVE = "is the motion chaotic over this time? Take a shorter t, watch something less "
+  .. "sensitive, or give reference = { rule =, h = }"
+local HELD = "a control is held over every step, so that other steps make another motion. Give "
+  .. "reference = { rule =, h = } with the step that is meant, or put what is continuous into "
+  .. "'force'"
+
 --- The reference of a chart: path, what the methods differ by in the measured error with what is
 -- rounded, a sentence.
 function M.find(chart)
@@ -98,9 +104,9 @@ function M.find(chart)
     fail("no rule could make a reference: %s", why or "does the run reach its end?")
   end
   if found.distance > TRUSTED then
-    fail("the references %s and %s disagree by %.1e (relative): is the motion chaotic over this "
-      .. "time? Take a shorter t, watch something less sensitive, or give "
-      .. "reference = { rule =, h = }", found.first, found.rule, found.distance)
+    local given = chart.system.given
+    fail("the references %s and %s disagree by %.1e (relative): %s", found.first, found.rule,
+      found.distance, given and given.control and HELD or SENSITIVE)
   end
   -- in what is measured
   local floor, size = chart.measure(found.paths[1], found.paths[2])

@@ -279,4 +279,10 @@ for _, unit in ipairs { 1, 1e-15, 1e12 } do
   tap.near(places:order "verlet" or 0, 2, 0.1, ("lengths in units of %g"):format(unit))
   tap.near(places:order "gauss(2)" or 0, 4, 0.2, ("lengths in units of %g, a finer rule"):format(unit))
 end
+-- a control that is held over a step makes the motion depend on it
+local held = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end,
+  control = function(q) return { q[1] } end, force = function(_, _, _, u) return { -u[1] } end }
+raises("held over every step", function()
+  held:chart { q = { 1 }, v = { 0 }, t = 3, rules = { "midpoint" }, h = { 0.1, 0.05 } }
+end)
 tap.done()
