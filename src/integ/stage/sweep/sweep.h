@@ -67,17 +67,13 @@ static inline void dm_sweep_judge(dm_sweep *a, double *unit, double size, double
     if (DM_SWEEP_APART * least < size) dm_sweep_find_units(a, unit, size);
 }
 
-typedef double dm_pair __attribute__((vector_size(16), aligned(8), may_alias));
-typedef long long dm_pair_mask __attribute__((vector_size(16), aligned(8), may_alias));
-
 /* The larger of moved times scale, of q and p, NaN where one is not finite; scale may be infinite
- * where nothing moved. Without a branch: which of both is larger cannot be foretold. */
+ * where nothing moved. One by one: a load of both would wait for the store of the one just found.
+ * Speed: Kepler (P1-0.6) by gauss(2): 1.1x */
 static inline double dm_sweep_relative(const double moved[2], const double scale[2]) {
-    const dm_pair m = *(const dm_pair *)(const void *)moved;
-    const dm_pair x = m * *(const dm_pair *)(const void *)scale;
-    const dm_pair_mask some = (dm_pair_mask)(m > 0.0);
-    const dm_pair r = (dm_pair)((some & (dm_pair_mask)x) | (~some & (dm_pair_mask)m));
-    return (r[0] > r[1] ? r[0] : r[1]) + 0.0 * (r[0] + r[1]);
+    const double q = moved[0] > 0.0 ? moved[0] * scale[0] : moved[0];
+    const double p = moved[1] > 0.0 ? moved[1] * scale[1] : moved[1];
+    return (q > p ? q : p) + 0.0 * (q + p);
 }
 
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors
