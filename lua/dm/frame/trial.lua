@@ -37,6 +37,7 @@ local TURNS = 3          -- of samples far away every third is pushed
 local WORST, ROUNDING = 1e9, 1e-13 -- for a condition of 1, relative
 local SAME = 1e-7        -- relative distance of points that are one
 local ONE = 1e-9         -- of entries of elements that are one
+local DIGITS = 1e-9      -- of the points that a formula need not give
 local MEASURED = 6       -- samples that tell the scale of Z,
 local ON = 1e-10         -- of which this much is surely on the section
 
@@ -57,11 +58,18 @@ local function is_surely_on(trial, size)
   return trial.measured >= MEASURED and size <= ON * trial.scale
 end
 
+-- the largest number of the points
+local function size_of(list)
+  local size = 0
+  for _, z in ipairs(list) do size = max(size, places.size(z)) end
+  return size
+end
+
 -- Is the distance `off` of the points there from the section more than rounding makes?
 local function is_told(trial, list, a, off)
   local frame = trial.frame
   if frame.solution then
-    return steady.is_own(frame, list, off, function(nudged)
+    return off > DIGITS * size_of(list) and steady.is_own(frame, list, off, function(nudged)
       local b = found.plain(frame, nudged)
       return b and (tangent.distance(frame, b.there, trial.section(frame, b.there)))
     end)

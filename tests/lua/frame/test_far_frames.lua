@@ -50,6 +50,10 @@ local right = {
     cross_section = chord, branch = along, solution = function(a, b)
       return rigid(a, -acos((b[1] - a[1]) / length(a, b)) * dm.where(b[2] - a[2], 1, -1))
     end } },
+  { "rigid motions to ten digits", { action = action { group = dm.SE(2), on = R2 }, points = 2,
+    cross_section = chord, branch = along, solution = function(a, b)
+      return rigid(a * (1 + 1e-10), -atan(b[2] - a[2], b[1] - a[1]))
+    end } },
   { "motions of space", { action = action { group = dm.SE(3), on = R3 }, points = 3,
     cross_section = function(a, b, c) return { a[1], a[2], a[3], b[2], b[3], c[3] } end,
     branch = function(_, b, c) return { b[1], c[2] } end, solution = function(a, b, c)
@@ -139,7 +143,7 @@ for _, case in ipairs(right) do
 end
 
 -- of no group far away, the inverse, the other cut
-local turns, sections = right[1][2], right[7][2]
+local turns, sections = right[1][2], right[8][2]
 local function refused(why, o, solution)
   local fine, message = pcall(frame, { action = o.action, points = o.points,
     cross_section = o.cross_section, branch = solution and o.branch, solution = solution })
@@ -167,7 +171,7 @@ local solved = {
   { "turns", 1, turns.action, function(z) return { z[2] } end, function(z) return z[1] end },
   { "rigid motions", 2, right[2][2].action,
     function(a, b) return { b[2] - a[2], a[1], a[2] } end, function(a, b) return b[1] - a[1] end },
-  { "rotations", 2, right[6][2].action, function(a, b) return { b[3], a[2], a[3] } end,
+  { "rotations", 2, right[7][2].action, function(a, b) return { b[3], a[2], a[3] } end,
     function(a, b) return { a[1], b[2] } end },
   { "turns and shifts", 1, action { group = dm.product(dm.SO(2), R1), on = R3,
     map = function(g, z)

@@ -262,6 +262,8 @@ raises("sigma must return one value", function()
   frame(options(good[1])):invariantize { sigma = function() return 1, 2 end,
     Ld = dm.discrete_lagrangian { Q = R2, h = 1, Ld = function(a, b, h) return a:dot(b) * h end } }
 end)
+raises("option 'invariants' must be a table { name = { point, entry } or a function }", frame,
+  { action = turn, cross_section = second, branch = first, invariants = 3 })
 raises("nowhere transversal", frame, { action = turn, branch = first,
   cross_section = function(z) return dm.tanh(20 * z:norm()) end })
 raises("nowhere transversal", frame, { action = turn, branch = first,
