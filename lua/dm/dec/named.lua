@@ -9,11 +9,20 @@ local M = {}
 local sqrt, pi, sin, cos = math.sqrt, math.pi, math.sin, math.cos
 local fail = option.failing "dm.mesh"
 
-local function whole(x, name, least)
-  if math.type(x) ~= "integer" or x < least then
-    fail("%s must be a whole number >= %d (got %s)", name, least, option.got(x))
+local MOST_DIMENSIONS, MOST_VERTICES = 8, 2 ^ 31 - 1 -- of dm.complex
+
+local function whole(x, name, least, most)
+  if math.type(x) ~= "integer" or x < least or most and x > most then
+    fail("%s must be a whole number %s (got %s)", name,
+      most and ("from %d to %d"):format(least, most) or ">= " .. least, option.got(x))
   end
   return x
+end
+
+-- Raises before a vertex is made: rows of so many.
+local function check_size(rows, of)
+  local vertices = 1.0 * rows * of
+  if vertices > MOST_VERTICES then fail("%g vertices are too many for a mesh", vertices) end
 end
 
 local function pair_of(x, name, least1, least2)
@@ -39,6 +48,7 @@ end
 --- triangle = N: the equilateral triangle of side 1 in N^2 equilateral ones.
 function M.triangle(N)
   whole(N, "triangle", 1)
+  check_size(N, N)
   local points, ids, row = {}, {}, {}
   for j = 0, N do
     row[j] = #points
@@ -67,6 +77,7 @@ function M.annulus(given, options)
     fail("ratio must be a number > 1, of the outer radius to the inner (got %s)",
       option.got(ratio))
   end
+  check_size(rings, m)
   local points = {}
   for r = 0, rings do
     for i = 0, m - 1 do
@@ -107,6 +118,7 @@ function M.torus(given, options)
   if type(R) ~= "number" or type(r) ~= "number" or not (R > r and r > 0) then
     fail("radii must be { R, r } with R > r > 0")
   end
+  check_size(nu, nv)
   local points = {}
   for j = 0, nv - 1 do
     for i = 0, nu - 1 do
@@ -122,6 +134,7 @@ end
 --- klein = n: Klein's bottle of n x n squares, edges 1.
 function M.klein(n)
   whole(n, "klein", 3)
+  check_size(n, n)
   local simplices = {}
   local function id(i, j)
     if i == n then i, j = 0, n - j end
@@ -205,7 +218,7 @@ end
 
 --- simplex_boundary = m: all facets of an m-simplex with edges 1.
 function M.simplex_boundary(m)
-  whole(m, "simplex_boundary", 2)
+  whole(m, "simplex_boundary", 2, MOST_DIMENSIONS + 1)
   local simplices = {}
   for left_out = 1, m + 1 do
     local facet = {}
@@ -217,7 +230,7 @@ end
 
 --- cross_polytope = m: its boundary; 2i - 1 and 2i are opposite; edges sqrt 2.
 function M.cross_polytope(m)
-  whole(m, "cross_polytope", 2)
+  whole(m, "cross_polytope", 2, MOST_DIMENSIONS + 1)
   local simplices = {}
   for choice = 0, (1 << m) - 1 do
     local facet = {}
@@ -232,6 +245,8 @@ end
 -- 3.10).
 function M.shells(given)
   local n, L = pair_of(given, "shells", 1, 1)
+  whole(n, "shells[1]", 1, MOST_DIMENSIONS)
+  check_size(2 * n, L)
   local points, simplices, zero = {}, {}, {}
   for c = 1, n do zero[c] = 0 end
   points[1] = zero

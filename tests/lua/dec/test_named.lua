@@ -108,4 +108,16 @@ raises("whole number", dm.mesh, { grid = 2.5 })
 ok(dm.mesh { triangle = 2 ^ 2 }:count(0) == 15 and dm.mesh { torus = { 2 ^ 2, 2 ^ 2 }, radii = { 2, 1 } }:count(0) == 16, "2^2 is a whole number")
 raises("far above", dm.mesh, { simplices = { { 1, 2, 2000000000 } } })
 raises("one of", dm.mesh, { grid = 2, triangle = 2 })
+-- what is far too large is refused before it is made
+for name, size in pairs { triangle = 10 ^ 6, klein = 10 ^ 6, torus = { 10 ^ 9, 10 ^ 9 }, annulus = { 10 ^ 6, 10 ^ 6 },
+  shells = { 2, 10 ^ 12 } } do
+  if type(size) == "table" then size = { size[1] // 1 | 0, size[2] // 1 | 0 } else size = size // 1 | 0 end
+  raises("vertices are too many for a mesh", dm.mesh, { [name] = size, radii = name == "torus" and { 2, 1 } or nil,
+    ratio = name == "annulus" and 2 or nil })
+end
+raises("cross_polytope must be a whole number from 2 to 9 (got 60)", dm.mesh, { cross_polytope = 60 })
+raises("simplex_boundary must be a whole number from 2 to 9 (got 70)", dm.mesh, { simplex_boundary = 70 })
+raises("shells[1] must be a whole number from 1 to 8 (got 30)", dm.mesh, { shells = { 30, 2 } })
+tap.ok(dm.mesh { cross_polytope = 9 }.dimension == 8, "up to dimension 8")
+
 tap.done()
