@@ -175,9 +175,7 @@ static int hamilton_pontryagin(lua_State *L) {
     const dml_system *s = check(L);
     dm_discrete d;
     lua_settop(L, 4);
-    if (!s->ruled)
-        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete Lagrangian of a "
-                      "system and a rule");
+    dml_needstages(L, s);
     dml_solveruled(L, &d);
     lua_createtable(L, 0, 7);
     dml_setresult(L);

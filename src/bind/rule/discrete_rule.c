@@ -255,13 +255,18 @@ static void set_weights(lua_State *L, const char *key, const dm_weight *w, uint3
     lua_setfield(L, -2, key);
 }
 
+void dml_needstages(lua_State *L, const dml_system *s) {
+    if (!s->ruled)
+        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete Lagrangian of a "
+                      "system and a rule of stages; gauss(1) is midpoint and galerkin(1, "
+                      "lobatto(2)) trapezoidal written so");
+}
+
 int dml_discrete_coefficients(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_DISCRETE);
     dm_galerkin g;
     dm_stage_table t;
-    if (!s->ruled)
-        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete Lagrangian of a "
-                      "system and a rule");
+    dml_needstages(L, s);
     lua_getiuservalue(L, 1, 1);
     if (is_exact(L, lua_gettop(L)))
         luaL_error(L, "the exact discrete Lagrangian is that of the flow: it has no coefficients");

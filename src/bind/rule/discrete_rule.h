@@ -26,6 +26,9 @@ int dml_formula_points(lua_State *L);
  * formula. */
 void dml_formula_of_system(lua_State *L);
 
+/* Raise where Ld is a formula, which has no points inside of a step. */
+void dml_needstages(lua_State *L, const dml_system *s);
+
 /* Push { system =, rule = } of the Ld at 1, nil for a formula of the script; as a C function. */
 int dml_discrete_source(lua_State *L);
 

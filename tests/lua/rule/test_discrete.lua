@@ -136,6 +136,14 @@ raises("made with h", function() Ld:solver { h = 1 } end)
 raises("has its rule", function() Ld:solver { rule = "verlet" } end)
 raises("no formula", function() Ld:emit_c() end)
 raises("no stages", function() own:hamilton_pontryagin(q0, q1) end)
+-- of a rule that is a formula the message names the same rule with stages
+for rule, staged in pairs { midpoint = "gauss(1)", trapezoidal = "galerkin(1, lobatto(2))" } do
+  local line = dm.system { Q = dm.R(1), L = function(q, v) return (1 + q[1] ^ 2) * v[1] ^ 2 / 2 end }
+  local short = dm.discrete_lagrangian(line, { rule = rule, h = 0.1 })
+  local long = dm.discrete_lagrangian(line, { rule = staged, h = 0.1 })
+  raises(staged, short.hamilton_pontryagin, short, { 0.2 }, { 0.3 })
+  near(short({ 0.2 }, { 0.3 }), long({ 0.2 }, { 0.3 }), 1e-16, "  which has the same value")
+end
 raises("q0", function() Ld({ 1 }, q1) end)
 raises("inside the domain", function() Ld({ 0, 0 }, { 0, 0 }) end)
 raises("p0 with the position q0", function() flow:run { q = q0, p0 = q1, steps = 1 } end)
