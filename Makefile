@@ -253,7 +253,7 @@ help:
 	@echo "make site       the docs as pages for a browser in $(B)/site"
 	@echo "make deb        a Debian package in $(B)/deb"
 	@echo "make clean"
-	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
+	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)  SAMPLES=1 (tests try all)"
 
 .PHONY: all modules setup programs test house steps demo san sanitized tsan threaded valgrind bench drifts charts format lint docs \
   install uninstall rock deb site clean help always
