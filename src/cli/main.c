@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -278,6 +279,16 @@ static void keep_memory(void) {
 #endif
 }
 
+/* Room on the stack that is there from the start. Where memory ends (ulimit -v) a stack that cannot
+ * grow is a segmentation fault, and no error as any other; ensembles take a fifth of it at once. */
+static void keep_stack(void) {
+    enum { ROOM = 1 << 20 }; /* bytes */
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur < 4 * (rlim_t)ROOM) return;
+    volatile char room[ROOM], *end = room; /* the far one: stacks grow down */
+    *end = 0;
+}
+
 /* What print left in a buffer is written last, where nobody asks whether it could be. */
 static void close_output(void) {
     if (!fflush(stdout) && !ferror(stdout)) return;
@@ -289,6 +300,7 @@ static void close_output(void) {
 /* Everything else runs protected: what is raised ends in a message and a status. */
 int main(int argc, char **argv) {
     keep_memory();
+    keep_stack();
     atexit(close_output);
     signal(SIGXFSZ, SIG_IGN); /* behind ulimit -f writing fails, and a run keeps its rows */
     lua_State *L = luaL_newstate();
