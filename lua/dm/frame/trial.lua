@@ -31,7 +31,7 @@ local TANGENTIAL = 3     -- samples with a singular root that are enough, if the
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
 local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
 -- lists of points far away for a frame that is solved for, by dim G, and pushes of each
-local FAR_ROOTS, FAR_AGAIN = { 4, 4, 3, 3, 3, 2, 1, 1 }, 2
+local FAR_ROOTS, FAR_AGAIN = { 2, 3, 3, 3, 3, 2, 1, 1 }, 2
 local TURNS = 3          -- of samples far away every third is pushed
 -- a condition beyond which a root tells nothing; what it makes of rounding
 local WORST, ROUNDING = 1e9, 1e-13 -- for a condition of 1, relative
