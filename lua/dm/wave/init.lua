@@ -112,8 +112,12 @@ class.method("dm.schroedinger", "eigen", function(wave, k)
     option.fail("wave:eigen", "with g = %g a stationary state has an energy for every norm; those "
       .. "of the linear part are of dm.schroedinger { ..., g = 0 }", wave.g)
   end
-  local eq = wave:equation()
-  local values, states = eq[wave.unknowns > MOST_DENSE and "lanczos" or "eigen"](eq, k)
+  local is_sparse, eq = wave.unknowns > MOST_DENSE, wave:equation()
+  if is_sparse and k >= wave.unknowns // 2 then
+    option.fail("wave:eigen", "of more than %d points fewer states than half of these are found, "
+      .. "here at most %d (got %d)", MOST_DENSE, wave.unknowns // 2 - 1, k)
+  end
+  local values, states = eq[is_sparse and "lanczos" or "eigen"](eq, k)
   local psi = {}
   for i, re in ipairs(states) do psi[i] = space.wrap(wave, re, core.zeros(#re)) end
   return core.result { values = values, psi = psi }

@@ -143,4 +143,8 @@ p = free:solver { rule = "two-step", h = 0.06, unstable = true }
 local fine, failure = pcall(p.run, p, { psi = middle, steps = 20000, every = 100 })
 ok(not fine and failure.code == "not_finite" and #failure.path > 2, "  beyond its limit it grows", failure)
 raises("linear", function() wave:solver { rule = "two-step", h = 0.001 } end)
+
+-- half of the states of many points: told by name, with how many there are
+tap.raises("wave:eigen: of more than 1200 points fewer states than half of these are found, here at most 1023 (got 1024)",
+  function() dm.schroedinger { x = { -4, 4, 2048 }, V = function(x) return x^2 end }:eigen(1024) end)
 tap.done()
