@@ -207,53 +207,6 @@ do
   ok(each[2] == each[1] - 1 and each[3] == each[2], "one trace tells what is read", table.concat(each, " "))
   raises("reads its parameter 'idle'", members, { idle = { 1, 2 } })
 end
--- functions that read a table outside, which is the same for all members
-do
-  local outside = { k = 4, l = 1 }
-  local function of(fields)
-    fields.Q, fields.params = dm.R(2), outside
-    return dm.system(fields):solver({ rule = "midpoint", h = 0.1 })
-  end
-  local function members(solver)
-    return solver:ensemble { members = 2, q = { { 0, -2 }, { 0, -2 } }, v = { { 0, 0 }, { 0, 0 } }, steps = 1, vary = { l = { 1, 2 }, k = { 4, 5 } } }
-  end
-  local why = "reads its parameter 'k', so members would not differ by it: 'k' is read elsewhere"
-  raises(why, members, of { L = function(q, v) return outside.l * v:dot(v) / 2 - outside.k * q[2] end })
-  raises(why, members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - outside.k * q[2] end })
-  raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, force = function(q) return -outside.k * q end })
-  raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - outside.k end })
-end
--- what is watched does not see the values of members
-do
-  local outside = { k = 1 }
-  local own = dm.system { Q = dm.R(1), params = outside,
-    L = function(q, v, _, p) return (v[1] ^ 2 - p.k * q[1] ^ 2) / 2 end }
-  local function members(watch)
-    return own:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1 }, { 1 } }, v = { { 0 }, { 0 } }, steps = 3, vary = { k = { 1, 9 } }, watch = watch }
-  end
-  local why = "field 'watch': E reads params.k, which is that of the system, not that of a member"
-  raises(why, members, { E = function(q, v) return (v[1] ^ 2 + own.params.k * q[1] ^ 2) / 2 end })
-  raises(why, members, { E = function(q, v) return (v[1] ^ 2 + outside.k * q[1] ^ 2) / 2 end })
-  local other = { k = 2 }
-  local e = members { "energy", E = function(q, v) return (v[1] ^ 2 + other.k * q[1] ^ 2) / 2 end }
-  ok(e:path(2):column "energy"[1] == 4.5 and e:path(2):column "E"[1] == 1, "another table may be read")
-end
--- paths of members are those of the system as it was, as paths of runs are
-do
-  local k = 1
-  local own = dm.system { Q = dm.R(1), params = { m = 1, c = 1 },
-    L = function(q, v, _, p) return (p.m * v[1] ^ 2 - k * p.c * q[1] ^ 2) / 2 end }
-  local solver = own:solver { rule = "verlet", h = 0.1 }
-  local function members(vary)
-    return solver:ensemble { members = 2, q = { { 1 }, { 2 } }, v = { { 1 }, { 1 } }, steps = 5, every = 1, vary = vary }
-  end
-  local e, varied = members(), members { m = { 1, 3 } }
-  local path = solver:run { q = { 2 }, v = { 1 }, steps = 5 }
-  own.params.m, own.params.c = 7, 5
-  ok(varied:path(2):energy()[1] == 3.5, "energies after other params have changed", varied:path(2):energy()[1])
-  k = 5
-  ok(e:path(2):energy()[6] == path:energy()[6] and path:energy()[1] == 2.5, "and after L has", e:path(2):energy()[1])
-end
 -- what nothing reads makes no member another one
 for _, rule in ipairs { "verlet", "gauss(2)" } do
   local idle = dm.system { Q = dm.R(1), params = { k = 1, idle = 1, mode = 1, deep = 1 }, L = function(q, v, _, p)
