@@ -228,7 +228,12 @@ dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper) {
     dm_newton_report report = {0};
     g->constant.made = g->constant.J && g->factored == g->h;
     g->position_size = dm_constrained_position_size(g);
+    /* none is left out: compilers zero the whole first, which takes 10 ns */
     const dm_newton_problem problem = {.m = dm_constrained_unknowns(g),
+                                       .inside = NULL,
+                                       .period = 0,
+                                       .near_identity = 0,
+                                       .exact = 0,
                                        .equation = dm_constrained_equation,
                                        .ctx = g,
                                        .size = &g->size,
