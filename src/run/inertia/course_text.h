@@ -75,9 +75,7 @@ INLINE V lesser(V a, V b) {
 /* Like (t0 - t)^(2/3) where the mass depends on positions alone, since M v^2 stays finite; else
  * like the root of t0 - t, as at a fold of the momentum. Infinite: it does not fall. */
 INLINE V left_of(V before, V now, V since, int by_velocity) {
-    const V ratio = before / now;
-    if (!some(WHERE(ratio > same(1.0)))) return same(INFINITY);
-    const V power = ratio * (by_velocity ? ratio : root_of(ratio));
+    const V ratio = before / now, power = ratio * (by_velocity ? ratio : root_of(ratio));
     return pick(WHERE(ratio > same(1.0)), since / (power - same(1.0)), same(INFINITY));
 }
 
