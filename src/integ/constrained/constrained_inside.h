@@ -76,10 +76,9 @@ typedef struct {
     long evaluations;            /* of L, in this step */
     int iterations, matrices;    /* of Newton, in this step */
     double residual;
-    /* the constraint that depends on those before it, from 1; 0: none was found */
-    uint32_t lost;
-    int crosses; /* others there, inside of the step (mech/crossing.h), at this time */
-    double at;   /* its time */
+    uint32_t lost; /* the constraint that depends on those before it, from 1; 0: none was found */
+    int crosses;   /* others there, inside of the step (mech/crossing.h), at this time */
+    double at;     /* its time */
     dm_wide_product
         volume; /* of the rows at the end; part 0: the hidden constraint did not tell it */
 } dm_constrained;
@@ -159,8 +158,7 @@ dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper);
 
 dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper);
 
-/* ---- constrained_hidden.c: v1 and the last impulses into g->end, from g->next without them ----
- */
+/* ---- constrained_hidden.c: v1, the last impulses into g->end, from g->next without them ---- */
 
 dm_status dm_constrained_hidden(dm_constrained *g, const dm_stepper *stepper);
 void dm_constrained_hidden_matrix(const dm_constrained *g, double *J);
@@ -169,8 +167,7 @@ void dm_constrained_hidden_matrix(const dm_constrained *g, double *J);
 
 int dm_constrained_turns(const dm_constrained *g);
 void dm_constrained_turning_guess(dm_constrained *g);
-/* from a root with a guess of the inner velocities to one with theirs, and to the end of the
- * step */
+/* from a root with a guess of the inner velocities to one with theirs, to the end of the step */
 dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *stepper);
 
 /* ---- constrained_memory.c: V, impulses, end and start of a step, for the next one ---- */
@@ -192,7 +189,6 @@ void dm_constrained_longer_guess(dm_constrained *g, const double *V);
 /* the first constraint whose row depends on those before it at a point of the step, from 1; 0:
  * none; ended: did the step come to its end, where rolling is evaluated last? */
 uint32_t dm_constrained_dependent(dm_constrained *g, int ended);
-
 /* Do rows depend on each other there to rounding, so that they leave a velocity open? A step that
  * ends so, exactly where they cross, may have any. */
 int dm_constrained_is_lost(dm_constrained *g, uint32_t k);
