@@ -3951,7 +3951,7 @@ function dm_simplicial_map_class:pull(a) end
 function dm_simplicial_map_class:push(c) end
 
 ---dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}
----fields: system, rule, h, order, tolerance, max_iterations, sums, backend (nil: the usual one); lift: of a system on a group, "collective" or "homogeneous" where the rule steps it in coordinates
+---fields: system, rule, h, order, tolerance, max_iterations, sums, backend (nil: the usual one); own_time: what a step covers of t is known when it is taken; lift: of a system on a group, "collective" or "homogeneous" where the rule steps it in coordinates
 ---@class dm.solver
 local dm_solver_class = {}
 
@@ -6472,9 +6472,9 @@ function dm.resume(file, system, options) end
 ---@return dm.root
 function dm.root(options) end
 
----dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, symplectic, explicit, on_groups, for_pairs, formula, instances}
+---dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, symplectic, explicit, on_groups, for_pairs, formula, own_time, instances}
 ---
----Every rule that a solver can use. order and stages as formulas, cost a step with n coordinates; on_groups: it steps groups by itself, not by their lift; formula: its discrete Lagrangian is a formula in L; instances: {rule, order, stages, forces, symmetric, symplectic ...}, rules on which all this is measured by the tests (forces a step when L = T(v) - V(q), 0 where the rule stays implicit).
+---Every rule that a solver can use. order and stages as formulas, cost a step with n coordinates; on_groups: it steps groups by itself, not by their lift; formula: its discrete Lagrangian is a formula in L; own_time: what a step covers of t is known when it is taken; instances: {rule, order, stages, forces, symmetric, symplectic ...}, rules on which all this is measured by the tests (forces a step when L = T(v) - V(q), 0 where the rule stays implicit).
 ---@return table
 function dm.rules() end
 

@@ -14,7 +14,7 @@ local abs, max, log = math.abs, math.max, math.log
 -- columns q and p of the end of a run of n steps over the duration
 local function finish(solver, options, duration, n)
   local o = { q = options.q, v = options.v, p = options.p, t0 = options.t0 }
-  if has_own_time(solver.rule) then
+  if has_own_time(solver) then
     o.at = { (options.t0 or 0) + duration }
   else
     o.steps, o.every = n, n

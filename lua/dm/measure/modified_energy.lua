@@ -200,7 +200,7 @@ local function check(solver, options)
   if not s or not s.autonomous or given.rolling or given.force then
     error(what .. " needs a Lagrangian without time, rolling and forces", 0)
   end
-  if has_own_time(solver.rule) then
+  if has_own_time(solver) then
     error(what .. ": '" .. tostring(solver.rule)
       .. "' has a time of its own; the energy it keeps is H itself", 0)
   end

@@ -41,7 +41,7 @@ function M.refuse(solver, what, any_time)
   if not (given and (given.L or given.H)) then
     error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
   end
-  if has_own_time(rule) and not any_time then
+  if has_own_time(solver) and not any_time then
     error(what .. ": '" .. rule
       .. "' changes the time with the state, so the prolonged system, or the reversed one, runs on "
       .. "another time: use a rule with a fixed step", 0)

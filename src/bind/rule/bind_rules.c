@@ -23,7 +23,8 @@ static void set_traits(lua_State *L, unsigned traits) {
         unsigned trait;
     } known[] = {{"symmetric", DM_SYMMETRIC}, {"symplectic", DM_SYMPLECTIC},
                  {"explicit", DM_EXPLICIT},   {"on_groups", DM_ON_GROUPS},
-                 {"for_pairs", DM_FOR_PAIRS}, {"formula", DM_FORMULA}};
+                 {"for_pairs", DM_FOR_PAIRS}, {"formula", DM_FORMULA},
+                 {"own_time", DM_OWN_TIME}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         lua_pushboolean(L, (traits & known[i].trait) != 0);
         lua_setfield(L, -2, known[i].key);
@@ -84,10 +85,11 @@ static int rules(lua_State *L) {
 static const dml_row functions[] =
     {{"rules", rules,
       "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, symplectic, "
-      "explicit, on_groups, for_pairs, formula, instances}\n"
+      "explicit, on_groups, for_pairs, formula, own_time, instances}\n"
       "Every rule that a solver can use. order and stages as formulas, cost a step with n "
       "coordinates; on_groups: it steps groups by itself, not by their lift; formula: its discrete "
-      "Lagrangian is a formula in L; instances: {rule, order, "
+      "Lagrangian is a formula in L; own_time: what a step covers of t is known when it is taken; "
+      "instances: {rule, order, "
       "stages, forces, symmetric, symplectic ...}, rules on which all this is measured by the "
       "tests (forces a step when L = T(v) - V(q), 0 where the "
       "rule stays implicit)."},

@@ -241,6 +241,8 @@ static int solver_field(lua_State *L) {
         push_lift(L);
     else if (strcmp(key, "backend") == 0)
         lua_getiuservalue(L, 1, DML_SOLVER_BACKEND);
+    else if (strcmp(key, "own_time") == 0)
+        lua_pushboolean(L, (s->method->traits & DM_OWN_TIME) != 0);
     else if (strcmp(key, "sums") == 0)
         lua_pushstring(L, s->plain ? "plain" : "compensated");
     else
@@ -357,7 +359,8 @@ const dml_class dml_class_solver = {
     .doc =
         "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
         "fields: system, rule, h, order, tolerance, max_iterations, sums, backend (nil: the usual "
-        "one); lift: of a system on a group, \"collective\" or \"homogeneous\" where the rule "
+        "one); own_time: what a step covers of t is known when it is taken; lift: of a system on a "
+        "group, \"collective\" or \"homogeneous\" where the rule "
         "steps it in coordinates",
     .meta = meta,
     .methods = methods,

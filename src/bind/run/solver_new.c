@@ -69,6 +69,9 @@ static void read_rule(lua_State *L, solver *s) {
     } else if (lua_type(L, -1) == LUA_TSTRING) {
         const char *wrong = dm_rule_read(s->nodes, lua_tostring(L, -1), &nearest);
         if (wrong) luaL_error(L, "field 'rule': '%s': %s", lua_tostring(L, -1), wrong);
+        const char *text = lua_tostring(L, -1); /* others look at how it begins */
+        lua_pushstring(L, text + strspn(text, " \t\n\v\f\r"));
+        lua_replace(L, -2);
     } else {
         luaL_error(L,
                    "field 'rule' must be the name of a rule, for instance \"verlet\" or "

@@ -112,6 +112,18 @@ local at = timed:run { q = { 1 }, p = { 0 }, at = { own.t[3], (own.t[3] + own.t[
 ok(math.abs(at.q[1][1] - own.q[3][1]) + math.abs(at.q[3][1] - own.q[11][1]) < 1e-13
   and at:column "n"[3] == 10 and at:column "n"[2] == 3, "states at times of its own")
 raises("has a time of its own", timed.run, timed, { q = { 1 }, p = { 0 }, t = 1 })
+-- the midpoint rule with steps h/(1 + q^2), explicit in q: of order 2 at one time
+local paced = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 - q[1]^4/4 end }:solver { h = 0.1,
+  rule = dm.step { name = "paced", unknowns = 2, order = 2, start = function(y) return { y.q[1], y.p[1] } end,
+    equation = function(y, x, h)
+      local k = h / (1 + y.q[1]^2)
+      return { x[1] - y.q[1] - k/2 * x[2], x[2] - y.p[1] + k/2 * x[1]^3 }
+    end,
+    next = function(y, x, h)
+      return { q = { 2*x[1] - y.q[1] }, p = { 2*x[2] - y.p[1] }, t = y.t + h / (1 + y.q[1]^2) }
+    end } }
+near(paced:measured_order({ q = { 1 }, v = { 0 }, t = 2 }).order, 2, 0.1, "  orders are measured at one time")
+raises("time of its own", paced.modified_energy, paced, { q = { 1 }, v = { 0 }, steps = 60 })
 
 ---- the declared order ----
 

@@ -231,6 +231,7 @@ raises("time of its own", free_h.modified_energy, free_h, with { steps = 60 })
 raises("changes the time", dm.amplification, "sem(1, gauss(1))", 0.1)
 near(free_h:measured_order({ q = start.q, v = start.v, t = 1 }).order, 4, 0.1,
   "orders are measured at one time")
+ok(kepler:solver({ rule = " sem(1, gauss(1))", h = 0.1 }).own_time, "blanks before a rule's name are none of it")
 near(free_h:backward_error(with { steps = 300 }).order, 4, 0.1, "and energies along the run")
 -- a scene that allows this rule alone goes to its end: E = 0.5 - 2 = -1.5, a = 1/3, a turn is
 -- 2 pi a^(3/2)
