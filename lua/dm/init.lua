@@ -226,7 +226,7 @@ for name, own in pairs { dm_explain = "explain", dm_noted = "noted", dm_argument
   registry[name] = function(...) return require "dm.session.missing"[own](...) end
 end
 for name, own in pairs { dm_params = "shown", dm_unread = "unread",
-  dm_out_of_reach = "why_out_of_reach", dm_outside = "outside", dm_param_names = "names" } do
+  dm_out_of_reach = "out_of_reach", dm_outside = "outside", dm_param_names = "names" } do
   registry[name] = function(...) return require "dm.base.params"[own](...) end
 end
 -- what is noted is forgotten before a function is called whose nil is looked into

@@ -1,6 +1,7 @@
---- Does a rule, or a solver, have a time of its own: is what a step covers of it known only when it
--- is taken? Runs of it end at given times (at=), not after so many steps, and what lies beside a run,
--- such as a tangent vector, has other times than the run. Of a rule by dm.step only its solver knows.
+--- Does a rule, or a solver, have a time of its own: is what a step covers of it known only when
+-- it is taken? Runs of it end at given times (at=), not after so many steps, and what lies beside a
+-- run, such as a tangent vector, has other times than the run. Of a rule by dm.step only its solver
+-- knows.
 local core = require "dm.core"
 
 local names

@@ -29,12 +29,13 @@ end
 local mentions
 
 -- does one of the functions that code may call from a table, by their names, or from one in it?
-local function is_behind(code, value, text, looked, depth)
-  if type(value) == "function" then return mentions(value, text, looked) end
+local function is_behind(code, value, text, looked, counts, depth)
+  if type(value) == "function" then return mentions(value, text, looked, counts) end
   if type(value) ~= "table" or depth == 0 then return false end
+  if rawequal(value, package.loaded.dm) then return false end -- no function of a user
   for key, inner in next, value do
     if type(key) == "string" and has_constant(code, key)
-      and is_behind(code, inner, text, looked, depth - 1) then
+      and is_behind(code, inner, text, looked, counts, depth - 1) then
       return true
     end
   end
@@ -44,17 +45,17 @@ end
 local DEPTH = 4 -- of tables in tables: library.forces.spring is a global two deep
 
 -- does code of the function, or of one that it calls by an upvalue or a global, have this text as a
--- constant?
-function mentions(f, text, looked)
+-- constant? counts(f, code): only of such ones
+function mentions(f, text, looked, counts)
   if looked[f] then return false end
   looked[f] = true
   local fine, code = blame.try(string.dump, f, true)
   if not fine then return false end -- it is in C
-  if has_constant(code, text) then return true end
+  if has_constant(code, text) and (not counts or counts(f, code)) then return true end
   for k = 1, 255 do
     local name, value = debug.getupvalue(f, k)
     if not name then return false end
-    if is_behind(code, value, text, looked, DEPTH) then return true end
+    if is_behind(code, value, text, looked, counts, DEPTH) then return true end
   end
 end
 
@@ -68,11 +69,9 @@ function M.may_read(system, name)
   return false
 end
 
--- does code of the function name the parameter, and is one of its upvalues or globals the system or
--- the table of its params?
+-- does the function, or one that it calls, name the parameter and have the system, or the table of
+-- its params, as an upvalue or a global?
 local function reads_table(f, system, name)
-  local fine, code = blame.try(string.dump, f, true)
-  if not (fine and has_constant(code, name)) then return false end
   local params = system.params
   local shown = debug.getmetatable(params)
   local raw = shown and shown.__index
@@ -80,16 +79,20 @@ local function reads_table(f, system, name)
     return value ~= nil
       and (rawequal(value, system) or rawequal(value, params) or rawequal(value, raw))
   end
-  for k = 1, 255 do
-    local upvalue, value = debug.getupvalue(f, k)
-    if not upvalue then return false end
-    if is_own(value) then return true end
-    if upvalue == "_ENV" or upvalue == "" and type(value) == "table" and rawequal(value, _G) then
-      for key, global in next, value do
-        if type(key) == "string" and is_own(global) and has_constant(code, key) then return true end
+  return mentions(f, name, {}, function(g, code)
+    for k = 1, 255 do
+      local upvalue, value = debug.getupvalue(g, k)
+      if not upvalue then return false end
+      if is_own(value) then return true end
+      if upvalue == "_ENV" or upvalue == "" and type(value) == "table" and rawequal(value, _G) then
+        for key, global in next, value do
+          if is_own(global) and type(key) == "string" and has_constant(code, key) then
+            return true
+          end
+        end
       end
     end
-  end
+  end)
 end
 
 -- where functions get params: L(q, v, t, params) and those like it; fields on lines, L(u, ut, ux,
@@ -97,28 +100,57 @@ end
 local PLACE, ON_LINES = 4, 6
 local EARLIER = { constraint = 2 }
 
--- Can a function of the system read this parameter in what it is given?
-local function may_be_given(system, name)
+-- The first function of the system of which asked(f, takes, key) holds; takes: does it take params?
+local function any_function(system, asked)
   local is_line = type(system) == "table"
   local field = not is_line and system.field -- whose functions are wrapped
   for key, f in pairs(field and field.options or system.given) do
     local info = type(f) == "function" and debug.getinfo(f, "u")
-    if info and (info.isvararg or info.nparams >= (EARLIER[key] or is_line and ON_LINES or PLACE))
-      and mentions(f, name, {}) and not reads_table(f, system, name) then
-      return true
+    if info then
+      local place = EARLIER[key] or is_line and ON_LINES or PLACE
+      if asked(f, info.isvararg or info.nparams >= place) then return key end
     end
   end
-  return false
 end
 
-local ELSEWHERE = ": '%s' is read elsewhere, from a table that stays as it is; functions get "
-  .. "params as their last argument, as L(q, v, t, params)"
+-- Can a function of the system read this parameter in what it is given?
+local function may_be_given(system, name)
+  return any_function(system, function(f, takes)
+    return takes and mentions(f, name, {}) and not reads_table(f, system, name)
+  end)
+end
 
---- Why another value of a parameter that was not read while a system was traced never reaches its
--- functions, "" where that is plain; nil: it may, in another branch.
-function M.why_out_of_reach(system, name)
+-- a function that takes no params and reads this one elsewhere, whatever others do
+local function reads_elsewhere(system, name)
+  return any_function(system, function(f, takes)
+    return not takes and reads_table(f, system, name)
+  end)
+end
+
+local NOWHERE = "no function of the system reads it"
+local ELSEWHERE = "%s elsewhere, from a table that stays as it is; functions get params as their "
+  .. "last argument, as L(q, v, t, params)"
+local UNREAD = NOWHERE .. ": '%s' is read"
+
+-- why another value of a parameter that is unread reaches no function, and whether it is read
+-- somewhere; nil: it may, in another branch
+local function why_nowhere(system, name)
   if may_be_given(system, name) then return nil end
-  return M.may_read(system, name) and ELSEWHERE:format(name) or ""
+  if not M.may_read(system, name) then return NOWHERE, false end
+  return ELSEWHERE:format(UNREAD:format(name)), true
+end
+
+--- The first of the names whose other values do not reach all functions of the system that read it,
+-- why, and is it read somewhere? unread: those of them that M.unread gave
+function M.out_of_reach(system, names, unread)
+  for _, name in ipairs(names) do
+    local key = reads_elsewhere(system, name)
+    if key then return name, ELSEWHERE:format(("'%s' reads it"):format(key)), true end
+  end
+  for _, name in ipairs(unread) do
+    local why, somewhere = why_nowhere(system, name)
+    if why then return name, why, somewhere end
+  end
 end
 
 -- system -> names that its functions have read; ALL: which ones cannot be told

@@ -27,14 +27,14 @@ local function is_system(x)
   return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system"
 end
 
--- Raises where a parameter reaches no function that reads it, and no start: all rows would be one.
+-- Raises where a parameter does not reach the functions that read it, and no start: all rows would
+-- be one. One that is read nowhere is noted when the map is made.
 local function check_reach(system, used, by_starts)
-  local unread = system.line and used or params.unread(system, system.params, used)
-  for _, name in ipairs(unread) do
-    local why = not by_starts[name] and params.why_out_of_reach(system.line or system, name)
-    if why and why ~= "" then -- one that is read nowhere is noted when the map is made
-      fail("parameter '%s' changes nothing: no function of the system reads it%s", name, why)
-    end
+  for _, name in ipairs(used) do
+    local names = by_starts[name] and {} or { name }
+    local unread = system.line and names or params.unread(system, system.params, names)
+    local _, why, somewhere = params.out_of_reach(system.line or system, names, unread)
+    if somewhere then fail("parameter '%s' changes nothing: %s", name, why) end
   end
 end
 

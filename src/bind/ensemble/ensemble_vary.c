@@ -86,19 +86,19 @@ static void keep_unread(lua_State *L, const double *values, int names, long i) {
     lua_replace(L, unread);
 }
 
-/* raises where the k-th name of the list on top reaches no function of the system */
-static void check_reach(lua_State *L, lua_Integer k) {
+/* Raises where one of the names does not reach the functions of the system that read it; those that
+ * none has read are on top. */
+static void check_reach(lua_State *L, int names) {
     const int unread = lua_gettop(L);
     lua_getfield(L, LUA_REGISTRYINDEX, "dm_out_of_reach");
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    lua_rawgeti(L, unread, k); /* the list keeps it alive */
-    const char *name = lua_tostring(L, -1);
-    lua_call(L, 2, 1);
-    if (!lua_isnil(L, -1))
-        luaL_error(L,
-                   "field 'vary': no function of the system reads its parameter '%s', so members "
-                   "would not differ by it%s",
-                   name, lua_tostring(L, -1));
+    lua_pushvalue(L, names);
+    lua_pushvalue(L, unread);
+    lua_call(L, 3, 2);
+    const char *name = lua_tostring(L, -2);
+    if (name)
+        luaL_error(L, "field 'vary': members would not differ by parameter '%s': %s", name,
+                   lua_tostring(L, -1));
     lua_settop(L, unread);
 }
 
@@ -112,7 +112,7 @@ static void check_read(lua_State *L, const double *values, int names, long membe
     lua_pushvalue(L, names);
     for (long k = 0; k < LOOKS && k < members && luaL_len(L, -1); k++)
         keep_unread(L, values, names, members <= LOOKS ? k : k * (members - 1) / (LOOKS - 1));
-    for (lua_Integer k = 1; k <= luaL_len(L, -1); k++) check_reach(L, k);
+    check_reach(L, names);
     lua_pop(L, 1);
 }
 

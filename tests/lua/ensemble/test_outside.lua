@@ -13,11 +13,21 @@ do
   local function members(solver)
     return solver:ensemble { members = 2, q = { { 0, -2 }, { 0, -2 } }, v = { { 0, 0 }, { 0, 0 } }, steps = 1, vary = { l = { 1, 2 }, k = { 4, 5 } } }
   end
-  local why = "reads its parameter 'k', so members would not differ by it: 'k' is read elsewhere"
-  raises(why, members, of { L = function(q, v) return outside.l * v:dot(v) / 2 - outside.k * q[2] end })
-  raises(why, members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - outside.k * q[2] end })
-  raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, force = function(q) return -outside.k * q end })
-  raises(why, members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - outside.k end })
+  local function why(what) return "members would not differ by parameter 'k': " .. what .. " elsewhere, from a table" end
+  local unread = "no function of the system reads it: 'k' is read"
+  raises(why "'L' reads it", members, of { L = function(q, v) return outside.l * v:dot(v) / 2 - outside.k * q[2] end })
+  raises(why(unread), members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - outside.k * q[2] end })
+  raises(why "'force' reads it", members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, force = function(q) return -outside.k * q end })
+  raises(why "'constraint' reads it", members, of { L = function(_, v, _, p) return p.l * v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - outside.k end })
+  local function pull(q) return outside.k * q[2] end
+  raises(why(unread), members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - pull(q) end })
+  -- though it is read where it is given, too
+  raises(why "'force' reads it", members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - p.k * q[2] end, force = function(q) return -outside.k * q end })
+  -- another table may have such a name, and what is given may go to a helper
+  local other = { k = 9 }
+  local function weight(q, p) return p.k * q[2] end
+  local e = members(of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - weight(q, p) end, force = function(q) return -other.k * q end })
+  ok(e.p[1][2] ~= e.p[2][2], "members differ by what is given, beside another table", e.p[2][2] - e.p[1][2])
 end
 -- what is watched does not see the values of members
 do
@@ -30,6 +40,8 @@ do
   local why = "field 'watch': E reads params.k, which is that of the system, not that of a member"
   raises(why, members, { E = function(q, v) return (v[1] ^ 2 + own.params.k * q[1] ^ 2) / 2 end })
   raises(why, members, { E = function(q, v) return (v[1] ^ 2 + outside.k * q[1] ^ 2) / 2 end })
+  local function spring(q) return outside.k * q[1] ^ 2 end
+  raises(why, members, { E = function(q, v) return (v[1] ^ 2 + spring(q)) / 2 end })
   local other = { k = 2 }
   local e = members { "energy", E = function(q, v) return (v[1] ^ 2 + other.k * q[1] ^ 2) / 2 end }
   ok(e:path(2):column "energy"[1] == 4.5 and e:path(2):column "E"[1] == 1, "another table may be read")

@@ -391,7 +391,7 @@ do
     for key, value in pairs(more) do o[key] = value end
     return dm.stability(o)
   end
-  local why = "parameter 'k' changes nothing: no function of the system reads it: 'k' is read elsewhere"
+  local why = "parameter 'k' changes nothing: 'L' reads it elsewhere, from a table"
   raises(why, map, point, "verlet", { q = { 1 }, v = { 0 } })
   raises(why, map, field, "verlet", { q = function(x) return x end, v = function() return 0 end })
   raises(why, map, line, "cell(gauss(2))", { q = function(x) return x end, v = function() return 0 end })
