@@ -78,4 +78,18 @@ end
 ok(over <= runs / 200, "hardly a run goes over such a place", over .. " of " .. runs .. ":" .. where)
 ok(named > runs / 3, "many come to one and are told by name", named)
 ok(unlike <= alike / 50, "members end as runs of their own", unlike .. " of " .. alike)
+
+-- a start that goes away from such a place, with little mass, and back over it within 3 steps: a look
+-- at the second one sees it, one at the third finds a mass that is large again
+local function place(q) return (q[1] + 0.253) ^ 2 - 1.0621 end
+local system = dm.system { Q = dm.R(1), L = function(q, v)
+  return place(q) ^ 2 * v[1] ^ 2 / 2 - q[1] ^ 2 / 2
+end }
+local missed = 0
+for i = -20, 20 do
+  local solver = system:solver { rule = "lobatto(3)", h = 0.0726 + i * 2e-4 }
+  local fine, path = pcall(solver.run, solver, { q = { 0.9003 }, v = { 0.45647 }, steps = 60 })
+  if goes_over(fine and path or path.path, place) then missed = missed + 1 end
+end
+ok(missed == 0, "the second step is looked at", missed .. " of 41")
 tap.done()
