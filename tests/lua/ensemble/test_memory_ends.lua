@@ -1,5 +1,6 @@
 -- Where memory ends there is a result or an error, and no segmentation fault of a stack that cannot
--- grow. Builds that do not run under such a limit at all (sanitizers) are not asked.
+-- grow, or may not be large. Builds that do not run under a limit of memory at all (sanitizers) are not
+-- asked.
 local tap = require "tap"
 
 local file = os.tmpname()
@@ -11,8 +12,8 @@ f:write [[
     q = function() return { 1, 0 } end, v = function() return { 0, 1 } end } end)
 ]]
 f:close()
-local function status(limit, what)
-  return select(3, os.execute(("(ulimit -v %d && '%s' %s) >/dev/null 2>&1"):format(limit, arg[-1], what)))
+local function status(limit, what, of)
+  return select(3, os.execute(("(ulimit -%s %d && '%s' %s) >/dev/null 2>&1"):format(of or "v", limit, arg[-1], what)))
 end
 local asked = false
 for _, limit in ipairs { 165000, 175000, 180000, 185000 } do -- kB
@@ -24,4 +25,7 @@ for _, limit in ipairs { 165000, 175000, 180000, 185000 } do -- kB
 end
 os.remove(file)
 if not asked then print "# this build does not run under ulimit -v" end
+-- what takes room on the stack asks first how much there may be
+local code = status(1024, "-e ''", "s")
+tap.ok(code == 0, "a stack of 1 MB is enough to start", code)
 tap.done()
