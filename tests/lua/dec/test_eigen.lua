@@ -156,5 +156,9 @@ for _, a in ipairs { 1, 1e3, 1e6, 1e9 } do
   end
   ok(within, ("thin cells, 1 : %g: values are as near as residuals say"):format(a), tostring(found.values))
   ok((found.note ~= nil) == (a >= 1e6), ("thin cells, 1 : %g: a note"):format(a), found.note)
+  for _, c in ipairs(a < 1e9 and { 9e16, 1e-12 } or {}) do -- as of light in m/s
+    local note = (c * K:laplacian(0)):eigen(4).note
+    ok((note ~= nil) == (a >= 1e6), ("  of %g times the Laplacian too"):format(c), note)
+  end
 end
 tap.done()

@@ -212,20 +212,33 @@ local function find(A, m, options)
   return pairs_, name, solves, m > most and #pairs_ == most and ONE_LESS or nil
 end
 
-local SURE = 1e-6 -- of an eigenvalue, or of that of a wave across the longest edge
+local SURE = 1e-6 -- of an eigenvalue, or of the least beside it that is not 0
+local TOLD = 10   -- times the residual: such an eigenvalue is not 0
+
+-- what eigenvalues that may be 0 are measured in: the least that is not, in the units of A; without
+-- one that of Laplacians of a wave across the longest edge
+local function least(K, values, residuals)
+  local out, longest, lengths = math.huge, 0, K:volume(1)
+  for i = 1, #values do
+    local size = math.abs(values[i])
+    if size > TOLD * residuals[i] then out = math.min(out, size) end
+  end
+  if out < math.huge then return out end
+  for i = 1, #lengths do longest = math.max(longest, lengths[i]) end
+  return longest ^ -2
+end
 
 -- Low eigenvalues of meshes of needles and flakes are round-off of the largest ones.
 local function doubt(K, values, residuals)
-  local longest, doubtful, worst = 0, 0, 0
-  local lengths = K:volume(1)
-  for i = 1, #lengths do longest = math.max(longest, lengths[i]) end
+  local unit, doubtful, worst = least(K, values, residuals), 0, 0
   for i = 1, #values do
-    if residuals[i] > SURE * math.max(math.abs(values[i]), longest ^ -2) then
+    if residuals[i] > SURE * math.max(math.abs(values[i]), unit) then
       doubtful, worst = doubtful + 1, math.max(worst, residuals[i])
     end
   end
   return doubtful > 0 and ("%d of %d values are known to %.1e only (residuals): round-off of the "
-    .. "largest eigenvalues; cells are too thin"):format(doubtful, #values, worst) or nil
+    .. "largest eigenvalues; cells are too thin, or too many in a row"):format(doubtful, #values,
+    worst) or nil
 end
 
 local function check(m, options)
