@@ -45,7 +45,9 @@ local function named_function(name, what, points, entries)
     fail("invariant '%s' must be a function of the normalized points, or { point, entry }", name)
   end
   local j, a = what[1], what[2] or 1
-  local function is_place(i, most) return math.tointeger(i) and i >= 1 and i <= most end
+  local function is_place(i, most)
+    return type(i) == "number" and math.tointeger(i) and i >= 1 and i <= most
+  end
   if not (is_place(j, points) and is_place(a, entries)) then
     fail("invariant '%s': there is no entry %s of point %s among %d points of %d numbers", name,
       tostring(a), tostring(j), points, entries)

@@ -269,6 +269,8 @@ raises("L must return one value", dm.invariant_problem, { frame = planar,
 raises("option 'L' is missing: a function", dm.invariant_problem, { frame = planar })
 raises("there is no invariant 'kappa'", dm.invariant_problem,
   { frame = planar, L = function(I) return I.kappa end })
+raises("invariant 'd': there is no entry 1 of point 2 among", dm.invariant_problem,
+  { frame = planar, L = function(I) return I.d end, invariants = { d = { "2", 1 } } })
 raises("is L degenerate", function()
   return dm.invariant_problem { frame = planar, L = function(I) return I.lambda ^ 2 end,
     points = 3 }:solve { points = { { 0, 0 }, { 1, 0 }, { 2, 0.1 }, { 3, 0 } }, n = 8 }
