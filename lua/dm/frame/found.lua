@@ -19,9 +19,23 @@ local huge, max = math.huge, math.max
 local STEADY = 1e6       -- entries up to which rounding is told from what a formula makes
 M.VALID = 1e-9           -- how far an element may be from the group
 local NUDGE = 1e-7       -- of points, relative
+local MODERATE = 30      -- a point of larger numbers is far away
 
 function M.fail(...) options.fail("dm.moving_frame", ...) end
 function M.refuse(what, ...) M.fail("no moving frame: " .. what, ...) end
+
+--- The largest number of the points.
+function M.size_of(list)
+  local size = 0
+  for _, z in ipairs(list) do size = max(size, places.size(z)) end
+  return size
+end
+
+--- What to try where a formula is wrong at points far away.
+function M.advice(list)
+  return M.size_of(list) > MODERATE and "; a formula for nearer points needs an action that says "
+    .. "where they are, by domain(z) > 0" or ""
+end
 
 --- The list moved by g; nothing where it is not finite, far away or outside of the domain.
 function M.moved(frame, g, list)
@@ -37,8 +51,7 @@ end
 -- to magnify their differences, with the rounding in them. What is solved for g loses as many
 -- digits again.
 local function stretch(frame, g, list, there)
-  local size, nudged, worst = 0, {}, 0
-  for _, z in ipairs(list) do size = max(size, places.size(z)) end
+  local size, nudged, worst = M.size_of(list), {}, 0
   for i, z in ipairs(list) do
     nudged[i] = z:map(function(x, j) return x + ((i + j) % 2 == 0 and NUDGE or -NUDGE) * size end)
   end
@@ -73,8 +86,8 @@ local function by_valid_formula(frame, list)
     return h and kit.defect(h)
   end
   if not steady.is_own(frame, list, defect, defect_at) then return nil end
-  M.refuse("at z = %s the solution is no element of %s: %s", text.points(list),
-    tostring(frame.group), why or ("it is off by %.3g"):format(defect))
+  M.refuse("at z = %s the solution is no element of %s: %s%s", text.points(list),
+    tostring(frame.group), why or ("it is off by %.3g"):format(defect), M.advice(list))
 end
 
 --- The root; nothing where there is none, and why. What else it raises is an error of the section,

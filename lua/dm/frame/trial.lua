@@ -44,13 +44,13 @@ local ON = 1e-10         -- of which this much is surely on the section
 local condition_of, element_of, moved = found.condition, found.element, found.moved
 local fail, refuse = found.fail, found.refuse
 
--- is the inverse of g what would bring the points to the section?
+-- is the inverse of g what would bring the points to the section? what to try then, or false
 local function hint(trial, g, list)
   local frame = trial.frame
   local there = moved(frame, groups.kit(frame.group).inverse(g), list)
   local fine, off = blame.try(tangent.distance, frame, there, there and trial.section(frame, there))
   return fine and off < found.VALID and "; its inverse is: solution gives the element that moves "
-    .. "the points to the section" or ""
+    .. "the points to the section"
 end
 
 -- |Z| far below what it was where the distance from the section was measured
@@ -58,18 +58,11 @@ local function is_surely_on(trial, size)
   return trial.measured >= MEASURED and size <= ON * trial.scale
 end
 
--- the largest number of the points
-local function size_of(list)
-  local size = 0
-  for _, z in ipairs(list) do size = max(size, places.size(z)) end
-  return size
-end
-
 -- Is the distance `off` of the points there from the section more than rounding makes?
 local function is_told(trial, list, a, off)
   local frame = trial.frame
   if frame.solution then
-    return off > DIGITS * size_of(list) and steady.is_own(frame, list, off, function(nudged)
+    return off > DIGITS * found.size_of(list) and steady.is_own(frame, list, off, function(nudged)
       local b = found.plain(frame, nudged)
       return b and (tangent.distance(frame, b.there, trial.section(frame, b.there)))
     end)
@@ -138,7 +131,7 @@ local function frame_of(trial, list)
   if on == false then
     if frame.root then found.by_root(frame, list, true) end
     refuse("at z = %s the solution is not on the cross-section (off by %.3g)%s", text.points(list),
-      off, hint(trial, g, list))
+      off, hint(trial, g, list) or found.advice(list))
   end
   if on then check_branch(frame, list, a) end
   return on and a or nil

@@ -158,6 +158,17 @@ end)
 refused("the branch condition does not hold", turns, function(z)
   return turns.solution(z) + (z[2] < -100 and math.pi or 0)
 end)
+-- a formula for nearer points, as of Newton's method by 12 steps, is one where the action says so
+local function by_steps(domain)
+  return { action = action { group = R1, on = R2, map = shifts.map, domain = domain },
+    cross_section = function(z) return z[1] + z[1] ^ 3 - z[2] end, solution = function(z)
+      local e = 0 * z[2]
+      for _ = 1, 12 do e = e - (e + e ^ 3 - z[2]) / (1 + 3 * e ^ 2) end
+      return { e - z[1] }
+    end }
+end
+tap.raises("for nearer points needs an action that says where they are, by domain(z) > 0", frame, by_steps())
+tap.ok(frame(by_steps(function(z) return 20 - dm.abs(z[2]) end)), "a formula for the points of the domain")
 -- a formula that is no function is not rounded
 local calls = 0
 refused("is not on the cross-section", turns, function(z)
