@@ -95,21 +95,25 @@ local function reads_table(f, system, name)
   end)
 end
 
--- where functions get params: L(q, v, t, params) and those like it; fields on lines, L(u, ut, ux,
--- x, t, params)
-local PLACE, ON_LINES = 4, 6
-local EARLIER = { constraint = 2 }
+-- where functions get params: L(q, v, t, params) and those like it; constraint(q, t, params), and
+-- force(q, v, t, u, params) beside a control; fields on lines, L(u, ut, ux, x, t, params)
+local PLACE, OF_CONSTRAINT, ON_LINES = 4, 3, 6
+
+local function place_of(key, functions, is_line)
+  if is_line then return ON_LINES end
+  if key == "constraint" then return OF_CONSTRAINT end
+  return key == "force" and functions.control and PLACE + 1 or PLACE
+end
 
 -- The first function of the system of which asked(f, takes, key) holds; takes: does it take params?
 local function any_function(system, asked)
   local is_line = type(system) == "table"
   local field = not is_line and system.field -- whose functions are wrapped
-  for key, f in pairs(field and field.options or system.given) do
+  local functions = field and field.options or system.given
+  for key, f in pairs(functions) do
     local info = type(f) == "function" and debug.getinfo(f, "u")
-    if info then
-      local place = EARLIER[key] or is_line and ON_LINES or PLACE
-      if asked(f, info.isvararg or info.nparams >= place) then return key end
-    end
+    local takes = info and (info.isvararg or info.nparams >= place_of(key, functions, is_line))
+    if info and asked(f, takes) then return key end
   end
 end
 

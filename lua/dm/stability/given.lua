@@ -34,7 +34,9 @@ local function check_reach(system, used, by_starts)
     local names = by_starts[name] and {} or { name }
     local unread = system.line and names or params.unread(system, system.params, names)
     local _, why, somewhere = params.out_of_reach(system.line or system, names, unread)
-    if somewhere then fail("parameter '%s' changes nothing: %s", name, why) end
+    if somewhere then
+      fail("parameter '%s' changes %s: %s", name, #unread > 0 and "nothing" or "a part only", why)
+    end
   end
 end
 

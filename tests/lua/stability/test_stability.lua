@@ -395,5 +395,8 @@ do
   raises(why, map, point, "verlet", { q = { 1 }, v = { 0 } })
   raises(why, map, field, "verlet", { q = function(x) return x end, v = function() return 0 end })
   raises(why, map, line, "cell(gauss(2))", { q = function(x) return x end, v = function() return 0 end })
+  local partly = dm.system { Q = dm.R(1), params = outside, force = function(_, v) return { -outside.k * v[1] } end,
+    L = function(q, v, _, p) return (v[1] ^ 2 - p.k * q[1] ^ 2) / 2 end }
+  raises("parameter 'k' changes a part only: 'force' reads it elsewhere", map, partly, "midpoint", { q = { 1 }, v = { 0 } })
 end
 tap.done()
