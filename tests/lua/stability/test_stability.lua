@@ -380,12 +380,10 @@ ok(thrown:at(1, 1).class == "bounded" and thrown:at(1, 2).class == "off", "an es
 -- a parameter that functions read from a table outside never reaches them
 do
   local outside, K = { k = 1 }, dm.mesh { grid = 2 }
-  local line = dm.field { x = { 0, 1, 8 }, params = outside,
-    L = function(_, ut, ux) return (ut ^ 2 - outside.k * ux ^ 2) / 2 end }
+  local line = dm.field { x = { 0, 1, 8 }, params = outside, L = function(_, ut, ux) return (ut ^ 2 - outside.k * ux ^ 2) / 2 end }
   local field = K:field { params = outside,
     L = function(u, ut) return ut:dot(ut) / 2 - outside.k * u:d():dot(u:d()) / 2 end }
-  local point = dm.system { Q = dm.R(1), params = outside,
-    L = function(q, v) return (v[1] ^ 2 - outside.k * q[1] ^ 2) / 2 end }
+  local point = dm.system { Q = dm.R(1), params = outside, L = function(q, v) return (v[1] ^ 2 - outside.k * q[1] ^ 2) / 2 end }
   local function map(system, rule, more)
     local o = { system = system, rule = rule, steps = 10, h = { 0.1, 1, 3 }, k = { 1, 2 } }
     for key, value in pairs(more) do o[key] = value end
@@ -395,7 +393,7 @@ do
   raises(why, map, point, "verlet", { q = { 1 }, v = { 0 } })
   raises(why, map, field, "verlet", { q = function(x) return x end, v = function() return 0 end })
   raises(why, map, line, "cell(gauss(2))", { q = function(x) return x end, v = function() return 0 end })
-  local partly = dm.system { Q = dm.R(1), params = outside, force = function(_, v) return { -outside.k * v[1] } end,
+  local partly = dm.system { Q = dm.R(1), params = outside, force = function(_, v) return -outside.k * v end,
     L = function(q, v, _, p) return (v[1] ^ 2 - p.k * q[1] ^ 2) / 2 end }
   raises("parameter 'k' changes a part only: 'force' reads it elsewhere", map, partly, "midpoint", { q = { 1 }, v = { 0 } })
 end
