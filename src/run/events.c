@@ -64,8 +64,21 @@ static void narrow(bracket *k, double t, double g) {
     k->b = t, k->gb = g;
 }
 
-/* A change of sign at which g grows far beyond the ends of the step is a pole. */
-static int is_pole(double before, double after, double there) {
+/* Does g fall off from its change of sign at t, as from a pole, and not grow, as from a zero? Seen on
+ * the longer side, at distances of which one is 64 times the other. */
+static dm_status falls_off(dm_events *e, dm_stepper *s, uint32_t i, double from, double to,
+                           double t, double close, int *yes) {
+    const double way = fabs(t - from) > fabs(to - t) ? from - t : to - t;
+    const double far = copysign(fmin(4096.0 * close, 0.5 * fabs(way)), way);
+    double beyond, near;
+    dm_status status = value(e, s, i, &beyond, from, t + far);
+    if (status == DM_OK) status = value(e, s, i, &near, from, t + far / 64.0);
+    *yes = status == DM_OK && fabs(near) > 2.0 * fabs(beyond);
+    return status;
+}
+
+/* A change of sign at which g is far beyond the ends of the step may be a pole. */
+static int may_be_pole(double before, double after, double there) {
     static const double FAR = 16.0;
     return fabs(there) > FAR * fmax(fabs(before), fabs(after));
 }
@@ -78,6 +91,7 @@ static dm_status locate(dm_events *e, dm_stepper *s, uint32_t i, double from, do
     bracket k = {.a = from, .ga = e->before[i], .b = to, .gb = g_to};
     const double close = 4e-16 * fmax(fabs(from), fabs(to));
     double last = 0.0;
+    int pole = 0;
     for (int tries = 0; tries < TRIES && k.gb != 0.0; tries++) {
         double g;
         const double t = next_guess(&k, tries);
@@ -87,7 +101,10 @@ static dm_status locate(dm_events *e, dm_stepper *s, uint32_t i, double from, do
         narrow(&k, t, g);
         last = g;
     }
-    if (is_pole(e->before[i], g_to, last)) return DM_OK;
+    if (may_be_pole(e->before[i], g_to, last)) {
+        const dm_status status = falls_off(e, s, i, from, to, k.b, close, &pole);
+        if (status != DM_OK || pole) return status;
+    }
     /* the end behind the zero: a run that goes on from there does not meet it again */
     e->time[i] = k.gb == 0.0 || (k.gb < 0.0) == (g_to < 0.0) ? k.b : k.a;
     return DM_OK;

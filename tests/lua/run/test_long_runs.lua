@@ -149,6 +149,8 @@ do
   local zeros, jumps = seen(function(q) return math.tan(q[1]) end), seen(function(q) return dm.where(q[1] - 2, 1, -1) end)
   ok(#zeros == 3 and abs(zeros[3] - 3 * math.pi + 0.05) < 1e-12, "tan: zeros, not its poles", #zeros)
   ok(#seen(function(q) return 1 / (q[1] - 3) end) == 0, "1/x has none")
+  local narrow = seen(function(q) return (q[1] - 4) * dm.exp(-1e5 * (q[1] - 4) ^ 2) end)
+  ok(abs(narrow[1] - 3.95) < 1e-12, "a zero beside which all but nothing is left at the ends of the step", narrow[1])
   ok(#jumps == 1 and abs(jumps[1] - 1.95) < 1e-12, "a jump through zero", jumps[1])
   local fine, why = pcall(seen, function(q) return math.sqrt(1 - q[1]) end)
   ok(not fine and why.code == "no_value" and why.message:find("event 'here' is NaN there", 1, true) and #why.path == 10, "NaN", tostring(why))
