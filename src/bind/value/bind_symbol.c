@@ -72,13 +72,14 @@ static int refuse_field(lua_State *L) {
     const int vector = is_of_vectors(L);
     const char *key = luaL_tolstring(L, 2, NULL);
     const char *traced = traced_function(L);
-    const char *hint = strcmp(traced, "the function") == 0
-                           ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
-                       : strcmp(traced, "constraint") == 0
-                           ? "constraint gets (q, t); a condition on velocities is `rolling`"
-                       : vector ? "velocities and momenta of a product are one flat list of "
-                                  "numbers, factor after factor: xi:slice(1, 3)"
-                                : "the params of a system are the fourth argument, after q, v, t";
+    const char *hint =
+        strcmp(traced, "the function") == 0
+            ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
+        : strcmp(traced, "constraint") == 0
+            ? "constraint gets (q, t, params); a condition on velocities is `rolling`"
+        : vector ? "velocities and momenta of a product are one flat list of "
+                   "numbers, factor after factor: xi:slice(1, 3)"
+                 : "the params of a system are the fourth argument, after q, v, t";
     return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s (%s)", key,
                       traced, hint);
 }

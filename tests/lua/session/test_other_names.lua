@@ -107,7 +107,14 @@ os.remove(file)
 
 -- the momentum of a coordinate is a column
 local swung = spring:solver { rule = "verlet", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 2 }
-raises("that of a coordinate is a column: path.p_q1", swung.momentum, swung, "q1")
+raises("that of a coordinate is a column: path.p1", swung.momentum, swung, "q1")
+local named = dm.system({ Q = dm.R(1), coordinates = { "x" }, L = function(_, v) return v[1]^2/2 end })
+  :solver({ rule = "verlet", h = 0.1 }):run { q = { 1 }, v = { 2 }, steps = 1 }
+raises("that of a coordinate is a column: path.p_x", named.momentum, named, "x")
+ok(swung.p1[1] == 0 and named.p_x[1] == 2, "these are columns")
+-- params of a constraint come third
+raises("constraint gets (q, t, params)", dm.system, { Q = dm.R(1), params = { l = 1 },
+  L = function(_, v) return v[1]^2/2 end, constraint = function(q, p) return q[1] - p.l end })
 
 -- no acceleration, no linearization: told with the place, not as a matrix that nobody wrote
 local sphere = dm.system { Q = dm.R(2), L = function(q, v) return (v[1]^2 + math.sin(q[1])^2*v[2]^2)/2 + math.cos(q[1]) end }

@@ -5,6 +5,16 @@ local classes = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 
+-- where the momentum of a coordinate of this name is, "" where there is none
+local function of_coordinate(path, name)
+  for _, column in ipairs(path.columns) do
+    if column == "p_" .. name or column == name:gsub("^q%f[%d]", "p") and column ~= name then
+      return "; that of a coordinate is a column: path." .. column
+    end
+  end
+  return ""
+end
+
 -- the method `momentum` of a class, which asks `other` when its argument is a dm.action
 local function also_of_actions(class, other, signature)
   local most = select(2, signature:gsub(",", "")) + 1
@@ -14,7 +24,7 @@ local function also_of_actions(class, other, signature)
     if action == nil and kits.class_of(object) == class or type(action) == "string" then
       error(("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got %s)%s")
         :format(action and "a string" or "nil", action and class == "dm.path"
-          and "; that of a coordinate is a column: path.p_" .. action or ""), 0)
+          and of_coordinate(object, action) or ""), 0)
     end
     local meta = type(action) == "table" and getmetatable(action)
     if not meta or meta.__name ~= "dm.action" or kits.class_of(object) ~= class then
