@@ -85,7 +85,8 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     r->system = lua_gettop(L);
     r->t0 = t0;
-    if (!(s->method->traits & DM_OWN_TIME)) dml_refuse_late(L, t0, s->h);
+    if (s->method->traits & DM_BY_ENERGY || !(s->method->traits & DM_OWN_TIME))
+        dml_refuse_late(L, t0, s->h);
     r->model = r->apart ? dml_pushmodel(L, r->system) : dml_pushlast(L, r->system, backend_name(L));
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_NO_VELOCITY)

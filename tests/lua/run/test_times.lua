@@ -158,6 +158,8 @@ do
   raises("field 't0': numbers near 1e+17 are 16.0 apart, which is too far for steps of h = 0.05", late(1e17))
   raises("field 't0'", late(-1e15))
   raises("field 't0'", late(1e300))
+  local by_energy = solver.system:solver { rule = "sem(2, gauss(2))", h = 0.05 } -- steps of about h
+  raises("field 't0'", by_energy.run, by_energy, { q = { 1 }, v = { 0 }, steps = 100, t0 = 1e17 })
   raises("field 't0'", function()
     solver:ensemble { members = 2, q = function() return { 1 } end, v = function() return { 0 } end, steps = 10, t0 = 1e17 }
   end)
