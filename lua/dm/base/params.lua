@@ -69,8 +69,23 @@ function M.may_read(system, name)
   return false
 end
 
+-- is value, or one in it under names that code has, one of which is_own holds?
+local function is_held(code, value, is_own, depth)
+  if is_own(value) then return true end
+  if type(value) ~= "table" or depth == 0 or rawequal(value, package.loaded.dm) then
+    return false
+  end
+  for key, inner in next, value do
+    if type(key) == "string" and has_constant(code, key)
+      and is_held(code, inner, is_own, depth - 1) then
+      return true
+    end
+  end
+  return false
+end
+
 -- does the function, or one that it calls, name the parameter and have the system, or the table of
--- its params, as an upvalue or a global?
+-- its params, as an upvalue or a global, or in one?
 local function reads_table(f, system, name)
   local params = system.params
   local shown = debug.getmetatable(params)
@@ -83,14 +98,7 @@ local function reads_table(f, system, name)
     for k = 1, 255 do
       local upvalue, value = debug.getupvalue(g, k)
       if not upvalue then return false end
-      if is_own(value) then return true end
-      if upvalue == "_ENV" or upvalue == "" and type(value) == "table" and rawequal(value, _G) then
-        for key, global in next, value do
-          if is_own(global) and type(key) == "string" and has_constant(code, key) then
-            return true
-          end
-        end
-      end
+      if is_held(code, value, is_own, DEPTH) then return true end
     end
   end)
 end

@@ -23,6 +23,8 @@ do
   raises(why(unread), members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - pull(q) end })
   -- though it is read where it is given, too
   raises(why "'force' reads it", members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - p.k * q[2] end, force = function(q) return -outside.k * q end })
+  local library = { springs = { own = outside } }
+  raises(why "'force' reads it", members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - p.k * q[2] end, force = function(q) return -library.springs.own.k * q end })
   raises(why "'constraint' reads it", members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - p.k * q[2] end, constraint = function(q, _) return q:dot(q) - outside.k end })
   raises(why "'force' reads it", members, of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - p.k * q[2] end,
     control = function(q) return { q[1] } end, force = function(q, _, _, u) return -outside.k * q * u[1] end })
