@@ -64,8 +64,8 @@ static void narrow(bracket *k, double t, double g) {
     k->b = t, k->gb = g;
 }
 
-/* Does g fall off from its change of sign at t, as from a pole, and not grow, as from a zero? Seen on
- * the longer side, at distances of which one is 64 times the other. */
+/* Does g fall off from its change of sign at t, as from a pole, and not grow, as from a zero? Seen
+ * on the longer side, at distances of which one is 64 times the other. */
 static dm_status falls_off(dm_events *e, dm_stepper *s, uint32_t i, double from, double to,
                            double t, double close, int *yes) {
     const double way = fabs(t - from) > fabs(to - t) ? from - t : to - t;
