@@ -113,16 +113,19 @@ local function place_of(key, functions, is_line)
   return key == "force" and functions.control and PLACE + 1 or PLACE
 end
 
--- The first function of the system of which asked(f, takes, key) holds; takes: does it take params?
+-- The name of a function of the system, the first one, of which asked(f, takes) holds; takes: does
+-- it take params?
 local function any_function(system, asked)
+  local first
   local is_line = type(system) == "table"
   local field = not is_line and system.field -- whose functions are wrapped
   local functions = field and field.options or system.given
   for key, f in pairs(functions) do
     local info = type(f) == "function" and debug.getinfo(f, "u")
     local takes = info and (info.isvararg or info.nparams >= place_of(key, functions, is_line))
-    if info and asked(f, takes) then return key end
+    if info and (not first or key < first) and asked(f, takes) then first = key end
   end
+  return first
 end
 
 -- Can a function of the system read this parameter in what it is given?
@@ -191,11 +194,14 @@ end
 -- it was made with: its name and that of the parameter; nil where none does. It sees the values of
 -- the system, whatever those of members are.
 function M.outside(system, watch, names)
+  local first, its
   for key, f in pairs(type(watch) == "table" and watch or {}) do
-    for _, name in ipairs(type(f) == "function" and names or {}) do
-      if reads_table(f, system, name) then return key, name end
+    local asked = type(f) == "function" and not (first and tostring(first) < tostring(key))
+    for _, name in ipairs(asked and names or {}) do
+      if reads_table(f, system, name) then first, its = key, name end
     end
   end
+  return first, its
 end
 
 --- Names of parameters, joined: those that are there.
