@@ -59,11 +59,22 @@ function mentions(f, text, looked, counts)
   end
 end
 
+local OF_PAIRS = { "Ld", "constraint", "rolling", "reaction", "force" }
+
+-- functions by their names, among other things, of a system, a field or a discrete Lagrangian
+local function functions_of(system)
+  local field = type(system) ~= "table" and system.field -- whose functions are wrapped
+  if field or system.given then return field and field.options or system.given end
+  local out = {}
+  for _, key in ipairs(OF_PAIRS) do out[key] = system[key] end
+  return out
+end
+
 --- Can a function of the system read this parameter? It has the name in its code: a branch may be
 -- taken later.
 function M.may_read(system, name)
   local looked = {}
-  for _, f in pairs(system.given) do
+  for _, f in pairs(functions_of(system)) do
     if type(f) == "function" and mentions(f, name, looked) then return true end
   end
   return false
@@ -117,9 +128,7 @@ end
 -- it take params?
 local function any_function(system, asked)
   local first
-  local is_line = type(system) == "table"
-  local field = not is_line and system.field -- whose functions are wrapped
-  local functions = field and field.options or system.given
+  local is_line, functions = type(system) == "table", functions_of(system)
   for key, f in pairs(functions) do
     local info = type(f) == "function" and debug.getinfo(f, "u")
     local takes = info and (info.isvararg or info.nparams >= place_of(key, functions, is_line))

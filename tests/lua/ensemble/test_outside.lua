@@ -33,6 +33,17 @@ do
   local function weight(q, p) return p.k * q[2] end
   local e = members(of { L = function(q, v, _, p) return p.l * v:dot(v) / 2 - weight(q, p) end, force = function(q) return -other.k * q end })
   ok(e.p[1][2] ~= e.p[2][2], "members differ by what is given, beside another table", e.p[2][2] - e.p[1][2])
+  -- discrete Lagrangians
+  local function pairs_of(force, vary)
+    local D = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, params = outside, force = force,
+      Ld = function(q0, q1, h, p) return (q1[1] - q0[1]) ^ 2 / (2 * h) - h * p.k * (q0[1] ^ 2 + q1[1] ^ 2) / 4 end }
+    return dm.solver({ D }):ensemble { members = 2, q = { { 1 }, { 1 } }, p = { { 0 }, { 0 } }, steps = 1, vary = vary }
+  end
+  local k = { k = { 4, 8 } }
+  local d = pairs_of(nil, k)
+  ok(math.abs(d.q[1][1] - 0.98) < 1e-15 and math.abs(d.q[2][1] - 0.96) < 1e-15, "a discrete Lagrangian gets them: q1 = 1 - h^2 k/2")
+  raises(why "'force' reads it", pairs_of, function(q0) return { { -outside.k * q0[1] }, { 0 } } end, k)
+  raises("no function of the system reads it", pairs_of, nil, { l = { 1, 2 } })
 end
 -- what is watched does not see the values of members
 do
