@@ -17,6 +17,7 @@ typedef struct {
     dm_node *with; /* [n + 3d] what stands for the inputs of a trace */
     dm_node *out;  /* [n + d + arcs] */
     dm_node *gain; /* [n + d] of (q, mu) so far; NULL: nobody asked */
+    dm_node *rest; /* [d] what rounding left of the kick, turned with mu, where there are gains */
 } writing;
 
 /* nodes in the arena of the model */
@@ -47,6 +48,22 @@ static void turn_by_chart(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_no
     dm_transplant(x->g, x->trace->chart, x->trace->place, n, x->with, q);
 }
 
+/* What a turn adds is linear in mu: so much to the rest of the kick. Unseen by turns that has a mean
+ * where h is a ratio of small numbers, and J drifts ("top rotations(2)" of
+ * tests/bench/dm/long_runs.lua). */
+static void turn_rest(writing *x, uint32_t a, dm_node xi) {
+    const uint32_t n = x->n, d = x->d;
+    memset(x->with, 0, n * sizeof *x->with);
+    memcpy(x->with + n, x->rest, d * sizeof *x->rest);
+    x->with[n + d] = xi;
+    dm_transplant(x->g, x->trace->axes, x->trace->turned + a * ((size_t)n + d) + n, d, x->with,
+                  x->out);
+    for (uint32_t i = 0; i < d; i++) {
+        x->rest[i] = dm_add(x->g, x->rest[i], x->out[i]);
+        x->gain[n + i] = dm_add(x->g, x->gain[n + i], x->out[i]);
+    }
+}
+
 /* (q, mu) becomes that at q exp(x e_a) */
 static void turn_axis(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node xi) {
     const uint32_t n = x->n, d = x->d;
@@ -64,6 +81,7 @@ static void turn_axis(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_node x
         *to = dm_add(x->g, *to, x->out[i]);
         if (x->gain) x->gain[i] = dm_add(x->g, x->gain[i], x->out[i]);
     }
+    if (x->gain) turn_rest(x, a, xi);
 }
 
 /* entry of the inertia or of its inverse, as the model has them */
@@ -144,10 +162,13 @@ static uint32_t build_turns(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     memset(gain, 0, (n + (size_t)d) * sizeof *gain);
     const dm_node w = dm_input(x.g, n + 2 * d), h = dm_input(x.g, n + 2 * d + 1);
     for (uint32_t a = 0; a < d; a++) {
-        gain[n + a] = dm_mul(x.g, w, q[n + d + a]);
-        mu[a] = dm_add(x.g, mu[a], gain[n + a]);
+        const dm_node torque = q[n + d + a], before = mu[a];
+        gain[n + a] = dm_mul(x.g, w, torque);
+        mu[a] = dm_multiply_add(x.g, w, torque, before);
+        const dm_node seen = dm_sub(x.g, mu[a], before);
+        q[n + d + a] = dm_multiply_add(x.g, w, torque, dm_neg(x.g, seen)); /* the rest */
     }
-    if (dm_turns_sum(m)) x.gain = gain;
+    if (dm_turns_sum(m)) x.gain = gain, x.rest = mu + d;
     find_blocks(block, m);
     turn_all(&x, q, mu, block, h);
     x.gain ? mend(&x) : tidy(&x, q);
