@@ -48,9 +48,9 @@ static void turn_by_chart(writing *x, dm_node *q, dm_node *mu, uint32_t a, dm_no
     dm_transplant(x->g, x->trace->chart, x->trace->place, n, x->with, q);
 }
 
-/* What a turn adds is linear in mu: so much to the rest of the kick. Unseen by turns that has a mean
- * where h is a ratio of small numbers, and J drifts ("top rotations(2)" of
- * tests/bench/dm/long_runs.lua). */
+/* The rest of the kick is turned, as a turn is linear in mu. Unseen by turns it has a mean
+ * where h is a ratio of small numbers, and J drifts: "top rotations(2)" of
+ * tests/bench/dm/long_runs.lua. */
 static void turn_rest(writing *x, uint32_t a, dm_node xi) {
     const uint32_t n = x->n, d = x->d;
     memset(x->with, 0, n * sizeof *x->with);
