@@ -20,7 +20,7 @@ static ensemble *check(lua_State *L) {
 /* bytes of states, statuses and rows of a member */
 static size_t bytes_of_member(uint32_t n, const dm_ensemble_rows *rows) {
     return dm_state_size(n) * sizeof(double) + sizeof(dm_member) + sizeof(long) +
-           (size_t)rows->room * rows->width * sizeof(double);
+           sizeof(dm_trouble) + (size_t)rows->room * rows->width * sizeof(double);
 }
 
 static double memory_of_machine(void) {
@@ -52,12 +52,14 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
     }
     ensemble *e = lua_newuserdatauv(L, sizeof *e + (size_t)members * each, DML_ENSEMBLE_VALUES);
     *e = (ensemble){.members = members, .n = n, .rows = *rows};
-    clear(L, (char *)(e + 1), (size_t)members * (each - sizeof *e->member - sizeof(long)));
+    const size_t told = sizeof *e->member + sizeof(long) + sizeof *e->trouble;
+    clear(L, (char *)(e + 1), (size_t)members * (each - told));
     e->state = (double *)(e + 1);
     e->rows.data = e->state + (size_t)members * dm_state_size(n);
     e->member =
         (dm_member *)(void *)(e->rows.data + (size_t)members * (size_t)rows->room * rows->width);
     e->rows.count = (long *)(void *)(e->member + members);
+    e->trouble = (dm_trouble *)(void *)(e->rows.count + members);
     for (long i = 0; i < members; i++) {
         e->member[i] = (dm_member){.status = DM_STOPPED};
         e->rows.count[i] = 0;

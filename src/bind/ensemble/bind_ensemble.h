@@ -15,6 +15,7 @@ typedef struct {
     const dm_pace *pace;   /* members with steps of their own, or NULL */
     double *state;         /* members x dm_state_size(n) */
     dm_member *member;     /* members */
+    dm_trouble *trouble;   /* members; of those that have one */
     dm_ensemble_rows rows; /* room 0: none are kept */
     double t0;
 } dml_ensemble;

@@ -33,7 +33,7 @@ static void note_reason(lua_State *L, const dml_part *p, dml_stepping *r, dm_ine
     const int top = lua_gettop(L);
     if (many) r->stepper.params = p->values + (size_t)(i - p->first) * many;
     r->state = e->state + (size_t)i * dm_state_size(e->n);
-    r->stepper.report.trouble = m->trouble;
+    r->stepper.report.trouble = m->trouble ? e->trouble[i] : (dm_trouble){0};
     r->fading = m->fading;
     r->degenerate = NULL;
     if (is_degenerate(r, m, x, e->pace ? e->pace[i].h : e->h)) dml_note_degenerate(L, r, x);

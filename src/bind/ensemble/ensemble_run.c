@@ -208,6 +208,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
                         .params = p->values,
                         .state = e->state + (size_t)p->first * dm_state_size(e->n),
                         .member = e->member + p->first,
+                        .trouble = e->trouble + p->first,
                         .rows = rows.room ? &rows : NULL,
                         .watch = watched ? read_observers(L, steppers, threads) : NULL,
                         .follow = p->follow ? p->follow + p->first : NULL,

@@ -78,7 +78,7 @@ void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i) {
                                  &e->member[i].steps, &rows);
     if (e->member[i].status != DM_OK) {
         e->member[i].fading = run->inertia && dm_inertia_is_fading(run->inertia);
-        e->member[i].trouble = s->report.trouble;
+        dm_ensemble_note(e, i, &s->report.trouble);
     }
     if (e->rows) e->rows->count[i] = rows;
 }
@@ -162,7 +162,6 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int
     dm_block blocks[DM_ENSEMBLE_THREADS];
     pthread_t thread[DM_ENSEMBLE_THREADS];
     int made = 0;
-    for (long i = 0; i < e->members; i++) e->member[i] = (dm_member){.status = DM_STOPPED};
     for (int i = 0; i < threads; i++) {
         dm_inertia *inertia = e->inertia ? e->inertia + i : NULL;
         const int wide = dm_block_open(blocks + i, steppers[i], inertia);

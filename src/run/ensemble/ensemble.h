@@ -12,12 +12,12 @@
 
 enum { DM_ENSEMBLE_THREADS = 256 };
 
-/* What becomes of one member. */
+/* What becomes of one member. Small, as all are written: ensembles.lua, start, one step, end. */
 typedef struct {
-    dm_status status;   /* DM_STOPPED also for members that were not reached */
-    int fading;         /* it failed where d2L/dv2 was about to lose a value */
-    long steps;         /* finished */
-    dm_trouble trouble; /* of the step that failed */
+    dm_status status;      /* DM_STOPPED also for members that were not reached */
+    unsigned char fading;  /* it failed where d2L/dv2 was about to lose a value */
+    unsigned char trouble; /* there is one: that of the step that failed */
+    long steps;            /* finished */
 } dm_member;
 
 /* A step of its own for a member, how many of them, and how often a row is kept. */
@@ -32,7 +32,8 @@ typedef struct {
     const dm_pace *pace;  /* [members]; NULL: h, `steps`, the rows' `every` for all */
     const double *params; /* [members][params of the model] */
     double *state; /* [members] x dm_state_size: start, then end (failed: the last good state) */
-    dm_member *member;            /* [members] */
+    dm_member *member;            /* [members]; DM_STOPPED each, before they run */
+    dm_trouble *trouble;          /* [members] of those that have one; may be NULL */
     const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
     dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
     dm_follow *follow;            /* [members] beside their flows; NULL: not looked at */
@@ -45,6 +46,13 @@ typedef struct {
     void (*progress)(void *ud, long done);
     void *ud;
 } dm_ensemble;
+
+/* Member i failed in a step: what is known of that. */
+static inline void dm_ensemble_note(const dm_ensemble *e, long i, const dm_trouble *of_step) {
+    if (!e->trouble) return;
+    e->trouble[i] = *of_step;
+    e->member[i].trouble = 1;
+}
 
 /* Run all members with one opened stepper per thread (steppers[threads], each with workspace and
  * kernels of its own). Every member is what dm_run would make of it alone, bit for bit, whatever

@@ -72,9 +72,10 @@ static dm_inertia *inertia_of(const dm_hand *x, long i) {
 /* Members that cannot start have failed already; the others lie in their lanes from here on. */
 static void begin(dm_hand *x) {
     dm_stepper *s = x->b->stepper;
+    const int has_params = s->model->params > 0;
     for (long i = 0; i < x->count; i++) {
         dm_member *m = dm_hand_member(x, i);
-        dm_hand_choose(x, i);
+        if (has_params) dm_hand_choose(x, i);
         if (x->e->follow) dm_follow_begin(x->e->follow + x->first + i);
         m->status = dm_stepper_start(s, dm_hand_state(x, i), x->e->t0, x->b->h[i]);
         if (m->status != DM_OK) continue;
@@ -87,7 +88,7 @@ static void begin(dm_hand *x) {
             if (x->b->mass) dm_mass_lanes_put_scale(x->b->mass, (uint32_t)i, x->b->inertia->scale);
         }
         dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
-        put_params(x, i, (uint32_t)i);
+        if (has_params) put_params(x, i, (uint32_t)i);
         put_memory(x, (uint32_t)i);
         if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_OK;
         x->alive++;
@@ -159,11 +160,11 @@ static void repeat_alone(dm_hand *x, long i, double t, long count) {
     dm_lanes_get(&kept, dm_hand_dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, x->b->h[i], count, &done);
     m->steps = x->kept + done;
-    m->trouble = s->report.trouble;
     if (m->status == DM_OK) {
         dm_lanes_put(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, state);
         return;
     }
+    dm_ensemble_note(x->e, x->first + i, &s->report.trouble);
     x->alive--;
     dm_hand_look_beside(x, i, state, m->steps);
     dm_hand_keep_last_row(x, i);
@@ -180,8 +181,8 @@ static void leave(dm_hand *x, long i) {
     const dm_inertia *inertia = inertia_of(x, i);
     *dm_hand_member(x, i) = (dm_member){.status = lanes->failed[i],
                                         .steps = done,
-                                        .fading = inertia && dm_inertia_is_fading(inertia),
-                                        .trouble = lanes->trouble[i]};
+                                        .fading = inertia && dm_inertia_is_fading(inertia)};
+    dm_ensemble_note(x->e, x->first + i, lanes->trouble + i);
     dm_lanes_get(lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     x->alive--;
     dm_hand_choose(x, i);
@@ -240,8 +241,8 @@ static void advance(dm_hand *x, long count, int last) {
 static void end(dm_hand *x, long i, dm_status status) {
     dm_lanes_get(&x->b->lanes, dm_hand_dim(x), (uint32_t)i, dm_hand_state(x, i));
     dm_hand_member(x, i)->status = status, dm_hand_member(x, i)->steps = x->done;
-    if (status == DM_OK) dm_hand_look_beside(x, i, dm_hand_state(x, i), x->done);
-    dm_hand_keep_last_row(x, i);
+    if (status == DM_OK && x->e->follow) dm_hand_look_beside(x, i, dm_hand_state(x, i), x->done);
+    if (x->e->rows) dm_hand_keep_last_row(x, i);
 }
 
 /* members that have gone over a change of inertia leave */

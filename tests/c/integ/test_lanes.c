@@ -61,6 +61,7 @@ static void starts(double *state, long members, long broken) {
 static uint32_t run_all(double *state, dm_member *member, long members, kepler *k) {
     uint32_t lanes = 0;
     dm_stepper *steppers[1] = {&k->s};
+    for (long i = 0; i < members; i++) member[i] = (dm_member){.status = DM_STOPPED};
     const dm_ensemble e = {.members = members,
                            .h = 0.01,
                            .steps = STEPS,
@@ -189,6 +190,7 @@ static void progress_counts_steps(void) {
         CHECK(kepler_open(&one, "verlet"));
         dm_jit_limit(k % 2 ? 8 : 1);
         starts(state, 2, k / 2 == 1 ? 1 : -1);
+        member[0] = member[1] = (dm_member){.status = DM_STOPPED};
         const dm_ensemble e = {.members = 2,
                                .h = 0.01,
                                .steps = LONG,
