@@ -21,6 +21,11 @@ local function rigid(a, t)
 end
 -- |b - a|, which loses digits
 local function length(a, b) return sqrt(b:dot(b) - 2 * a:dot(b) + a:dot(a)) end
+-- x; at 1 all but eight digits of w are lost, so that only what nudges scatter is told from a defect
+local function rounded(x)
+  local w = sqrt(x * x + 1e8) - 1e4
+  return sqrt(w * (w + 2e4)) * dm.where(x, 1, -1)
+end
 local function cube_root(x) return dm.where(x, 1, -1) * dm.abs(x) ^ (1 / 3) end
 local shifts = action { group = R1, on = R2, map = function(g, z) return { z[1] + g[1], z[2] } end }
 local boosts = action { group = R1, on = R2, map = function(g, z)
@@ -93,6 +98,9 @@ local right = {
   { "Runge-Lenz", { action = lenz, points = 2,
     cross_section = function(w) return { w:dot(w) - 1 } end, branch = function(w) return w[2] end,
     solution = function(a) return -atan(a:dot(a) - 1, 2 * a[2]) end } },
+  { "turns by a number that loses eight digits", { action = action { group = dm.SO(2), on = R2 },
+    cross_section = function(z) return z[2] end, branch = function(z) return z[1] end,
+    solution = function(z) return -atan(z[2], rounded(z[1])) end } },
 }
 for _, case in ipairs(right) do
   local fine, why = pcall(frame, case[2])
