@@ -70,7 +70,7 @@ static dm_status falls_off(dm_events *e, dm_stepper *s, uint32_t i, double from,
                            double t, double close, int *yes) {
     const double way = fabs(t - from) > fabs(to - t) ? from - t : to - t;
     const double far = copysign(fmin(4096.0 * close, 0.5 * fabs(way)), way);
-    double beyond, near;
+    double beyond = 0.0, near = 0.0;
     dm_status status = value(e, s, i, &beyond, from, t + far);
     if (status == DM_OK) status = value(e, s, i, &near, from, t + far / 64.0);
     *yes = status == DM_OK && fabs(near) > 2.0 * fabs(beyond);
