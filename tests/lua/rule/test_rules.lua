@@ -1,4 +1,5 @@
--- every claim of dm.rules(), measured: order, symplecticity, symmetry, momentum, forces a step; orders from 1 to 16
+-- every claim of dm.rules(), measured: order, symplecticity, symmetry, momentum, forces a step; orders from 1 to 16. With a name
+-- behind the file's (dmlua tests/lua/rule/test_rules.lua ruth3) those of that rule alone
 local tap = require "tap"
 local dm = require "dm"
 local ok, near = tap.ok, tap.near
@@ -162,7 +163,7 @@ local elsewhere = { step = "test_step.lua", degenerate = "test_degenerate.lua", 
   shake = "test_rattle.lua", rotations = "test_lift.lua", rkmk4 = "test_explicit.lua",
   ["crouch-grossman3"] = "test_explicit.lua", sem = "test_sem.lua",
   trial = "test_trial.lua, test_multiscale.lua" }
-for _, rule in ipairs(dm.rules()) do
+local function check(rule)
   ok(#rule.instances > 0 or elsewhere[rule.name], rule.name .. " is measured")
   ok(rule.order and rule.stages and rule.cost, rule.name .. " says its order, stages and cost")
   for _, r in ipairs(rule.instances) do
@@ -174,5 +175,10 @@ for _, rule in ipairs(dm.rules()) do
     ok(twisted:solver({ rule = r.rule, h = 1 }).order == r.order, "  its solver says the order")
   end
 end
-for p = 1, 16 do ok(orders[p], ("there is a rule of order %d"):format(p)) end
+local checked = 0
+for _, rule in ipairs(dm.rules()) do
+  if not arg[1] or rule.name == arg[1] then checked = checked + 1 check(rule) end
+end
+ok(checked > 0, "there are rules to check", arg[1])
+for p = 1, arg[1] and 0 or 16 do ok(orders[p], ("there is a rule of order %d"):format(p)) end
 tap.done()
