@@ -5079,11 +5079,12 @@ function dm_system_class:rolling(q, v, t) end
 ---beyond some distance, is not seen, and the reduced run leaves it out. Constraints, rolling ones
 ---whose reactions spare the group, and forces that the group keeps are reduced too. The params of the
 ---system are those of the shape, with the momentum as mu (mu1, mu2, ... of a group of more dimensions;
----mu_theta where a parameter is called mu): ensembles and stability maps vary them. A run that jumps
----over a shape with a singular mass or locked inertia fails, with reason "pole" or "collapse". The
----reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start, and
----its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the
----locked inertia is singular.
+---mu_theta where a parameter is called mu): ensembles and stability maps vary them, and what is
+---changed in the system later changes in the shape, unless that was given another value of its own. A
+---run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or
+---"collapse". The reduced system also has connection, curvature, locked_inertia, amended_potential,
+---lift, start, and its paths have reconstruct. Raises when L is no invariant, a force pushes along the
+---group, or the locked inertia is singular.
 ---@param options? table
 ---@return dm.system
 function dm_system_class:routh(options) end

@@ -267,6 +267,18 @@ local function check_value(system, params, key, value)
   end
 end
 
+-- table of params -> a function that brings what has changed in another one
+local followers = setmetatable({}, { __mode = "k" })
+
+--- refresh() is called before a script sees params.
+function M.follow(params, refresh) followers[params] = refresh end
+
+--- Brings what params follow.
+function M.refresh(params)
+  local refresh = params ~= nil and followers[params]
+  if refresh then refresh() end
+end
+
 local shown = setmetatable({}, { __mode = "k" })
 
 -- do two stand for one table, as those of systems that share their params?
@@ -278,6 +290,7 @@ end
 -- reads is refused, and a value with which nothing can be computed. A metatable put there would
 -- hide the params.
 function M.shown(system, params)
+  M.refresh(params)
   if shown[system] then return shown[system] end
   shown[system] = setmetatable({}, { __name = "dm.params", __metatable = "dm.params",
     __index = params, __eq = stands_for_same,

@@ -291,7 +291,7 @@ local function read(system, options)
     g = bound(given.constraint, p), F = bound(given.force, p),
     rolling = bound(given.rolling, p), reaction = bound(given.reaction, p),
     given_connection = options.connection and core.one(options.connection, "connection"),
-    shown = {} }
+    shown = {}, variants = {} }
 end
 
 -- invariance, a regular locked inertia that does not depend on theta', at points in the domain
@@ -353,7 +353,7 @@ M.at_momentum = blame.caller(function(shape, mu)
     error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0)
   end
   local other = lists.copy(info)
-  other.shown, other.variants, other.general = {}, nil, nil
+  other.shown, other.variants, other.general = {}, {}, nil
   other.mu = read_mu(other, { mu = mu })
   return make(other)
 end)
@@ -382,11 +382,12 @@ violates it is named: what differs nowhere there, such as a force along the grou
 beyond some distance, is not seen, and the reduced run leaves it out. Constraints, rolling ones
 whose reactions spare the group, and forces that the group keeps are reduced too. The params of the
 system are those of the shape, with the momentum as mu (mu1, mu2, ... of a group of more dimensions;
-mu_theta where a parameter is called mu): ensembles and stability maps vary them. A run that jumps
-over a shape with a singular mass or locked inertia fails, with reason "pole" or "collapse". The
-reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start, and
-its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the
-locked inertia is singular.]])
+mu_theta where a parameter is called mu): ensembles and stability maps vary them, and what is
+changed in the system later changes in the shape, unless that was given another value of its own. A
+run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or
+"collapse". The reduced system also has connection, curvature, locked_inertia, amended_potential,
+lift, start, and its paths have reconstruct. Raises when L is no invariant, a force pushes along the
+group, or the locked inertia is singular.]])
 
 class.method("dm.system", "at_momentum", M.at_momentum, [[
 shape:at_momentum(mu) -> dm.system
