@@ -1,5 +1,6 @@
 #include "bind/core/bind.h"
 
+#include "base/times.h"
 #include "bind/core/missing_key.h"
 
 #include <limits.h>
@@ -247,14 +248,11 @@ double dml_positive(lua_State *L, int arg, const char *key, double fallback) {
 }
 
 void dml_refuse_late(lua_State *L, double t0, double h) {
-    enum { APART = 8 }; /* numbers a step, at least: where there is none, time stands still */
-    const double gap = nextafter(fabs(t0), INFINITY) - fabs(t0);
-    if (gap > h / APART)
+    if (!dm_times_differ(t0, h))
         luaL_error(L,
                    "field 't0': numbers near %f are %f apart, which is too far for steps of h = "
-                   "%f: "
-                   "count the time from a nearer origin",
-                   t0, gap, h);
+                   "%f: count the time from a nearer origin, from 0 where nothing depends on it",
+                   t0, nextafter(fabs(t0), INFINITY) - fabs(t0), h);
 }
 
 long dml_count(lua_State *L, int arg, const char *key, long least, long fallback) {

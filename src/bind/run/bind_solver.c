@@ -37,7 +37,7 @@ static void options_from_pair(lua_State *L) {
 
 static int solver_step(lua_State *L) {
     static const char *const known[] = {"q", "v", "p", "q0", "q1", "p0", "t0", "project", NULL};
-    dml_stepping r = {.solver = check(L)};
+    dml_stepping r = {.solver = check(L), .untimed = 1};
     const int pair = lua_gettop(L) > 2;
     long done = 0;
     lua_settop(L, 3);
@@ -62,7 +62,7 @@ static int solver_step(lua_State *L) {
 /* Step and derivative are made from the same start, the step last. */
 static int solver_step_tangent(lua_State *L) {
     static const char *const known[] = {"q", "v", "p", "t0", NULL};
-    dml_stepping r = {.solver = check(L)};
+    dml_stepping r = {.solver = check(L), .untimed = 1};
     const uint32_t n = r.solver->n;
     long done = 0;
     lua_settop(L, 2);

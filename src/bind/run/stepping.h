@@ -58,6 +58,7 @@ typedef struct {
     int apart;         /* a model of its own: other threads step with theirs */
     int varied;        /* parameters will have other values than the system's */
     int complete;      /* all kernels before the first step: threads cannot make any */
+    int untimed;       /* what is asked has no times in it */
     unsigned wants;    /* kernels of the rule */
     dm_stepper stepper;
     double t0;

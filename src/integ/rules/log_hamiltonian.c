@@ -4,6 +4,7 @@
  * 1999; Preto & Tremaine 1999). The motion near a centre takes small steps of t by itself, and
  * the orbit of two bodies is exact but for its timing. h is the step of s. */
 #include "base/doubles.h"
+#include "base/times.h"
 #include "integ/rules/verlet.h"
 #include "integ/split/log_loop.h"
 #include "numbers/compensated.h"
@@ -114,27 +115,27 @@ static double velocity(const dm_model *m, double *v, const double *p) {
     return twice;
 }
 
+/* 1/(T + B) */
+static double pace(const dm_stepper *s, const double *state) {
+    const uint32_t n = s->model->n;
+    double *v = s->work + table_size() + 3 * (size_t)n + 2;
+    return 1.0 / (0.5 * velocity(s->model, v, state + n) + state[4 * (size_t)n + 2]);
+}
+
 /* t and the binding energy become part of the state; the velocities that the energy needed are not.
  */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     double *x = s->work + table_size(), *own = state + 4 * (size_t)n, E;
-    (void)h;
     memcpy(x, state, n * sizeof *x);
     velocity(m, x + n, state + n);
     dm_kernel_prepare(&m->energy, &E);
     dm_kernel_eval(&m->energy, x, &E);
     own[0] = t, own[1] = 0.0, own[2] = -E;
     memset(x + n, 0, n * sizeof *x);
-    return isfinite(E) ? DM_OK : DM_NOT_FINITE;
-}
-
-/* 1/(T + B) */
-static double pace(const dm_stepper *s, const double *state) {
-    const uint32_t n = s->model->n;
-    double *v = s->work + table_size() + 3 * (size_t)n + 2;
-    return 1.0 / (0.5 * velocity(s->model, v, state + n) + state[4 * (size_t)n + 2]);
+    if (!isfinite(E)) return DM_NOT_FINITE;
+    return dm_times_differ(t, h * pace(s, state)) ? DM_OK : DM_NO_START;
 }
 
 /* p += b L_q/U; the well must be attracting */
@@ -215,6 +216,9 @@ static dm_status advance(dm_stepper *s, double *state, double t, double h, long 
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_model *m = s->model;
     double *x = s->work + table_size(), *well = x + 2 * m->n + 1;
+    if (status == DM_NO_START)
+        return "numbers near the time of the start, t0, are too far apart for its steps: count the "
+               "time from a nearer origin";
     if (status != DM_NOT_FINITE) return NULL;
     memcpy(x, state, m->n * sizeof *x);
     dm_kernel_eval(&m->potential, x, well);

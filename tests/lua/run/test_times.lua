@@ -166,6 +166,22 @@ do
   raises("field 't0'", function() solver:step { q = { 1 }, v = { 0 }, t0 = 1e17 } end)
   local string = dm.field { x = { 0, 1, 4 }, fixed = "ends", L = function(_, ut, ux) return (ut^2 - ux^2)/2 end }
   raises("t0", function() string:solver { h = 0.01 }:run { u = 0, t = 0.1, t0 = 1e17 } end)
+  -- a rule whose steps of t are known at the start: h/2 here, of which 2^-7 is the eighth
+  local own = kepler:solver { rule = "log-hamiltonian", h = 2^-3 }
+  local function at(t0) return { q = { 0.5, 0 }, v = { 0, sqrt(3) }, steps = 3, t0 = t0 } end
+  raises("the run could not start at step 1 (t = 1e+17); numbers near the time of the start, t0, are too far apart", own.run, own, at(1e17))
+  raises("numbers near the time of the start, t0, are too far apart", own.run, own, at(-2^46))
+  tap.near(own:run(at(2^45)).t[4] - 2^45, own:run(at(0)).t[4], 2^-8, "numbers that are 2^-7 apart will do")
+  local many = own:ensemble { members = 2, q = function() return { 0.5, 0 } end, v = function() return { 0, sqrt(3) } end, steps = 3, t0 = 1e17 }
+  tap.ok(many.status[2] == "no_start" and many:failures()[1].message:find("too far apart", 1, true), "and of members", many:failures()[1].message)
+  -- a step of what knows no time has none in it
+  for _, rule in ipairs { "verlet", "gauss(2)" } do
+    local still = kepler:solver { rule = rule, h = 0.05 }
+    local q, p = still:step { q = { 0.5, 0 }, v = { 0, sqrt(3) }, t0 = 1e17 }
+    local q0, p0 = still:step { q = { 0.5, 0 }, v = { 0, sqrt(3) } }
+    tap.ok(q == q0 and p == p0, rule .. ": a step at a late time of what does not depend on it", q)
+    raises("from 0 where nothing depends on it", still.run, still, at(1e17))
+  end
   -- the same force, whole turns of cos later: 2 pi * 1e9 is rounded by 5e-7
   local now, then_ = late(0)(), late(2*math.pi*1e9)()
   ok((now.q[101] - then_.q[101]):norm() < 1e-5, "a late start that is told apart", then_.q[101])
