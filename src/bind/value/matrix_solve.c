@@ -131,17 +131,16 @@ static dml_scalar subtract(lua_State *L, const dml_scalar *a, const dml_scalar *
     return dml_apply(L, DM_OP_SUB, a, b, NULL);
 }
 
-/* determinant of the rows from `row` on (without row `skip`) in the columns of the bit
- * set */
-static dml_scalar expand(lua_State *L, const dml_array *m, uint32_t row, uint32_t skip,
-                         unsigned columns) {
+/* determinant of the entries in the rows and columns of two bit sets of one size */
+static dml_scalar expand(lua_State *L, const dml_array *m, unsigned rows, unsigned columns) {
     dml_scalar sum = {.kind = DML_NUMBER, .as.number = columns ? 0 : 1};
+    uint32_t row = 0;
     int sign = 1;
-    if (row == skip) row++;
+    while (rows && !(rows & 1u << row)) row++;
     for (uint32_t j = 0; columns && j < m->columns; j++) {
         if (!(columns & 1u << j)) continue;
         const dml_scalar a = dml_get(m, row * m->columns + j);
-        const dml_scalar rest = expand(L, m, row + 1, skip, columns & ~(1u << j));
+        const dml_scalar rest = expand(L, m, rows & ~(1u << row), columns & ~(1u << j));
         const dml_scalar term = multiply(L, &a, &rest);
         sum = dml_apply(L, sign > 0 ? DM_OP_ADD : DM_OP_SUB, &sum, &term, NULL);
         sign = -sign;
@@ -149,25 +148,69 @@ static dml_scalar expand(lua_State *L, const dml_array *m, uint32_t row, uint32_
     return sum;
 }
 
-static dml_scalar cofactor_det(lua_State *L, const dml_array *m) {
-    return expand(L, m, 0, m->rows, (1u << m->rows) - 1);
+static unsigned all_of(const dml_array *m) {
+    return (1u << m->rows) - 1;
 }
 
-/* x_jk = sum_i C_ij b_ik / det */
+static dml_scalar cofactor_det(lua_State *L, const dml_array *m) {
+    return expand(L, m, all_of(m), all_of(m));
+}
+
+static int is_zero(lua_State *L, const dml_scalar *x) {
+    double value = 1;
+    if (x->kind == DML_NUMBER) return x->as.number == 0;
+    const dml_frame *frame = dml_findframe(L, x->serial);
+    return frame && dm_is_constant(frame->graph, x->as.node, &value) && value == 0;
+}
+
+/* rows and columns that entries other than zero join */
+typedef struct {
+    unsigned rows, columns;
+} block;
+
+static unsigned count(unsigned set) {
+    unsigned n = 0;
+    for (; set; set &= set - 1) n++;
+    return n;
+}
+
+/* The block of column j; all of a matrix whose block is not square, and which is singular. */
+static block block_of(lua_State *L, const dml_array *m, uint32_t j) {
+    block b = {0, 1u << j}, before = {0, 0};
+    while (b.rows != before.rows || b.columns != before.columns) {
+        before = b;
+        for (uint32_t k = 0; k < m->rows * m->columns; k++) {
+            const unsigned row = 1u << k / m->columns, column = 1u << k % m->columns;
+            const dml_scalar a = dml_get(m, k);
+            if (!(b.rows & row) == !(b.columns & column) || is_zero(L, &a)) continue;
+            b.rows |= row, b.columns |= column;
+        }
+    }
+    return count(b.rows) == count(b.columns) ? b : (block){all_of(m), all_of(m)};
+}
+
+/* x_jk = sum_i C_ij b_ik / det, of the block of j alone: the determinant of another one would stand
+ * above and below the line, and what it leaves of derivatives is the round-off of x_j */
 static void cofactor_solve(lua_State *L, dml_array *x, const dml_array *m, const dml_array *b) {
     const uint32_t n = m->rows, k = b->columns;
-    const dml_scalar det = cofactor_det(L, m);
-    for (uint32_t j = 0; j < n; j++)
+    for (uint32_t j = 0; j < n; j++) {
+        const block of = block_of(L, m, j);
+        const unsigned columns = of.columns & ~(1u << j);
+        const dml_scalar det = expand(L, m, of.rows, of.columns);
         for (uint32_t l = 0; l < k; l++) {
             dml_scalar sum = {.kind = DML_NUMBER};
             for (uint32_t i = 0; i < n; i++) {
-                const dml_scalar c = expand(L, m, 0, i, ((1u << n) - 1) & ~(1u << j));
+                if (!(of.rows & 1u << i)) continue;
+                const unsigned above = of.rows & ((1u << i) - 1), left = columns & ((1u << j) - 1);
+                const dml_scalar c = expand(L, m, of.rows & ~(1u << i), columns);
                 const dml_scalar r = dml_get(b, i * k + l), term = multiply(L, &c, &r);
-                sum = dml_apply(L, (i + j) % 2 ? DM_OP_SUB : DM_OP_ADD, &sum, &term, NULL);
+                const int odd = (count(above) + count(left)) % 2;
+                sum = dml_apply(L, odd ? DM_OP_SUB : DM_OP_ADD, &sum, &term, NULL);
             }
             sum = dml_apply(L, DM_OP_DIV, &sum, &det, NULL);
             dml_put(L, x, j * k + l, &sum);
         }
+    }
 }
 
 /* ---- symbols and hyper-dual numbers: elimination ---- */

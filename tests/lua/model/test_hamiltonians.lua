@@ -207,4 +207,14 @@ raises("needs an L", function() dm.discrete_lagrangian(saddle, { rule = "gauss(2
 raises("need a Lagrangian", function() saddle:acceleration({ 1 }, { 1 }) end)
 raises("the start is missing", function() dm.scene { saddle } end)
 
+---- a length of 1e11 beside an angle: neither sees the other, and the angle keeps its digits ----
+
+local function angle(q, p) return p ^ 2 / (2 + cos(q)) - cos(q) + 0.1 * p * sin(q) end
+local alone = dm.system { Q = dm.R(1), H = function(q, p) return angle(q[1], p[1]) end }
+local beside = dm.system { Q = dm.R(2), H = function(q, p) return p[1] ^ 2 / 2 + q[1] ^ 2 / 2 + angle(q[2], p[2]) end }
+for _, rule in ipairs { "midpoint", "gauss(3)", "lobatto(3)", "symplectic-euler", "rk8" } do
+  local q, p = last(beside, rule, 0.1, 100, { q = { 1e11, 1.2 }, p = { 3e10, 0.5 } })
+  local q1, p1 = last(alone, rule, 0.1, 100, { q = { 1.2 }, p = { 0.5 } })
+  ok(abs(q[2] - q1[1]) + abs(p[2] - p1[1]) < 1e-14, rule .. ": an angle beside a length of 1e11", q[2] - q1[1])
+end
 tap.done()

@@ -123,6 +123,19 @@ for n = 1, 6 do
 end
 local swap = dm.trace(function(x) return M { { x[1], 1 }, { 1, x[1] } }:solve { 1, 2 } end, 1)
 ok(swap { 0 } == V { 2, 1 }, "a traced 2 x 2 solve needs no pivot")
+-- a large unknown that no entry joins to two small ones leaves their derivatives alone: those of w.A^-1 w of these by hand
+for name, make in pairs {
+  ["on the diagonal"] = function(a, b, c) return M { { a, 0, 0 }, { 0, b, c }, { 0, c, 2 } }, { 1e11, 0.5, 0.3 } end,
+  ["beside it"] = function(a, b, c) return M { { 0, b, c }, { a, 0, 0 }, { 0, c, 2 } }, { 0.5, 1e11, 0.3 } end,
+} do
+  local form = dm.trace(function(x)
+    local A, w = make(x[1], x[2], x[3])
+    return A:solve(w):dot { 1e11, 0.5, 0.3 }
+  end, 3)
+  local b, c = 0.7, 0.9
+  local slope, u, v = form:gradient { 0.3, b, c }, (0.5 * 2 - 0.3 * c) / (2 * b - c ^ 2), (0.3 * b - 0.5 * c) / (2 * b - c ^ 2)
+  ok(math.abs(slope[2] + u ^ 2) < 1e-13 and math.abs(slope[3] + 2 * u * v) < 1e-13, "a traced solve goes block by block: " .. name, slope)
+end
 
 -- eigenvalues
 local re, im = M { { 2, 1 }, { 1, 2 } }:eigenvalues()
