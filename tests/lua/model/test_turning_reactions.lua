@@ -11,6 +11,7 @@ local system = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 -
   constraint = function(q) return q[2] - track(q[3]) end,
   rolling = function(q, v) return b * v[3] + sin(q[1]) * v[1] + a * v[1] ^ 2 end }
 local slope = dm.derivative(track)
+local bend = dm.derivative(slope)
 
 local function start(k)
   local q, u = { -0.3, 0, 0.2 + 0.01 * k }, -0.4 + 0.04 * k
@@ -27,7 +28,7 @@ end
 -- rules do not use
 local function field(x, z, u)
   local s, w = slope(z), -(sin(x) * u + a * u ^ 2) / b
-  local curve = dm.derivative(slope)(z)
+  local curve = bend(z)
   local r1, r3 = sin(x) + 2 * a * u, b                           -- the row of rolling
   -- u' = -z + r1 m; w' = -x - 1/10 + r3 m - s l; s w' + curve w^2 = l; b w' + r1 u' + cos(x) u^2 = 0
   local wide, pull = 1 + s * s, -x - 0.1 - s * curve * w * w      -- (1 + s^2) w' = pull + r3 m
