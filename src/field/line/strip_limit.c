@@ -12,6 +12,25 @@ enum { HALVINGS = 60 };
 static const double SMALLER = 1e-6; /* heights that are tried, from one to the next */
 static const double RANGE = 1e24;   /* of heights, beside the width of a cell */
 
+/* Cell c, number i of its block: what its corners a and b add, each the lower or (behind 1) the upper
+ * level at the left or the right node, where the other level counts against the first. */
+static void add_corners(dm_strip_room *room, uint32_t c, uint32_t i, uint32_t a, uint32_t b) {
+    const dm_strip *s = room->strip;
+    const uint32_t n = s->layout.values, node[2] = {c, dm_strip_right(s, c)};
+    const uint32_t u = node[a % 2] * n, v = node[b % 2] * n;
+    const uint32_t row = dm_strip_place(s, node[a % 2]) * n;
+    const uint32_t column = dm_strip_place(s, node[b % 2]) * n;
+    const double *part = room->buffer + ((size_t)a * n * 4 * n + b * n) * DM_CELL_BLOCK + i;
+    for (uint32_t j = 0; j < n; j++, part += (size_t)4 * n * DM_CELL_BLOCK)
+        for (uint32_t k = 0; k < n && !s->held[u + j]; k++) {
+            const double x = part[(size_t)k * DM_CELL_BLOCK];
+            if (s->held[v + k]) continue;
+            room->A[dm_band_row(&room->band, row + j) + dm_band_column(&room->band, column + k)] +=
+                a / 2 == b / 2 ? x : -x;
+            room->r[row + j] += fabs(x);
+        }
+}
+
 /* the form in the band of A, upper and lower part; held unknowns and their rows are those of 1. In
  * r the sum of the sizes of what was added up in each row, from which its round-off comes. */
 static void assemble(dm_strip_room *room, double h) {
@@ -24,18 +43,7 @@ static void assemble(dm_strip_room *room, double h) {
         const uint32_t count = s->cells - c < DM_CELL_BLOCK ? s->cells - c : DM_CELL_BLOCK;
         dm_cell_map_run(&s->hessian, room->memory, room->scalars, room->buffer, c, count);
         for (uint32_t i = 0; i < count; i++)
-            for (uint32_t a = 0; a < 4 * n; a++)
-                for (uint32_t b = 0; b < 4 * n; b++) {
-                    const uint32_t left[2] = {c + i, dm_strip_right(s, c + i)};
-                    const uint32_t u = left[a / n % 2] * n + a % n, v = left[b / n % 2] * n + b % n;
-                    const uint32_t row = dm_strip_place(s, u / n) * n + u % n,
-                                   column = dm_strip_place(s, v / n) * n + v % n;
-                    const double x = room->buffer[((size_t)a * 4 * n + b) * DM_CELL_BLOCK + i];
-                    if (s->held[u] || s->held[v]) continue;
-                    room->A[dm_band_row(&room->band, row) + dm_band_column(&room->band, column)] +=
-                        a / (2 * n) == b / (2 * n) ? x : -x;
-                    room->r[row] += fabs(x);
-                }
+            for (uint32_t k = 0; k < 16; k++) add_corners(room, c + i, i, k / 4, k % 4);
     }
     for (uint32_t u = 0; u < room->band.n; u++) {
         const uint32_t row = dm_strip_place(s, u / n) * n + u % n;
