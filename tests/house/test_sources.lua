@@ -109,22 +109,23 @@ local function code(file)
   else bare = text[file]:gsub("/%*.-%*/", "") end
   return (bare:gsub("%s+", " "))
 end
-local function plain(name) return (name:gsub("%p", "%%%0")) end
+local plain = {} -- names as patterns
+for name in pairs(names) do plain[name] = name:gsub("%p", "%%%0") end
 
 -- a comparison with a name, or a table of truth values by name
 local function decides(words, name)
-  local quoted = '"' .. plain(name) .. '"'
-  return words:find("str%w*cmp%([^\"]*" .. quoted)
+  local quoted = '"' .. plain[name] .. '"'
+  return words:find('"' .. name .. '"', 1, true) and (words:find("cmp(", 1, true) and words:find("str%w*cmp%([^\"]*" .. quoted)
     or words:find("[=~!]= ?" .. quoted) or words:find(quoted .. " ?[=~!]=")
-    or words:find("%[" .. quoted .. "%] ?= ?true")
-    or words:find("%f[%w_-]" .. plain(name) .. " ?= ?true")
+    or words:find("%[" .. quoted .. "%] ?= ?true"))
+    or words:find("%f[%w_-]" .. plain[name] .. " ?= ?true")
 end
 
 local decisions, by_name = {}, house.exceptions(exceptions.decisions)
 for file in pairs(text) do
   local words = not file:find "^lua/dm/demos/" and code(file) or ""
   for name, kind in pairs(names) do
-    local own = not words:find(name, 1, true) or text[file]:find('%.name = "' .. plain(name) .. '"')
+    local own = not words:find(name, 1, true) or text[file]:find('%.name = "' .. plain[name] .. '"')
     if not own and decides(words, name) and not by_name.owed(file, name) then
       decisions[#decisions + 1] = ("%s decides by the name of the %s %s"):format(file, kind, name)
     end

@@ -12,8 +12,8 @@ enum { HALVINGS = 60 };
 static const double SMALLER = 1e-6; /* heights that are tried, from one to the next */
 static const double RANGE = 1e24;   /* of heights, beside the width of a cell */
 
-/* Cell c, number i of its block: what its corners a and b add, each the lower or (behind 1) the upper
- * level at the left or the right node, where the other level counts against the first. */
+/* Cell c, number i of its block: what its corners a and b add: the left and the right node of the
+ * lower level and, 2 and 3, of the upper one. What is of both levels counts against the rest. */
 static void add_corners(dm_strip_room *room, uint32_t c, uint32_t i, uint32_t a, uint32_t b) {
     const dm_strip *s = room->strip;
     const uint32_t n = s->layout.values, node[2] = {c, dm_strip_right(s, c)};
