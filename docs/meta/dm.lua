@@ -1837,6 +1837,23 @@ local dm_function_class = {}
 ---@return any
 function dm_function_class:bounds(lo, hi) end
 
+---f:breaks() -> dm.function or false, dm.function or false
+---
+---What is zero where f passes from one formula to another, as a function of the same arguments that gives a vector: the operands of abs, sign and where, a - b of min(a, b) and max(a, b); false where f is one formula, as it is in each of the cells between. Behind it what must be > 0 where f is finite: the operands of roots, logarithms and powers.
+---@return dm.function|boolean
+---@return dm.function|boolean
+function dm_function_class:breaks() end
+
+---f:clear(x, d, reach, fine) -> list
+---
+---Intervals { from1, to1, from2, to2, ... } of t in which no entry of f, a function of one vector, is zero at x + t d, |t| <= reach: by f:bounds, looked at down to intervals of fine (1 + |t|). Entries whose bounds exclude a zero hardly anywhere are left out.
+---@param x? any
+---@param d? any
+---@param reach? any
+---@param fine? any
+---@return table
+function dm_function_class:clear(x, d, reach, fine) end
+
 ---f:depends() -> table of tables of booleans
 ---
 ---depends[k][i]: is entry i of argument k (i = 1 for a bare number) in the expression of f?

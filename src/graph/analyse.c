@@ -3,6 +3,7 @@
 
 #include "graph/nodes.h"
 
+#include <math.h>
 #include <string.h>
 
 /* an input without a node is in nothing */
@@ -43,4 +44,33 @@ uint32_t dm_operations(dm_graph *g, const dm_node *roots, uint32_t m) {
     dm_operation_counts(g, roots, m, counts);
     for (int op = 0; op < DM_OP_COUNT; op++) sum += counts[op];
     return sum;
+}
+
+dm_node dm_break_of(dm_graph *g, const dm_expr *e) {
+    switch (e->op) {
+    case DM_OP_ABS:
+    case DM_OP_SIGN:
+    case DM_OP_WHERE:
+        return e->as.arg[0];
+    case DM_OP_MIN:
+    case DM_OP_MAX:
+        return dm_sub(g, e->as.arg[0], e->as.arg[1]);
+    default:
+        return 0;
+    }
+}
+
+dm_node dm_edge_of(const dm_graph *g, const dm_expr *e) {
+    double power;
+    switch (e->op) {
+    case DM_OP_SQRT:
+    case DM_OP_RSQRT:
+    case DM_OP_RSQRT3:
+    case DM_OP_LOG:
+        return e->as.arg[0];
+    case DM_OP_POW:
+        return dm_is_constant(g, e->as.arg[1], &power) && power == floor(power) ? 0 : e->as.arg[0];
+    default:
+        return 0;
+    }
 }

@@ -1,6 +1,8 @@
 /* switches.c - where a level set may be narrow, told by the operations of its graph. */
 #include "level/switches.h"
 
+#include "graph/analyse.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -44,21 +46,13 @@ static dm_node operand(dm_graph *g, const dm_expr *e, dm_switch *kind) {
         *kind = DM_DIVIDES;
         if (dm_is_constant(g, e->as.arg[1], &power) && power > 0 && power == floor(power)) return 0;
         return e->as.arg[0];
-    case DM_OP_ABS:
-    case DM_OP_SIGN:
-    case DM_OP_WHERE:
-        *kind = DM_BREAKS;
-        return e->as.arg[0];
-    case DM_OP_MIN:
-    case DM_OP_MAX:
-        *kind = DM_BREAKS;
-        return dm_sub(g, e->as.arg[0], e->as.arg[1]);
     case DM_OP_ATAN2:
         *kind = DM_DIVIDES;
         return dm_add(g, dm_mul(g, e->as.arg[0], e->as.arg[0]),
                       dm_mul(g, e->as.arg[1], e->as.arg[1]));
     default:
-        return 0;
+        *kind = DM_BREAKS;
+        return dm_break_of(g, e);
     }
 }
 

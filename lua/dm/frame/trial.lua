@@ -26,6 +26,7 @@ local LOST = 6           -- samples' worth of time to find that there is no root
 local RARE = 12          -- samples at least while less than a third of those wanted have one
 local OUTSIDE = 1 / 16   -- that the points are outside of the domain
 local ON_SECTION = 6     -- samples of which one must lead to the section
+local CELLS = 2          -- samples from whose points cells of a formula are looked for
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 -- pushes, by dim G, of every sample that has a root: an orbit that cuts the section twice is seen
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
@@ -228,7 +229,7 @@ local function try(trial, seed)
   if not list then return nil, nil, true end
   local a, why = frame_of(trial, list)
   if not a then return nil, why end
-  trial.on[#trial.on + 1] = a.there
+  trial.on[#trial.on + 1], trial.of[#trial.of + 1] = a.there, list
   for again = 1, not frame.solution and AGAIN[min(frame.r, #AGAIN)] or 1 do
     compare(trial, reach.push(frame, trial.pushes, seed, again), list, a, seed)
   end
@@ -256,6 +257,16 @@ local function look_for_folds(trial)
   end)
 end
 
+-- every cell of a formula
+local function look_into_cells(trial)
+  local frame = trial.frame
+  require("dm.frame.cells").search(frame, table.move(trial.of, 1, CELLS, 1, {}), function(list)
+    local a = frame_of(trial, list)
+    if a then compare(trial, reach.push(frame, trial.pushes, 1, 1), list, a, 1) end
+    return a
+  end)
+end
+
 -- pieces of the section that only orbits of points far away reach, where there are several orbits
 local function look_far(trial)
   local frame = trial.frame
@@ -275,7 +286,7 @@ local function is_singular(why) return why and tostring(why):find("is singular",
 
 --- Raises where the frame is none. section(frame, list): Z at the points, as a list.
 function M.check(frame, section)
-  local trial = { frame = frame, section = section, measured = 0, scale = huge, on = {},
+  local trial = { frame = frame, section = section, measured = 0, scale = huge, on = {}, of = {},
     pushes = {}, axes = {} }
   local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
   local few, told, first, tangential, seed = left / 3, 0, nil, 0, 0
@@ -291,7 +302,7 @@ function M.check(frame, section)
     tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
   if told > 0 then
-    if frame.root then look_far(trial) end
+    if frame.root then look_far(trial) else look_into_cells(trial) end
     return look_for_folds(trial)
   end
   if not first then

@@ -149,6 +149,11 @@ static const dml_row methods[] =
       "rounded outwards: f never leaves them, and they close in on f as the box shrinks. A number, "
       "or a list where f gives a vector (of rows: a matrix). Infinite where f may leave its domain "
       "in the box. Raises where an end is NaN or lo > hi."},
+     {"clear", dml_function_clear,
+      "f:clear(x, d, reach, fine) -> list\n"
+      "Intervals { from1, to1, from2, to2, ... } of t in which no entry of f, a function of one "
+      "vector, is zero at x + t d, |t| <= reach: by f:bounds, looked at down to intervals of "
+      "fine (1 + |t|). Entries whose bounds exclude a zero hardly anywhere are left out."},
      {"graph", function_graph,
       "f:graph() -> string\n"
       "The expression graph, one assignment a line; x1, x2, ... are the inputs, numbered through "

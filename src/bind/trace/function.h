@@ -52,6 +52,8 @@ int dml_function_replay(lua_State *L, dml_function *f);
 
 /* f:bounds(lo, hi), as a C function (function_bounds.c). */
 int dml_function_bounds(lua_State *L);
+/* f:clear(x, d, reach, fine), too */
+int dml_function_clear(lua_State *L);
 
 /* Make f->alone; raises without memory. */
 void dml_function_alone(lua_State *L, dml_function *f);

@@ -1,7 +1,7 @@
 /* function_bounds.c - f:bounds: what a traced function can be on a box. */
 #include "algebra/compact.h"
 #include "bind/trace/function.h"
-#include "graph/bounds.h"
+#include "graph/clear.h"
 
 #include <math.h>
 
@@ -102,4 +102,55 @@ int dml_function_bounds(lua_State *L) {
     push_end(L, f, value, 0);
     push_end(L, f, value, 1);
     return 2;
+}
+
+/* from and to behind the list on top, or the end of its last interval */
+static void add_interval(void *ud, double from, double to) {
+    lua_State *L = ud;
+    lua_Integer n = (lua_Integer)lua_rawlen(L, -1);
+    if (n) {
+        lua_rawgeti(L, -1, n);
+        if (lua_tonumber(L, -1) == from) n -= 2;
+        lua_pop(L, 1);
+    }
+    if (n == (lua_Integer)lua_rawlen(L, -1)) {
+        lua_pushnumber(L, from);
+        lua_rawseti(L, -2, n + 1);
+    }
+    lua_pushnumber(L, to);
+    lua_rawseti(L, -2, n + 2);
+}
+
+/* (f, x, d, reach, fine) -> list */
+int dml_function_clear(lua_State *L) {
+    dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
+    const uint32_t inputs = f->inputs, m = dml_outputs(f);
+    luaL_argcheck(L, f->s.arguments == 1 && f->s.length[0] != DML_SCALAR_ARGUMENT, 1,
+                  "a function of one vector expected");
+    lua_settop(L, 5);
+    double *x = lua_newuserdatauv(L, 2 * (size_t)inputs * sizeof *x, 0);
+    dml_vectorarg(L, 2, "x", x, inputs);
+    dml_vectorarg(L, 3, "d", x + inputs, inputs);
+    dml_function_alone(L, f);
+    const size_t size = inputs + (size_t)dm_graph_size(f->alone);
+    dm_interval *box = lua_newuserdatauv(L, size * sizeof *box, 0);
+    dm_clear line = {.g = f->alone,
+                     .roots = f->alone_roots,
+                     .m = m,
+                     .inputs = inputs,
+                     .x = x,
+                     .d = x + inputs,
+                     .reach = luaL_checknumber(L, 4),
+                     .fine = luaL_checknumber(L, 5),
+                     .box = box,
+                     .value = box + inputs,
+                     .found = add_interval,
+                     .ud = L};
+    luaL_argcheck(L, line.reach > 0 && line.reach < 1e300, 4, "a finite length expected");
+    luaL_argcheck(L, line.fine >= 1e-9, 5, "at least 1e-9 expected");
+    line.vague = lua_newuserdatauv(L, m * sizeof *line.vague, 0);
+    lua_newtable(L);
+    dm_clear_line(&line);
+    dml_setresult(L);
+    return 1;
 }

@@ -1,10 +1,12 @@
 /* function_terms.c - a traced function taken apart: the terms of its sum, the factors of a
  * product, the inputs that it depends on. The parts are functions of the same arguments, in the
  * same graph. */
+#include "algebra/compact.h"
 #include "bind/trace/function.h"
 #include "graph/analyse.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
     MOST_TERMS = 4096, /* beyond it a product of sums is left as it is */
@@ -127,23 +129,26 @@ static void split(sum *s, dm_node n) {
     while (s->waiting) open_term(s, s->wait[--s->waiting]);
 }
 
-/* push the function of the same arguments whose value is node n; the one at 1 keeps the graph */
-static void push_part(lua_State *L, const dml_function *f, dm_node n) {
+/* push a function of the arguments of f, of `count` outputs: nodes[] in its graph g, which the one
+ * at 1 keeps */
+static dml_function *push_part(lua_State *L, const dml_function *f, dm_graph *g,
+                               const dm_node *nodes, uint32_t count) {
     dml_function *part = lua_newuserdatauv(L, sizeof *part, 1);
-    *part = (dml_function){.graph = f->graph,
+    *part = (dml_function){.graph = g,
                            .arena = f->arena,
                            .s = f->s,
-                           .rows = 1,
+                           .rows = count,
                            .columns = 1,
                            .inputs = f->inputs};
     lua_getiuservalue(L, 1, 1);
     lua_setiuservalue(L, -2, 1);
-    dm_node *node = dm_arena_take(f->arena, sizeof *node);
+    dm_node *own = dm_arena_take(f->arena, count * sizeof *own);
     part->x = dm_arena_take(f->arena, f->inputs * sizeof *part->x);
-    if (!node || !part->x || dm_graph_status(f->graph) != DM_OK) luaL_error(L, "not enough memory");
-    *node = n;
-    part->parts[DML_VALUE].nodes = node;
+    if (!own || !part->x || dm_graph_status(g) != DM_OK) luaL_error(L, "not enough memory");
+    memcpy(own, nodes, count * sizeof *own);
+    part->parts[DML_VALUE].nodes = own;
     luaL_setmetatable(L, DML_FUNCTION);
+    return part;
 }
 
 /* The function at 1, which must give one number. */
@@ -164,7 +169,7 @@ static int function_terms(lua_State *L) {
     lua_createtable(L, (int)s->count, 0);
     dml_setresult(L);
     for (uint32_t i = 0; i < s->count; i++) {
-        push_part(L, f, s->term[i]);
+        push_part(L, f, f->graph, &s->term[i], 1);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -180,7 +185,7 @@ static int function_factors(lua_State *L) {
     dml_setresult(L);
     for (uint32_t i = 0; i < p->count; i++) {
         lua_createtable(L, 0, 2);
-        push_part(L, f, p->base[i]);
+        push_part(L, f, f->graph, &p->base[i], 1);
         lua_setfield(L, -2, "base");
         lua_pushnumber(L, p->power[i]);
         lua_setfield(L, -2, "power");
@@ -209,6 +214,45 @@ static int function_depends(lua_State *L) {
     return 1;
 }
 
+/* n is one of the `count` nodes, each once; a constant is none */
+static uint32_t add_once(const dm_graph *g, dm_node *nodes, uint32_t count, dm_node n) {
+    double constant;
+    int known = !n || dm_is_constant(g, n, &constant);
+    for (uint32_t i = 0; i < count; i++) known |= nodes[i] == n;
+    if (!known) nodes[count++] = n;
+    return count;
+}
+
+/* push the function whose entries are these nodes; false: there are none */
+static void push_entries(lua_State *L, const dml_function *f, dm_graph *g, const dm_node *nodes,
+                         uint32_t count) {
+    if (count)
+        push_part(L, f, g, nodes, count)->rank = 1;
+    else
+        lua_pushboolean(L, 0);
+}
+
+/* Breaks and edges of all nodes that the value needs, in a graph of its own. */
+static int function_breaks(lua_State *L) {
+    const dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
+    const uint32_t m = dml_outputs(f);
+    dm_node *roots = lua_newuserdatauv(L, m * sizeof *roots, 0);
+    dm_graph *g = dm_graph_copy(f->graph, f->parts[DML_VALUE].nodes, m, roots);
+    if (!g) return luaL_error(L, "not enough memory");
+    const uint32_t size = dm_graph_size(g);
+    dm_node *breaks = lua_newuserdatauv(L, 2 * (size_t)size * sizeof *breaks, 0);
+    dm_node *edges = breaks + size;
+    uint32_t count = 0, rest = 0;
+    for (dm_node i = 1; i < size; i++) {
+        const dm_expr e = *dm_graph_at(g, i);
+        count = add_once(g, breaks, count, dm_break_of(g, &e));
+        rest = add_once(g, edges, rest, dm_edge_of(g, &e));
+    }
+    push_entries(L, f, g, breaks, count);
+    push_entries(L, f, g, edges, rest);
+    return 2;
+}
+
 const dml_row dml_function_parts[] =
     {{"terms", function_terms,
       "f:terms() -> list of dm.function\n"
@@ -221,4 +265,10 @@ const dml_row dml_function_parts[] =
      {"depends", function_depends,
       "f:depends() -> table of tables of booleans\n"
       "depends[k][i]: is entry i of argument k (i = 1 for a bare number) in the expression of f?"},
+     {"breaks", function_breaks,
+      "f:breaks() -> dm.function or false, dm.function or false\n"
+      "What is zero where f passes from one formula to another, as a function of the same "
+      "arguments that gives a vector: the operands of abs, sign and where, a - b of min(a, b) and "
+      "max(a, b); false where f is one formula, as it is in each of the cells between. Behind it "
+      "what must be > 0 where f is finite: the operands of roots, logarithms and powers."},
      {NULL, NULL, NULL}};

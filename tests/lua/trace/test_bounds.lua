@@ -67,4 +67,32 @@ low, high = dm.trace(function(x) return depth(x[1]) end, 1):bounds({ 0 }, { 1 })
 ok(low == -math.huge and high == math.huge, "a root of an equation", ("%s %s"):format(low, high))
 low, high = dm.trace(function(x) return dm.vector { depth(x[1]), x[1] + 1 } end, 1):bounds({ 0 }, { 1 })
 ok(low[1] == -math.huge and low[2] <= 1 and high[2] >= 2 and high[2] < 2 + 1e-14, "beside one that is none")
+
+-- where a function passes to another formula, and where a line is clear of such places
+local breaks, edges = dm.trace(function(x)
+  return dm.where(x[1] - 3, dm.sqrt(x[2] + 1), dm.abs(x[1] + x[2])) + dm.max(x[1], 2 * x[2])
+    + x[1] ^ 2
+end, 2):breaks()
+local found = breaks { 10, 4 }:totable()
+table.sort(found)
+ok(table.concat(found, " ") == "2.0 7.0 14.0", "operands of where, abs, max", table.concat(found, " "))
+near(edges { 10, 4 }[1], 5, 0, "what a root is of must be > 0")
+breaks, edges = dm.trace(function(x) return x[1] * dm.sin(x[2]) end, 2):breaks()
+ok(breaks == false and edges == false, "one formula")
+f = dm.trace(function(x) return dm.vector { x[1] - 3, x[1] ^ 2 + x[2] ^ 2 - 25, x[2] - x[2] + 1e-30 } end, 2)
+local clear = f:clear({ 0, 0 }, { 1, 0 }, 100, 1e-3)
+-- zeros at t = -5, 3, 5
+local at, wide = { -100, -5, -5, 3, 3, 5, 5, 100 }, 0
+for i, t in ipairs(at) do wide = math.max(wide, math.abs(clear[i] - t)) end
+ok(#clear == #at and wide < 0.02, "intervals between zeros", table.concat(clear, " "))
+-- bounds of sin(50 t) - sin(50 t) say nothing: that entry is left out, the other is not
+local noise = dm.trace(function(x)
+  return dm.vector { dm.sin(50 * x[1]) * dm.cos(x[2]) - dm.sin(50 * x[1]) * dm.cos(x[2]) ^ 3 + 1e-9, x[1] - 1 }
+end, 2)
+clear = noise:clear({ 0, 0 }, { 1, 0 }, 100, 1e-3)
+ok(#clear == 4 and math.abs(clear[2] - 1) < 0.01 and math.abs(clear[3] - 1) < 0.01, "vague ones are left out",
+  table.concat(clear, " "))
+raises("a function of one vector", pulse.clear, pulse, 1, 2, 3, 4)
+raises("a finite length", noise.clear, noise, { 0, 0 }, { 1, 0 }, 1 / 0, 1e-3)
+raises("at least 1e-9", noise.clear, noise, { 0, 0 }, { 1, 0 }, 1, 0)
 tap.done()

@@ -13,6 +13,18 @@ M["function.bounds"] = [=[
 > f:bounds({ 0, 1 }, { 2, 3 })
 0.0	6.0]=]
 
+M["function.breaks"] = [=[
+> f = dm.trace(function(x) return dm.where(x[1] - 2, dm.sqrt(x[2]), 0) end, 2)
+> breaks, edges = f:breaks()
+> breaks { 5, 7 }, edges { 5, 7 }
+[3]	[7]]=]
+
+M["function.clear"] = [=[
+> f = dm.trace(function(x) return dm.vector { x[1] - 3 } end, 2)
+> list = f:clear({ 0, 0 }, { 1, 0 }, 100, 1e-3)
+> #list, math.abs(list[2] - 3) < 0.01, math.abs(list[3] - 3) < 0.01
+4	true	true]=]
+
 M["function.depends"] = [=[
 > f = dm.trace(function(x, y) return x[1] + y[2]^2 end, 2, 2)
 > f:depends()
