@@ -38,7 +38,7 @@ for _, file in ipairs(C) do
   end
   for name in text[file]:gmatch "\n}%s*(dml?_[%w_]+);" do type_name(name) end
   for _, kind in ipairs { "struct", "union", "enum" } do
-    local definition = "%f[%w]" .. kind .. "%s+(dml?_[%w_]+)%s*{"
+    local definition = kind .. "%s+(dml?_[%w_]+)%s*{"
     for name in text[file]:gmatch(definition) do type_name(name) end
   end
 end
@@ -113,20 +113,21 @@ local plain = {} -- names as patterns
 for name in pairs(names) do plain[name] = name:gsub("%p", "%%%0") end
 
 -- a comparison with a name, or a table of truth values by name
-local function decides(words, name)
+local function decides(words, name, has_true)
   local quoted = '"' .. plain[name] .. '"'
   return words:find('"' .. name .. '"', 1, true) and (words:find("cmp(", 1, true) and words:find("str%w*cmp%([^\"]*" .. quoted)
     or words:find("[=~!]= ?" .. quoted) or words:find(quoted .. " ?[=~!]=")
     or words:find("%[" .. quoted .. "%] ?= ?true"))
-    or words:find("%f[%w_-]" .. plain[name] .. " ?= ?true")
+    or has_true and words:find("%f[%w_-]" .. plain[name] .. " ?= ?true")
 end
 
 local decisions, by_name = {}, house.exceptions(exceptions.decisions)
 for file in pairs(text) do
   local words = not file:find "^lua/dm/demos/" and code(file) or ""
+  local has_true = words:find "= ?true"
   for name, kind in pairs(names) do
     local own = not words:find(name, 1, true) or text[file]:find('%.name = "' .. plain[name] .. '"')
-    if not own and decides(words, name) and not by_name.owed(file, name) then
+    if not own and decides(words, name, has_true) and not by_name.owed(file, name) then
       decisions[#decisions + 1] = ("%s decides by the name of the %s %s"):format(file, kind, name)
     end
   end
