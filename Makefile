@@ -114,9 +114,11 @@ HOUSE_TESTS = $(sort $(wildcard tests/house/test_*.lua))
 $(C_TESTS): $(B)/tests/%: tests/c/%.c $(B)/libdm.a
 	@mkdir -p $(@D)
 	$(call say,cc,$<)$(COMPILE) -Itests/c $< $(B)/libdm.a $(GSL_LIBS) -lm -o $@
-$(DRIVERS): $(B)/tests/%: tests/c/%.c $(call objects,$(BIND)) $(B)/libdm.a
+# they read modules as dmlua does
+DRIVEN = $(call objects,$(BIND) src/cli/compiled.c)
+$(DRIVERS): $(B)/tests/%: tests/c/%.c $(DRIVEN) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(call say,cc,$<)$(COMPILE) -Itests/c $(LUA_CFLAGS) $< $(call objects,$(BIND)) $(B)/libdm.a $(LUA_LIBS) $(GSL_LIBS) -lm -o $@
+	$(call say,cc,$<)$(COMPILE) -Itests/c $(LUA_CFLAGS) $< $(DRIVEN) $(B)/libdm.a $(LUA_LIBS) $(GSL_LIBS) -lm -o $@
 
 programs: all $(C_TESTS) $(DRIVERS)
 # long ones first, so that no core waits for the last

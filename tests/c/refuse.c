@@ -2,13 +2,17 @@
  * refuses the n-th request, then all from the n-th on, for n = 0, 1, 2, ... (growing strides;
  * `every`: no stride) until the script passes. What must hold: no crash, every byte given back,
  * and an error about memory (`any`: or another one, for scripts that catch errors themselves). */
+#define _XOPEN_SOURCE 700 /* realpath */
 #include "bind/core/bind.h"
 #include "check.h"
+#include "cli/compiled.h"
 
+#include <limits.h>
 #include <lualib.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct {
     long requests, first, last; /* requests first..last are refused */
@@ -46,6 +50,43 @@ static int leave(lua_State *L) {
     return lua_error(L);
 }
 
+/* Modules come compiled, as to dmlua: half of what is asked for to read their texts is Lua's own. */
+static dml_compiled compiled;
+static char path[3 * PATH_MAX];
+
+/* build/tests/refuse: the modules that make compiled, by the names that they have there */
+static void find_modules(const char *program) {
+    static const char *const up[] = {"..", "../.."};
+    char build[PATH_MAX - 64], real[PATH_MAX], file[PATH_MAX];
+    snprintf(build, sizeof build, "%s", program);
+    for (int i = 0; i < 2; i++) {
+        char *slash = strrchr(build, '/');
+        if (slash) *slash = '\0';
+    }
+    if (!realpath(build, real)) return;
+    snprintf(file, sizeof file, "%s/modules.luac", build);
+    compiled = dml_compiled_open(file);
+    for (int i = 0; i < 2 && !*path; i++) {
+        snprintf(file, sizeof file, "%.*s/%s/lua", PATH_MAX - 64, real, up[i]);
+        if (access(file, R_OK) == 0)
+            snprintf(path, sizeof path, "%s/?.lua;%s/?/init.lua;tests/lua/?.lua", file, file);
+    }
+}
+
+/* in the place of Lua's own searcher of files */
+static int find_module(lua_State *L) {
+    lua_getglobal(L, "package");
+    lua_getfield(L, -1, "searchpath");
+    lua_pushvalue(L, 1);
+    lua_getfield(L, -3, "path");
+    lua_call(L, 2, 2);
+    const char *name = lua_tostring(L, -2);
+    if (!name) return 1;
+    if (dml_compiled_load(L, &compiled, name) != LUA_OK) return lua_error(L);
+    lua_pushstring(L, name);
+    return 2;
+}
+
 /* everything that asks for memory, inside a protected call */
 static int script(lua_State *L) {
     luaL_openlibs(L);
@@ -62,8 +103,11 @@ static int script(lua_State *L) {
     lua_rawseti(L, -2, 0);
     lua_setglobal(L, "arg");
     lua_getglobal(L, "package");
-    lua_pushliteral(L, "lua/?.lua;lua/?/init.lua;tests/lua/?.lua");
+    lua_pushstring(L, path);
     lua_setfield(L, -2, "path");
+    lua_getfield(L, -1, "searchers");
+    lua_pushcfunction(L, find_module);
+    lua_rawseti(L, -2, 2);
     lua_settop(L, 1);
     lua_getglobal(L, "require");
     lua_pushliteral(L, "dm");
@@ -144,6 +188,7 @@ static void two_alone(void) {
 }
 
 int main(int argc, char **argv) {
+    find_modules(argv[0]);
     if (argc > 1) file = argv[1];
     for (int i = 2; i < argc; i++) {
         any_error |= strcmp(argv[i], "any") == 0;
