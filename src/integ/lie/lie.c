@@ -210,6 +210,7 @@ static dm_status solve(dm_lie *e, dm_stepper *s) {
     dm_status status = guess(e);
     if (status != DM_OK) return status;
     status = dm_newton(e->V, &problem, e->work, &report);
+    if (status == DM_OK) correct_momenta(e, e->work);
     s->report.solves++;
     s->report.iterations = report.iterations;
     s->report.newton += report.iterations;

@@ -40,9 +40,9 @@ typedef struct {
 /* What Newton's method takes; NULL: no memory. */
 static double *lay_out_newton(dm_lie_lanes *w, uint32_t lanes, dm_arena *arena) {
     const size_t m = w->group.m, d = w->group.d;
-    const array arrays[] = {{&w->r, m},      {&w->dx, m},    {&w->r2, m},     {&w->J, m * m},
-                            {&w->J2, m * m}, {&w->pivot, m}, {&w->pivot2, m}, {&w->gain, d},
-                            {&w->mu, d},     {&w->ones, 1}};
+    const array arrays[] = {{&w->r, m},      {&w->dx, m},       {&w->r2, m},     {&w->J, m * m},
+                            {&w->J2, m * m}, {&w->pivot, m},    {&w->pivot2, m}, {&w->gain, d},
+                            {&w->mu, d},     {&w->mu_V, d * m}, {&w->ones, 1}};
     size_t all = 0;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) all += arrays[i].entries * lanes;
     double *memory = dm_arena_take(arena, all * sizeof *memory);

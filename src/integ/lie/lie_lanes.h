@@ -25,6 +25,7 @@ struct dm_lie_lanes {
     double *J, *pivot;   /* [m*m], [m] factors of the matrix of every lane, and its rows */
     double *J2, *pivot2; /* the same of those lanes */
     double *gain, *mu;   /* [d] P and p0 + P where every lane was last evaluated */
+    double *mu_V;        /* [d*m] and the derivative of both there that its matrix has */
     double *ones;        /* [1] the size of an angle */
 };
 

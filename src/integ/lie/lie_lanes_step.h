@@ -32,6 +32,7 @@ INLINE void evaluate_fresh(chord *c, const dm_lie_lanes *w, uint32_t m, int all)
     const V terms = find_equation(&w->group, r, J, c->x);
     c->terms = pick(c->fresh, terms, c->terms);
     note_momenta(w, c->fresh);
+    copy_lanes_where(c->fresh, w->mu_V, w->group.mu_V, (size_t)w->group.d * m);
     if (!all) copy_lanes_where(c->fresh, c->r, r, m);
     c->fresh &= is_finite(norm_of(r, m));
     const I regular = factor_matrix(J, pivot, m, &numbers);
@@ -75,6 +76,8 @@ INLINE uint32_t step_in_lanes(const dm_lie_lanes *w, uint32_t asked) {
                             w->max_iterations, NULL);
     copy_lanes(e->gain, w->gain, e->d);
     copy_lanes(e->mu, w->mu, e->d);
+    copy_lanes(e->mu_V, w->mu_V, (size_t)e->d * e->m);
+    correct_momenta(e, w->dx);
     find_end(e);
     /* next to the edge of the chart the stepper decides */
     ended &= has_finite_end(e) & WHERE(arc_of(e) < 8.8);

@@ -81,7 +81,20 @@ INLINE void keep_step(const dm_lie *e, I where) {
     put_where(where, e->memory + W, h);
 }
 
-/* g1 and p1, or their changes, into `end`, at V and the p0 + P of the last evaluation */
+/* P and p0 + P at V from those of the last evaluation, at V - dx, to first order: what dx moves them
+ * by is of one sign for many steps, and the energy would drift (tests/lua/lie/test_lie_drift.lua) */
+INLINE void correct_momenta(const dm_lie *e, const double *dx) {
+    const uint32_t d = e->is_free ? 0 : e->d, m = e->m;
+    for (uint32_t k = 0; k < d; k++) {
+        const double *row = e->mu_V + (size_t)k * m * W;
+        V sum = {0};
+        for (uint32_t c = 0; c < m; c++) sum += load(row + c * W) * load(dx + c * W);
+        add_to(e->gain + k * W, sum);
+        add_to(e->mu + k * W, sum);
+    }
+}
+
+/* g1 and p1, or their changes, into `end`, at V and its p0 + P */
 INLINE void find_end(const dm_lie *e) {
     combine(e->xi, e, e->beta, load(e->h), e->V);
     copy_lanes(e->in, e->state, e->n);
