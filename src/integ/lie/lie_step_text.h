@@ -81,8 +81,9 @@ INLINE void keep_step(const dm_lie *e, I where) {
     put_where(where, e->memory + W, h);
 }
 
-/* P and p0 + P at V from those of the last evaluation, at V - dx, to first order: what dx moves them
- * by is of one sign for many steps, and the energy would drift (tests/lua/lie/test_lie_drift.lua) */
+/* P and p0 + P at V from those of the last evaluation, at V - dx, to first order: what dx moves
+ * them by is of one sign for many steps, and the energy would drift
+ * (tests/lua/lie/test_lie_drift.lua) */
 INLINE void correct_momenta(const dm_lie *e, const double *dx) {
     const uint32_t d = e->is_free ? 0 : e->d, m = e->m;
     for (uint32_t k = 0; k < d; k++) {
