@@ -12,6 +12,8 @@
 
 enum { MOST_COFACTORS = 4 };
 
+#define SINGULAR "the matrix is singular (its condition is infinite)"
+
 /* ---- numbers ---- */
 
 typedef struct {
@@ -197,6 +199,7 @@ static void cofactor_solve(lua_State *L, dml_array *x, const dml_array *m, const
         const block of = block_of(L, m, j);
         const unsigned columns = of.columns & ~(1u << j);
         const dml_scalar det = expand(L, m, of.rows, of.columns);
+        if (is_zero(L, &det)) luaL_error(L, SINGULAR);
         for (uint32_t l = 0; l < k; l++) {
             dml_scalar sum = {.kind = DML_NUMBER};
             for (uint32_t i = 0; i < n; i++) {
@@ -288,7 +291,7 @@ static tableau make_tableau(lua_State *L, const dml_array *m, const dml_array *b
 /* Gauss elimination in the graph: the result is an expression in the entries. */
 static void eliminate_solve(lua_State *L, dml_array *x, const dml_array *m, const dml_array *b) {
     tableau t = make_tableau(L, m, b);
-    if (!eliminate(L, &t)) luaL_error(L, "the matrix is singular (its condition is infinite)");
+    if (!eliminate(L, &t)) luaL_error(L, SINGULAR);
     for (uint32_t i = 0; i < t.n; i++)
         for (uint32_t j = 0; j < b->columns; j++)
             dml_put(L, x, i * b->columns + j, t.a + i * t.width + t.n + j);

@@ -137,6 +137,18 @@ for name, make in pairs {
   ok(math.abs(slope[2] + u ^ 2) < 1e-13 and math.abs(slope[3] + 2 * u * v) < 1e-13, "a traced solve goes block by block: " .. name, slope)
 end
 
+-- where the determinant is 0 whatever the symbols are, as it is of numbers
+for _, make in ipairs {
+  function(a, b) return M { { a, b }, { 0, 0 } } end,
+  function(a, b) return M { { a, b, 0 }, { a, b, 0 }, { 0, 0, a } } end,
+  function(a, b) return M { { a, b, 0 }, { 0, 0, a }, { 0, 0, b } } end,
+} do
+  raises("singular", dm.trace, function(x)
+    local A = make(x[1], x[2])
+    return A:solve(V(A.rows))
+  end, 2)
+end
+
 -- eigenvalues
 local re, im = M { { 2, 1 }, { 1, 2 } }:eigenvalues()
 ok(gap(re, V { 1, 3 }) < 1e-14 and im == V(2), "eigenvalues of a symmetric matrix")
