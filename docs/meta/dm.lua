@@ -2251,6 +2251,15 @@ function dm_level_set_class:approach(x, goal) end
 ---@return any
 function dm_level_set_class:cut(x) end
 
+---level_set:deflated(x, i, w) -> dm.vector   or nothing
+---
+---Newton's step in the algebra for the section at x, of which entry i is divided by |w|: w leads from a root, which that takes away. Nothing where J psi is singular.
+---@param x? any
+---@param i? any
+---@param w? any
+---@return dm.vector|nil
+function dm_level_set_class:deflated(x, i, w) end
+
 ---level_set:distance(x, Z) -> number, condition, number
 ---
 ---|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, however the section is written; the condition number as of cut, and |(J psi)^-1|.

@@ -27,6 +27,7 @@ local RARE = 12          -- samples at least while less than a third of those wa
 local OUTSIDE = 1 / 16   -- that the points are outside of the domain
 local ON_SECTION = 6     -- samples of which one must lead to the section
 local CELLS = 2          -- samples from whose points cells of a formula are looked for
+local TIMES = { 60 } -- points of samples, brought to the section again: orbits that reach far
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 -- pushes, by dim G, of every sample that has a root: an orbit that cuts the section twice is seen
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
@@ -281,6 +282,39 @@ local function look_far(trial)
   end
 end
 
+-- points of the section: those of a sample, and what is near others many times their size
+local function on_the_section(trial)
+  local frame, out = trial.frame, { trial.on[1] }
+  local level, dimension = tangent.level(frame)
+  for i, times in ipairs(dimension > 0 and TIMES or {}) do
+    local x = points.flat(trial.on[1 + i % #trial.on]) * times
+    local fine, at = blame.try(level.node, level, x, x:norm())
+    if fine and at then out[#out + 1] = points.split(at, frame.k, frame.m) end
+  end
+  return out
+end
+
+-- does the branch hold at the points h moves?
+local function holds(frame, h, list)
+  local there = moved(frame, h, list)
+  local least = 1
+  for _, b in ipairs(there and branch_values(frame, { there = there }) or {}) do
+    least = min(least, b)
+  end
+  return there and least > 0
+end
+
+-- other points of the section on the orbits of these
+local function look_for_others(trial)
+  local frame = trial.frame
+  for seed, there in ipairs(on_the_section(trial)) do
+    local a = frame_of(trial, there)
+    for _, h in ipairs(a and require("dm.frame.deflated").others(frame, there, seed) or {}) do
+      if holds(frame, h, there) then compare(trial, h, there, a, seed) end
+    end
+  end
+end
+
 -- was a root refused because the section is tangent to the orbit there?
 local function is_singular(why) return why and tostring(why):find("is singular", 1, true) ~= nil end
 
@@ -302,7 +336,12 @@ function M.check(frame, section)
     tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
   if told > 0 then
-    if frame.root then look_far(trial) else look_into_cells(trial) end
+    if frame.root then
+      look_for_others(trial)
+      look_far(trial)
+    else
+      look_into_cells(trial)
+    end
     return look_for_folds(trial)
   end
   if not first then

@@ -136,6 +136,33 @@ static int distance(lua_State *L) {
     return 3;
 }
 
+/* (section, x, i, w) -> y or nothing. Row i of J psi becomes that of Z_i / |w|: less Z_i w / |w|^2,
+ * a change of rank one. */
+static int deflated(lua_State *L) {
+    section *s = check(L);
+    const uint32_t r = s->level.r;
+    const lua_Integer i = luaL_checkinteger(L, 3) - 1;
+    luaL_argcheck(L, i >= 0 && i < r, 3, "no such equation");
+    double *A, *inverse, *unit, square = 0, along_p = 0, along_q = 0;
+    const double condition = cut_at(L, s, 2, &A, &inverse, &unit);
+    double *w = lua_newuserdatauv(L, 2 * (size_t)r * sizeof *w, 0), *p = w + r;
+    dml_vectorarg(L, 4, "w", w, r);
+    if (!isfinite(condition)) return 0;
+    for (uint32_t k = 0; k < r; k++) {
+        double sum = 0;
+        for (uint32_t j = 0; j < r; j++)
+            sum += inverse[k * r + j] * unit[j] * (s->level.value[j] - 1);
+        p[k] = sum, square += w[k] * w[k];
+        along_p += w[k] * sum, along_q += w[k] * inverse[k * r + (uint32_t)i] * unit[i];
+    }
+    const double rate = (s->level.value[i] - 1) / square;
+    double *y = dml_pushvector(L, r);
+    for (uint32_t k = 0; k < r; k++)
+        y[k] =
+            -p[k] - inverse[k * r + (uint32_t)i] * unit[i] * rate * along_p / (1 - rate * along_q);
+    return 1;
+}
+
 /* (section, x, goal) -> y or nothing */
 static int approach(lua_State *L) {
     section *s = check(L);
@@ -207,6 +234,10 @@ static const dml_row methods[] =
       "level_set:distance(x, Z) -> number, condition, number\n"
       "|(J psi)^-1 Z| of the r values Z of the section at x: how far in the algebra that is, "
       "however the section is written; the condition number as of cut, and |(J psi)^-1|."},
+     {"deflated", deflated,
+      "level_set:deflated(x, i, w) -> dm.vector   or nothing\n"
+      "Newton's step in the algebra for the section at x, of which entry i is divided by |w|: w "
+      "leads from a root, which that takes away. Nothing where J psi is singular."},
      {"approach", approach,
       "level_set:approach(x, goal) -> dm.vector   or nothing\n"
       "The algebra vector that moves the point x as close to the goal as it can, to first order: y "

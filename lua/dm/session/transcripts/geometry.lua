@@ -271,6 +271,14 @@ M["level_set.approach"] = [=[
 > core.section(line, turned, nil):approach({ 2, 0 }, { 7, 1 })
 [0.5]]=]
 
+M["level_set.deflated"] = [=[
+> core = require "dm.core"
+> two = core.trace(function(x) return { 1 + x[1]*(x[1] - 7) } end, 2) -- at 0, and at 7
+> shifted = core.trace(function(y, x) return { x[1] + y[1], x[2] } end, 1, 2)
+> y = core.section(two, shifted, nil):deflated({ 1, 0 }, 1, { 1 })
+> math.abs(1 + y[1] - 7) < 1e-14
+true]=]
+
 M["level_set.folds"] = [=[
 > core = require "dm.core"
 > wave = core.trace(function(x) return { 1 + x[2] - 0.9*dm.sin(3*x[1]) } end, 2)
