@@ -67,11 +67,22 @@ local function several(...)
   return out
 end
 
+-- a copy of a list; what a user has put beside its entries, under a name, is not lost in silence
+local function unpacked(list)
+  for key in next, list do
+    if type(key) ~= "number" and not getmetatable(list) then
+      error(("a list has '%s' beside its entries, which would be lost: entries have no names")
+        :format(tostring(key)), 0)
+    end
+  end
+  return { table.unpack(list) }
+end
+
 --- a number, a table or a vector as a list; also what a function returns as several values
 function M.entries(value, ...)
   if select("#", ...) > 0 then return several(value, ...) end
   if type(value) == "number" then return { value } end
-  if type(value) == "table" then return { table.unpack(value) } end
+  if type(value) == "table" then return unpacked(value) end
   if kits.is_scalar(value) then return { value } end
   if kits.class_of(value) == "dm.vector" then return value:totable() end
   local fine, count = blame.try(function() return #value end)

@@ -123,6 +123,13 @@ int dml_endfile(FILE *f, int whole, const char *name, const char *file) {
 
 /* ---- for modules in Lua ---- */
 
+const char *dml_filename(lua_State *L, int arg) {
+    size_t length;
+    const char *name = luaL_checklstring(L, arg, &length);
+    luaL_argcheck(L, strlen(name) == length, arg, "the name of a file has no zero bytes");
+    return name;
+}
+
 /* a pipe, a terminal, a link (as /dev/stdout is): there is no file to replace */
 static int leads_elsewhere(const char *file) {
     struct stat s;
@@ -132,7 +139,7 @@ static int leads_elsewhere(const char *file) {
 /* A file that is protected is not replaced, one in a folder that is protected is written through,
  * others keep their mode. */
 int dml_core_new_file(lua_State *L) {
-    const char *file = luaL_checkstring(L, 1);
+    const char *file = dml_filename(L, 1);
     const int through = lua_toboolean(L, 2);
     char name[DML_FILE_NAME];
     struct stat old;
@@ -154,14 +161,14 @@ int dml_core_is_silent(lua_State *L) {
 }
 
 int dml_core_end_file(lua_State *L) {
-    const char *name = luaL_checkstring(L, 1), *file = luaL_checkstring(L, 2);
+    const char *name = dml_filename(L, 1), *file = dml_filename(L, 2);
     if (strcmp(name, file) == 0) return luaL_fileresult(L, 1, file);
     FILE *f = fopen(name, "ab");
     return luaL_fileresult(L, f && dml_endfile(f, 1, name, file), file);
 }
 
 int dml_core_cut_file(lua_State *L) {
-    const char *file = luaL_checkstring(L, 1);
+    const char *file = dml_filename(L, 1);
     const lua_Integer bytes = luaL_checkinteger(L, 2);
     luaL_argcheck(L, bytes >= 0, 2, "a number of bytes >= 0 is needed");
     if (truncate(file, (off_t)bytes) != 0 && errno != EINVAL) /* a device has no length */

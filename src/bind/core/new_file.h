@@ -10,6 +10,9 @@
 
 enum { DML_FILE_NAME = 4096 };
 
+/* The name of a file at arg. Raises where a zero byte would cut it to that of another file. */
+const char *dml_filename(lua_State *L, int arg);
+
 /* A new file beside `file`, open for writing, its name, which ends as that of `file`, in `name`.
  * Such of runs that were killed over an hour ago are removed. NULL: errno says why. */
 FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]);

@@ -1,6 +1,7 @@
 /* read_file.c - files that are read. */
 #define _DEFAULT_SOURCE
 #include "bind/core/read_file.h"
+#include "bind/core/new_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -88,7 +89,7 @@ FILE *dml_openfile(lua_State *L, const char *name) {
 }
 
 int dml_core_open_file(lua_State *L) {
-    if (dml_openfile(L, luaL_checkstring(L, 1))) return 1;
+    if (dml_openfile(L, dml_filename(L, 1))) return 1;
     lua_pushnil(L);
     lua_insert(L, -2);
     return 2;

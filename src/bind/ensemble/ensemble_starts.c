@@ -39,6 +39,7 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
         luaL_error(L, "field '%s' must have a row for each of the %d members (got a %s)", key,
                    (int)members, dml_kindname(L, -1));
     lua_settop(L, top + 1);
+    if (type == LUA_TTABLE) dml_length(L, -1); /* raises where it is more than rows */
     if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
         luaL_error(L,
                    "field '%s' has %d rows for %d members; the same for all is function() return "
@@ -47,9 +48,12 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
     lua_pop(L, 1);
 }
 
-/* the n numbers of the plain table or vector at `row`, as most are; 0: it is none */
-static int read_plain(lua_State *L, int row, double *out, uint32_t n) {
-    return dml_length(L, row) == (long)n && dml_readplain(L, row, out, n) == n;
+/* The n numbers of the plain table or vector at `row` of member i, as most are; 0: it is none. What
+ * the first members have beside them all have (bodies.lua, starts by functions: 1.08x). */
+static int read_plain(lua_State *L, int row, long i, double *out, uint32_t n) {
+    enum { LOOKED = 16 };
+    const long length = i < LOOKED ? dml_length(L, row) : dml_bare_length(L, row);
+    return length == (long)n && dml_readplain(L, row, out, n) == n;
 }
 
 /* the same in any other form that a system takes, with what is wrong named */
@@ -85,7 +89,7 @@ static void read_member(lua_State *L, dml_starting *s, long i, double *out, uint
     s->theirs = 1;
     push_member(L, s->source, s->key, i);
     s->theirs = 0;
-    if (s->field || !read_plain(L, top + 1, out, n)) read_any(L, s->key, i, out, n);
+    if (s->field || !read_plain(L, top + 1, i, out, n)) read_any(L, s->key, i, out, n);
     lua_settop(L, top);
 }
 

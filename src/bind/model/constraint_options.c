@@ -116,8 +116,10 @@ static int flat_call(lua_State *L) {
     lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
     if (lua_gettop(L) != 1) return lua_gettop(L);
     if (!lua_istable(L, 1) && !dml_toarray(L, 1, 0)) return 1; /* no list: told by who asked */
-    lua_newtable(L);
     const lua_Integer rows = luaL_len(L, 1);
+    const char *more = dml_surplus(L, 1, rows);
+    if (more) dml_refuse_surplus(L, "the list that was returned", more, rows);
+    lua_newtable(L);
     for (lua_Integer i = 1; i <= rows; i++, lua_pop(L, 1)) {
         lua_geti(L, 1, i);
         const lua_Integer columns = row_length(L, i, first);

@@ -30,6 +30,20 @@ static uint32_t check_Q(lua_State *L) {
     return Q->n;
 }
 
+/* the name on top must not be that of the column of another one's momentum, "p_x" beside "x" */
+static void check_momenta(lua_State *L, int names, uint32_t n) {
+    const char *name = lua_tostring(L, -1);
+    if (strncmp(name, "p_", 2) != 0) return;
+    for (uint32_t k = 1; k <= n; k++, lua_pop(L, 1)) {
+        const char *other = lua_geti(L, names, k) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+        if (strcmp(other, name + 2) == 0)
+            luaL_error(L,
+                       "field 'coordinates': '%s' is the column of the momentum of '%s'; choose "
+                       "another name",
+                       name, other);
+    }
+}
+
 /* a name of coordinate i (from 1) on top: one word that no other column has */
 static void check_name(lua_State *L, int names, uint32_t i) {
     static const char *const taken[] = {"t", "time", "energy", NULL};
@@ -53,11 +67,12 @@ static void check_name(lua_State *L, int names, uint32_t i) {
 static void check_coordinates(lua_State *L, uint32_t n) {
     if (dml_field(L, 1, "coordinates")) {
         const int names = lua_gettop(L);
-        if (!lua_istable(L, names) || luaL_len(L, names) != (lua_Integer)n)
+        if (!lua_istable(L, names) || dml_length(L, names) != (long)n)
             luaL_error(L, "field 'coordinates' must be a table of %d names", (int)n);
         for (uint32_t i = 1; i <= n; i++, lua_pop(L, 1)) {
             lua_geti(L, names, i);
             check_name(L, names, i);
+            check_momenta(L, names, n);
         }
     }
     lua_pop(L, 1);

@@ -2,6 +2,7 @@
  * for by path:checkpoint and dm.resume. */
 #include "bind/run/checkpoint.h"
 #include "base/random.h"
+#include "bind/core/new_file.h"
 #include "bind/model/model_constraints.h"
 #include "bind/model/space_group.h"
 #include "chain/virtual_work.h"
@@ -262,7 +263,7 @@ void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c)
 /* (path, file) -> file */
 int dml_path_checkpoint(lua_State *L) {
     luaL_checkudata(L, 1, DML_PATH);
-    const char *file = luaL_checkstring(L, 2);
+    const char *file = dml_filename(L, 2);
     if (lua_getiuservalue(L, 1, DML_PATH_END) == LUA_TNIL)
         luaL_error(L, "this path has no end to go on from: its run did not begin, or is one of "
                       "asynchronous steps or uneven slices (start another from its last q and p)");
@@ -363,7 +364,7 @@ int dml_resume(lua_State *L) {
     if (from_path)
         read_path(L);
     else
-        dml_checkpoint_read(L, luaL_checkstring(L, 1));
+        dml_checkpoint_read(L, dml_filename(L, 1));
     const int end = lua_gettop(L), options = end - 1;
     const dml_checkpoint *c = lua_touserdata(L, end);
     if (!c) luaL_error(L, "this path has no end to go on from");

@@ -155,7 +155,7 @@ static void read_saving(lua_State *L, run *u) {
         u->plan.save_every = dml_positive(L, at, "every", EVERY);
         lua_getfield(L, at, "file");
     }
-    if (lua_type(L, -1) != LUA_TSTRING)
+    if (lua_type(L, -1) != LUA_TSTRING || strlen(lua_tostring(L, -1)) != lua_rawlen(L, -1))
         luaL_error(L, "field 'checkpoint' must be the name of a file, or { file =, every = seconds "
                       "}");
     u->saving = lua_tostring(L, -1);

@@ -35,7 +35,7 @@ static int failed(lua_State *L, const char *why) {
 
 /* (name [, write]) -> file   or   nil, why */
 static int open_file(lua_State *L) {
-    const char *name = luaL_checkstring(L, 1);
+    const char *name = dml_filename(L, 1);
     const int writes = lua_toboolean(L, 2);
     struct stat s;
     file *f = lua_newuserdatauv(L, sizeof *f, 0);

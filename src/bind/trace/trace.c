@@ -40,8 +40,17 @@ static void wrong_result(lua_State *L, const dml_signature *s, int result) {
                type_name(L, result), hint);
 }
 
+/* what a user's function gives is looked through, wherever its names stand */
+static void refuse_surplus(lua_State *L, const dml_signature *s, int result) {
+    const lua_Integer n = lua_type(L, result) == LUA_TTABLE ? luaL_len(L, result) : 0;
+    const char *more = dml_surplus(L, result, n);
+    if (more)
+        dml_refuse_surplus(L, lua_pushfstring(L, "the list that %s returns", s->what), more, n);
+}
+
 /* The result is at `result`; it is looked at, not changed. */
 uint32_t dml_result_length(lua_State *L, const dml_signature *s, int result) {
+    refuse_surplus(L, s, result);
     dml_scalar x;
     const int bare = dml_toscalar(L, result, &x);
     const long n = bare ? 1 : dml_length(L, result);

@@ -60,7 +60,7 @@ static void push_row_of_table(lua_State *L, uint32_t i) {
 
 /* All rows have the length of the first; entries may be of any kind. */
 static int from_rows(lua_State *L) {
-    const lua_Integer n = luaL_len(L, 1);
+    const lua_Integer n = dml_length(L, 1);
     luaL_argcheck(L, n >= 1 && n <= 1 << 24, 1,
                   "a table of rows expected: dm.matrix{{1, 2}, {3, 4}}");
     push_row_of_table(L, 0);

@@ -30,6 +30,7 @@ static int make_plain(lua_State *L, size_t n) {
     if (!is_number) {
         if (!a && (!lua_istable(L, at) || lua_getmetatable(L, at))) return 0;
         count = a ? a->rows : lua_rawlen(L, at);
+        if (dml_surplus(L, at, (lua_Integer)count)) return 0; /* told by who reads it slowly */
     }
     if (count != n || n > MOST) return 0;
     double *out = dml_pushvector(L, (uint32_t)n);

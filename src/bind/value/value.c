@@ -196,7 +196,58 @@ int dml_islist(lua_State *L, int arg) {
     return 1;
 }
 
-long dml_length(lua_State *L, int arg) {
+/* is the key on top of the stack but one that of an entry 1 to n, or the count of table.pack? */
+static int is_of_list(lua_State *L, lua_Integer n) {
+    if (lua_isinteger(L, -2)) return lua_tointeger(L, -2) >= 1 && lua_tointeger(L, -2) <= n;
+    return lua_type(L, -2) == LUA_TSTRING && strcmp(lua_tostring(L, -2), "n") == 0 &&
+           lua_isinteger(L, -1) && lua_tointeger(L, -1) == n;
+}
+
+/* the first key behind the one on top, which is popped, that is none of a list; NULL: none is */
+static const char *stranger(lua_State *L, int arg, lua_Integer n) {
+    for (; lua_next(L, arg); lua_pop(L, 1)) {
+        if (is_of_list(L, n)) continue;
+        lua_pop(L, 1);
+        return luaL_tolstring(L, -1, NULL);
+    }
+    return NULL;
+}
+
+/* does a plain table stand there, and not an object, whose owner knows what it holds? */
+static int is_plain_table(lua_State *L, int arg) {
+    if (lua_type(L, arg) != LUA_TTABLE) return 0;
+    if (!lua_getmetatable(L, arg)) return 1;
+    lua_pop(L, 1);
+    return 0;
+}
+
+const char *dml_surplus(lua_State *L, int arg, lua_Integer n) {
+    if (n <= 0 || !is_plain_table(L, arg)) return NULL;
+    arg = lua_absindex(L, arg);
+    luaL_checkstack(L, 4, NULL);
+    lua_pushnil(L);
+    return stranger(L, arg, n);
+}
+
+/* Entries are ahead of names where the table was written as a list, { 1, 2, x = 3 }: one look
+ * behind the last of them, not one at each. */
+static void check_behind(lua_State *L, int arg, lua_Integer n) {
+    if (n <= 0 || !is_plain_table(L, arg)) return;
+    arg = lua_absindex(L, arg);
+    luaL_checkstack(L, 4, NULL);
+    lua_pushinteger(L, n);
+    const char *more = stranger(L, arg, n);
+    if (more) dml_refuse_surplus(L, "a list", more, n);
+}
+
+void dml_refuse_surplus(lua_State *L, const char *what, const char *more, lua_Integer n) {
+    luaL_error(L,
+               "%s has '%s' beside its entries 1 to %d, which would be lost: entries have no "
+               "names, and none is left out",
+               what, more, (int)n);
+}
+
+long dml_bare_length(lua_State *L, int arg) {
     dml_scalar x;
     const dml_array *a = dml_toarray(L, arg, 1);
     if (a) return (long)a->rows;
@@ -205,6 +256,12 @@ long dml_length(lua_State *L, int arg) {
         return n < 0 || n > UINT32_MAX ? -1 : (long)n;
     }
     return dml_toscalar(L, arg, &x) ? 1 : -1;
+}
+
+long dml_length(lua_State *L, int arg) {
+    const long n = dml_bare_length(L, arg);
+    check_behind(L, arg, n);
+    return n;
 }
 
 const char *dml_kindname(lua_State *L, int arg) {

@@ -49,8 +49,16 @@ void dml_pushscalars(lua_State *L, const dml_scalar *x, uint32_t n);
 
 /* A table, or what says by __list in its metatable that it reads as one: a column of a path. */
 int dml_islist(lua_State *L, int arg);
-/* Length of the vector, matrix row or table at arg, 1 for a scalar, -1 for all else. */
+/* A key of the plain table at arg that is none of 1 .. n, as text on top of the stack; NULL, and
+ * nothing is pushed: there is none. Who reads n entries would drop what stands there. */
+const char *dml_surplus(lua_State *L, int arg, lua_Integer n);
+/* Raises so of `what`, "a list". */
+void dml_refuse_surplus(lua_State *L, const char *what, const char *more, lua_Integer n);
+/* Length of the vector, matrix row or table at arg, 1 for a scalar, -1 for all else. Raises where a
+ * list has more behind its entries. */
 long dml_length(lua_State *L, int arg);
+/* The same without that look, for lists that are read by the million. */
+long dml_bare_length(lua_State *L, int arg);
 /* Entry i (from 0) of what dml_length measured. Raises when it is no scalar. */
 dml_scalar dml_entry(lua_State *L, int arg, uint32_t i);
 /* The same into *x; 0, with *type what stands there instead, where it is no scalar. */

@@ -255,5 +255,22 @@ mine:close()
 answer = io.popen(("%s %s %s 2>&1"):format(arg[-1], other, busy)):read "a"
 ok(answer == ("true\n"):rep(3), "then it is free", answer)
 
+-- a zero byte would cut the name of a file: another one would be written, or read
+local cut = at "cut"
+spit(cut, "precious")
+local three = gauss:run(start { steps = 3 })
+for what, f in pairs {
+  csv = function() three:csv(cut .. "\0.csv") end, npy = function() three:npy(cut .. "\0.npy") end,
+  checkpoint = function() three:checkpoint(cut .. "\0.state") end,
+  animate = function() three:animate(cut .. "\0.html") end,
+  load = function() dm.load(cut .. "\0.csv") end, resume = function() dm.resume(cut .. "\0.state", three.system) end,
+  journal = function() dm.sweep { members = 1, run = function(i) return i end, journal = cut .. "\0.journal" } end,
+} do
+  print("# " .. what)
+  raises("zero bytes", f)
+end
+raises("field 'checkpoint'", function() gauss:run(start { steps = 3, checkpoint = cut .. "\0.state" }) end)
+ok(slurp(cut) == "precious", "and the file that the cut name is of is as it was")
+
 os.execute("rm -r " .. folder)
 tap.done()

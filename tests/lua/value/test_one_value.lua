@@ -151,4 +151,62 @@ raises("psi must return two numbers", function()
   dm.schroedinger { x = { -5, 5, 16 } }:solver { rule = "strang", h = 0.1 }:run { psi = function() return 1, 0, 3 end, steps = 1 }
 end)
 
+-- nor is an entry that a list has under a name, or behind a gap
+local pairs_of = dm.action { group = dm.SO(2), on = dm.R(2) }
+local function free(_, v) return v:dot(v) / 2 end
+local function plane(more)
+  local o = { Q = dm.R(2), L = free }
+  for k, v in pairs(more) do o[k] = v end
+  return dm.system(o)
+end
+local plain = plane {}:solver { rule = "verlet", h = 0.1 }
+local own = { Q = dm.R(2), h = 0.1, Ld = function(a, b, h) return (b - a):dot(b - a) / 2 / h end }
+local function own_with(more)
+  for k, v in pairs(own) do more[k] = v end
+  return dm.discrete_lagrangian(more)
+end
+local beside = {
+  constraint = function() plane { constraint = function(q) return { q[1], wall = q[2] } end } end,
+  ["constraint behind a gap"] = function()
+    plane { constraint = function(q) local c = { q[1] }; c[3] = q[2]; return c end }
+  end,
+  ["a name before the entries"] = function()
+    plane { constraint = function(q) local c = { a = 0, b = 0, c = q[2] }; c.a, c.b, c[1] = nil, nil, q[1]; return c end }
+  end,
+  rolling = function() plane { rolling = function(_, v) return { v[1], skate = v[2] } end } end,
+  force = function() plane { force = function(_, v) return { -v[1], -v[2], drag = 1 } end } end,
+  reaction = function()
+    plane { rolling = function(_, v) return v[1] end, reaction = function() return { { 1, 0 }, other = { 0, 1 } } end }
+  end,
+  control = function()
+    plane { control = function() return { 1, u = 2 } end, force = function(_, _, _, u) return { u[1], 0 } end }
+  end,
+  watch = function() plain:run { q = { 0, 0 }, v = { 1, 0 }, steps = 1, watch = { r = function(q) return { q[1], b = 1 } end } } end,
+  ["dm.vector"] = function() dm.vector { 1, 2, x = 3 } end,
+  ["dm.matrix"] = function() dm.matrix { { 1, 2 }, { 3, 4 }, last = { 5, 6 } } end,
+  ["a row"] = function() dm.matrix { { 1, 2, x = 3 }, { 3, 4 } } end,
+  start = function() plain:run { q = { 0, 0, z = 1 }, v = { 1, 0 }, steps = 1 } end,
+  times = function() plain:run { q = { 0, 0 }, v = { 1, 0 }, at = { 0.1, last = 0.2 } } end,
+  coordinates = function() plane { coordinates = { "x", "y", third = "z" } } end,
+  members = function()
+    plain:ensemble { members = 1, steps = 1, q = { { 0, 0 }, spare = { 1, 1 } }, v = { { 0, 0 } } }
+  end,
+  ["a force of Ld"] = function() own_with { force = function() return { { 1, 0 }, { 0, 1 }, third = { 1, 1 } } end } end,
+  ["dm.derivative"] = function() dm.derivative(function(x) return { x[1], y = x[2] } end, 2) end,
+  ["dm.action map"] = function()
+    dm.action { group = dm.R(1), on = dm.R(2), map = function(e, z) return { z[1] + e[1], z[2], w = 1 } end }
+  end,
+  section = function()
+    dm.moving_frame { action = pairs_of, cross_section = function(z) return { z[2], x = z[1] } end,
+      branch = function(z) return z[1] end }
+  end,
+}
+for name, f in pairs(beside) do
+  print("# beside: " .. name)
+  raises("beside its entries", f)
+end
+-- table.pack says how many there are, and a list of a class of the user's own knows what it holds
+tap.ok(dm.vector(table.pack(1, 2)) == dm.vector { 1, 2 }, "table.pack makes a list")
+tap.ok(dm.vector(setmetatable({ 1, 2, unit = "m" }, {})) == dm.vector { 1, 2 }, "a list with a metatable may hold more")
+
 tap.done()
