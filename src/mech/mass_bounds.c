@@ -40,6 +40,46 @@ int dm_mass_is_definite(const dm_mass_bounds *b, dm_interval *scratch) {
     return dm_surely_positive(C, radius, n);
 }
 
+static int has_zero(dm_interval x) {
+    return x.lo <= 0.0 && x.hi >= 0.0;
+}
+
+/* Can the node be infinite where its operands, which are in value[], are finite? */
+static int is_unbounded(const dm_expr *e, const dm_interval *value) {
+    const dm_interval a = value[e->as.arg[0]], b = value[e->as.arg[1]];
+    switch (e->op) {
+    case DM_OP_DIV:
+        return has_zero(b);
+    case DM_OP_POW:
+        return has_zero(a) && b.lo < 0.0;
+    case DM_OP_RSQRT:
+    case DM_OP_RSQRT3:
+    case DM_OP_LOG:
+        return a.lo <= 0.0;
+    case DM_OP_TAN:
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+int dm_mass_may_have_pole(const dm_mass_bounds *b, dm_interval *scratch) {
+    dm_interval *in = scratch, *rate_in = in + b->inputs, *value = rate_in + b->inputs;
+    dm_interval *rate = value + b->size;
+    for (uint32_t i = 0; i < b->inputs; i++) {
+        in[i] = (dm_interval)DM_ANYWHERE;
+        rate_in[i] = i < b->n ? (dm_interval){-1.0, 1.0} : (dm_interval){0.0, 0.0};
+    }
+    dm_bounds(b->graph, in, value);
+    dm_bounds_rate(b->graph, rate_in, value, rate);
+    for (uint32_t k = 0; k < b->size; k++) {
+        const dm_expr *e = dm_graph_at(b->graph, k);
+        const int moves = dm_op_operands(e->op) > 0 && !(rate[k].lo == 0.0 && rate[k].hi == 0.0);
+        if (moves && is_unbounded(e, value)) return 1;
+    }
+    return 0;
+}
+
 /* Anywhere, along lines with |dq_i/ds| <= 1; 0: no memory. */
 static int bend_anywhere(dm_mass_bounds *b, dm_arena *arena) {
     const size_t boxes = 2 * (size_t)b->inputs + 3 * (size_t)b->size;

@@ -27,6 +27,10 @@ const dm_mass_bounds *dm_mass_bounds_new(dm_graph *g, const dm_node *momentum, c
  * scratch: inputs + size intervals. */
 int dm_mass_is_definite(const dm_mass_bounds *b, dm_interval *scratch);
 
+/* May an entry of M be infinite at some q, as one over what vanishes there? Not if bounds tell.
+ * scratch: 2 (inputs + size) intervals. */
+int dm_mass_may_have_pole(const dm_mass_bounds *b, dm_interval *scratch);
+
 /* shift[n*n], bend[n*n] = how large |dM/ds|, |d2M/ds2| can be along lines in the box in[inputs],
  * straight ones, with rates in rate_in[inputs]; scratch: 3 intervals a node. */
 void dm_mass_bounds_bend(const dm_mass_bounds *b, const dm_interval *in, const dm_interval *rate_in,

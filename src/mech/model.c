@@ -345,19 +345,21 @@ static dm_status use_extremum(builder *b) {
     return dm_graph_status(b->g);
 }
 
-/* of a mass that moves with q: is it definite, or else may it have negative values? */
+/* of a mass that moves with q: is it definite and without poles, or else may it have negative
+ * values? */
 static void keep_bounds(builder *b) {
     const unsigned moves = b->m.structure & (DM_CONSTANT_MASS | DM_LINEAR_IN_V | DM_QUADRATIC_IN_V);
     if (!b->m.mass.eval || moves != DM_QUADRATIC_IN_V) return;
     const dm_mass_bounds *M =
         dm_mass_bounds_new(b->g, b->gradient + b->m.n, b->mass, b->m.n, b->arena);
     if (!M) return;
-    const size_t room = M->inputs + (size_t)M->size;
+    const size_t room = 2 * (M->inputs + (size_t)M->size);
     dm_interval *scratch = dm_arena_take(b->arena, room * sizeof *scratch);
     const dm_convexity convex = scratch && dm_mass_is_definite(M, scratch)
                                     ? DM_DEFINITE
                                     : dm_mass_convexity(b->g, b->L, b->m.n, b->arena);
-    if (convex == DM_DEFINITE) b->m.structure |= DM_DEFINITE_MASS;
+    if (convex == DM_DEFINITE && !dm_mass_may_have_pole(M, scratch))
+        b->m.structure |= DM_DEFINITE_MASS;
     if (convex == DM_NOT_CONVEX) b->m.mass_bounds = M;
 }
 

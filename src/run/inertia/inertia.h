@@ -79,10 +79,12 @@ typedef struct {
 } dm_inertia;
 
 /* Values that are positive by far; of the larger product at two ends of a line, where a zero leaves
- * a fourth in the middle; (1/2)^(2/3): what falls or rises by more may have met zero. */
+ * a fourth in the middle; (1/2)^(2/3): what falls or rises by more may have met zero; what one end
+ * of a line has more than the other where a step may have been thrown over a pole. */
 #define DM_INERTIA_FAR 1e-3
 #define DM_INERTIA_VALLEY 0.5
 #define DM_INERTIA_PART 0.63
+#define DM_INERTIA_THROWN 4.0
 
 /* At a state: how many values are negative, the size of the one next to zero, and those of the
  * blocks. */
@@ -176,11 +178,12 @@ typedef struct {
     const double *a, *b;
     double ta, tb;
     int known; /* x->first and x->last are the products of the values of blocks there */
+    int poles; /* both ends are states: places are looked for where M grows without bound, too */
 } dm_chord;
 
 /* Does a value vanish on the chord c, a small part of `way` or of a curve beside it, without a
  * change of sign, so that the motion ends there (inertia_touch.c)? v[n]: a velocity there, NULL
- * where M does not depend on it. room[4n]. */
+ * where M does not depend on it. room[5n]. */
 int dm_inertia_touches(const dm_inertia *x, const dm_chord *c, const dm_chord *way, const double *v,
                        double *room);
 

@@ -30,7 +30,7 @@ static const double KEPT = 0.9;
 
 /* known: the products at both ends */
 static int has_touched(const dm_inertia *x, const double *state, double t, int known) {
-    const dm_chord line = {x->place, state, x->seen.at, t, known};
+    const dm_chord line = {x->place, state, x->seen.at, t, known, 1};
     return dm_inertia_has_touched(x, &line);
 }
 
@@ -112,7 +112,7 @@ void dm_inertia_begin_closely(dm_inertia *x) {
 }
 
 int dm_inertia_look_closely(dm_inertia *x, const double *state, double t, int *steep) {
-    const dm_chord line = {.a = x->state, .b = state, .ta = x->t, .tb = t};
+    const dm_chord line = {.a = x->state, .b = state, .ta = x->t, .tb = t, .poles = 1};
     const double before = x->close_least;
     uint32_t negative;
     double least;

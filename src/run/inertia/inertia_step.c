@@ -290,8 +290,9 @@ static int is_touched(dm_inertia *x, const rooms *r, double a, double width, dou
     const double s[4] = {0.0, 1.0, a, a + width}, h = t1 - t0;
     for (uint32_t k = 0; k < 4; k++)
         for (uint32_t i = 0; i < n; i++) r->ends[k * n + i] = curve_at(r->curve[i], s[k]);
-    const dm_chord way = {r->ends, r->ends + n, t0, t1, 0};
-    const dm_chord part = {way.b + n, way.b + 2 * (size_t)n, t0 + a * h, t0 + (a + width) * h, 0};
+    const dm_chord way = {r->ends, r->ends + n, t0, t1, 0, 0};
+    const dm_chord part = {way.b + n, way.b + 2 * (size_t)n, t0 + a * h, t0 + (a + width) * h, 0,
+                           0};
     x->seen.credit -= TOUCH * (double)x->model->mass_bounds->size;
     return dm_inertia_touches(x, &part, &way, NULL, r->place);
 }
@@ -318,7 +319,7 @@ static int changes_on_curve(dm_inertia *x, const rooms *r, double t0, double t1)
 static int touches_line(dm_inertia *x, const rooms *r, const double *from, double t0,
                         const double *to, double t1) {
     static const double FEW = 4.0;
-    const dm_chord way = {from, to, t0, t1, 0};
+    const dm_chord way = {from, to, t0, t1, 0, 1};
     x->seen.credit -= FEW * (double)x->model->mass_bounds->size;
     return dm_inertia_touches(x, &way, &way, NULL, r->place);
 }

@@ -1,6 +1,7 @@
 /* inertia_values.c - d2L/dv2 at a place, scaled, on the velocities that constraints allow; how many
  * of its values are negative, and what is told of their sizes, block by block. */
 #include "run/inertia/inertia_values.h"
+#include "linalg/lu.h"
 #include "linalg/signature.h"
 #include "mech/constraints.h"
 #include "mech/group.h"
@@ -82,6 +83,18 @@ static void place_border(double *A, size_t N, const double *M, const double *G, 
         for (size_t i = 0; i < n; i++) A[c * N + i] = A[i * N + c] = G[(c - n) * n + i];
 }
 
+double *dm_inertia_solve(const dm_inertia_form *f, double *u) {
+    const size_t N = (size_t)f->n + f->rows;
+    uint32_t *pivot = (uint32_t *)(void *)f->copy;
+    double *A = f->rows ? f->border : f->A;
+    if (f->rows > f->n) return NULL;
+    if (f->rows) place_border(A, N, f->A, f->G, f->n);
+    memset(u + f->n, 0, f->rows * sizeof *u);
+    if (dm_lu_factor(A, pivot, (uint32_t)N) != DM_OK) return NULL;
+    dm_lu_solve(u, A, pivot, (uint32_t)N);
+    return u;
+}
+
 /* the lower triangle of those rows of M[n*n], scaled, as A[size*size] */
 static inline void place_lower(double *A, size_t size, const double *M, size_t n,
                                const double *scale, const uint32_t *at) {
@@ -108,7 +121,7 @@ dm_inertia_form dm_inertia_place(const dm_inertia *x, uint32_t b) {
     dm_inertia_form f = {.A = x->A, .n = dm_momenta(m), .rows = x->holonomic + x->rolling};
     f.order = x->blocks.order + x->blocks.first[b];
     f.copy = f.A + n * n, f.G = f.copy + n * n, f.border = f.G + (f.rows + 1) * n;
-    if (x->blocks.count > 1) {
+    if (x->blocks.count > 1 && b < x->blocks.count) {
         f.n = dm_block_size(&x->blocks, b);
         place_block(x, f.A, b);
         for (size_t i = 0; i < f.n; i++)

@@ -15,7 +15,7 @@ void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, doub
 double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t);
 uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t);
 
-/* Block b of the mass that was found last, scaled, and the rows of the constraints there: A[n*n],
+/* Block b of the mass that was found last, or all of it where b is their number, scaled, and the rows of the constraints there: A[n*n],
  * G[rows*n], of a prolonged L those of L; room for another A, and for work. Row i is that of
  * coordinate order[i]. */
 typedef struct {
@@ -25,6 +25,10 @@ typedef struct {
 } dm_inertia_form;
 
 dm_inertia_form dm_inertia_place(const dm_inertia *x, uint32_t b);
+
+/* The velocity u[n] that constraints allow for the momentum u[n], with as many numbers behind it;
+ * NULL: there is none. All but G is overwritten. */
+double *dm_inertia_solve(const dm_inertia_form *f, double *u);
 
 /* How many values are negative of f->A[n*n], and what the block has. The copy is A. */
 uint32_t dm_inertia_negative_in(const dm_inertia_form *f, uint32_t n, dm_inertia_value *out);

@@ -64,8 +64,11 @@ INLINE I is_quiet(const course *c, const move *w, const dm_mass_found *f, uint32
     const I one = WHERE(w->since == same(1.0));
     I line = sees_line((kind){0}, c, w);
     if (f->between) {
-        const V valley = same(DM_INERTIA_VALLEY) * larger_of(w->was, w->is);
-        line &= not_of(w->whole & WHERE(load(f->between + b * W) >= valley));
+        const V half = same(DM_INERTIA_VALLEY), between = load(f->between + b * W);
+        const V most = larger_of(w->was, w->is), least = lesser(w->was, w->is);
+        const I level = WHERE(between >= half * most) & WHERE(half * between <= least) &
+                        WHERE(most <= same(DM_INERTIA_THROWN) * least);
+        line &= not_of(w->whole & level);
     }
     const I turns = one & (jumps(w) | WHERE(c->left <= same(NEAR)));
     const V part = same(DM_INERTIA_PART);
