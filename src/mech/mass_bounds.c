@@ -44,18 +44,39 @@ static int has_zero(dm_interval x) {
     return x.lo <= 0.0 && x.hi >= 0.0;
 }
 
-/* Can the node be infinite where its operands, which are in value[], are finite? */
-static int is_unbounded(const dm_expr *e, const dm_interval *value) {
-    const dm_interval a = value[e->as.arg[0]], b = value[e->as.arg[1]];
+/* x of a power of x, or itself. */
+static dm_node base_of(const dm_graph *g, dm_node x) {
+    const dm_expr *e = dm_graph_at(g, x);
+    const int square = e->op == DM_OP_MUL && e->as.arg[0] == e->as.arg[1];
+    const int power = e->op == DM_OP_SQRT || e->op == DM_OP_POW || e->op == DM_OP_NEG;
+    return square || power ? base_of(g, e->as.arg[0]) : x;
+}
+
+/* Does M end where x is zero, since its root or logarithm stands in it? No run goes on behind that
+ * without a word. */
+static int is_edge(const dm_mass_bounds *b, dm_node x, const dm_interval *value) {
+    for (uint32_t k = 0; k < b->size && value[x].lo < 0.0; k++) {
+        const dm_expr *e = dm_graph_at(b->graph, k);
+        const int ends = e->op == DM_OP_SQRT || e->op == DM_OP_RSQRT || e->op == DM_OP_RSQRT3 ||
+                         e->op == DM_OP_LOG;
+        if (ends && e->as.arg[0] == x) return 1;
+    }
+    return 0;
+}
+
+/* Can the node be infinite where its operands are finite, and go on behind that place? */
+static int is_unbounded(const dm_mass_bounds *b, dm_node x, const dm_interval *value) {
+    const dm_expr *e = dm_graph_at(b->graph, x);
+    const dm_interval of = value[e->as.arg[0]], by = value[e->as.arg[1]];
     switch (e->op) {
     case DM_OP_DIV:
-        return has_zero(b);
+        return has_zero(by) && !is_edge(b, base_of(b->graph, e->as.arg[1]), value);
     case DM_OP_POW:
-        return has_zero(a) && b.lo < 0.0;
+        return has_zero(of) && by.lo < 0.0 && !is_edge(b, base_of(b->graph, e->as.arg[0]), value);
     case DM_OP_RSQRT:
     case DM_OP_RSQRT3:
     case DM_OP_LOG:
-        return a.lo <= 0.0;
+        return of.lo == 0.0;
     case DM_OP_TAN:
         return 1;
     default:
@@ -75,7 +96,7 @@ int dm_mass_may_have_pole(const dm_mass_bounds *b, dm_interval *scratch) {
     for (uint32_t k = 0; k < b->size; k++) {
         const dm_expr *e = dm_graph_at(b->graph, k);
         const int moves = dm_op_operands(e->op) > 0 && !(rate[k].lo == 0.0 && rate[k].hi == 0.0);
-        if (moves && is_unbounded(e, value)) return 1;
+        if (moves && is_unbounded(b, k, value)) return 1;
     }
     return 0;
 }

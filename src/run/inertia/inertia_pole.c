@@ -144,6 +144,7 @@ static double times_moved(const dm_inertia *x, const dm_chord *way, const double
 static int find_part(dm_inertia_spot *at, const dm_chord *way, double first, double last) {
     const double most = fmax(first, last), least = fmin(first, last);
     at->from = 0.0, at->to = 1.0;
+    if (!(isfinite(first) && isfinite(last))) return 0;
     if (DM_INERTIA_VALLEY * at->x->middle[at->block] > least) return 1;
     if (!(most > DM_INERTIA_THROWN * least)) return 0;
     const double step = STEP / fmax(1.0, times_moved(at->x, way, first > last ? way->a : way->b));
