@@ -133,7 +133,7 @@ house: all
 SAMPLED = $(shell grep -ls 'tap[.]samples' $(LUA_TESTS))
 steps: programs
 	@tests/run $(C_TESTS) $(sort $(SAMPLED) \
-	  $(foreach room,rule run ensemble,$(call below,tests/lua/$(room),test_*.lua)))
+	  $(foreach room,rule run inertia ensemble,$(call below,tests/lua/$(room),test_*.lua)))
 
 demo: all
 	@.ci/setup --install pictures

@@ -213,9 +213,8 @@ local SINGULAR = "the coordinates come near a singular place at t = %.6g: %s, co
 
 local function describe(out, system, first)
   if out.change then
-    return ("a value of d2L/dv2 passes through zero between t = %.6g and %.6g: its inertia "
-      .. "changes, "
-      .. "and no motion goes through such a place"):format(out.change[1], out.change[2])
+    return ("a value of d2L/dv2 passes through zero or grows without bound between t = %.6g and "
+      .. "%.6g, and no motion goes through such a place"):format(out.change[1], out.change[2])
   elseif out.worst < BAD then
     return ("the coordinates stay regular: the condition of d2L/dv2 is at most %.3g (t = %.5g)")
       :format(out.worst, out.t)

@@ -12,8 +12,8 @@ return {
     "The state left the domain of L or grew without bound: smaller h, another start. "
       .. "dm.stability_limit(rule) and system:linearize{q=} say where a rule grows." },
   { "inertia", "the step goes over a change of inertia of d2L/dv2",
-    "A value of d2L/dv2 passes through zero: the momentum no longer determines the velocity there, "
-      .. "and the motion ends. solver:singularities shows how it comes near." },
+    "A value of d2L/dv2 passes through zero, where the momentum no longer determines the velocity, "
+      .. "or grows without bound: the motion ends. solver:singularities shows how it comes near." },
   { "callback", "a function of the script failed",
     "L, an event or a watched quantity raised, and the message is that of the function; or `next` "
       .. "of dm.step gave what cannot be a state, and the message says why." },

@@ -67,9 +67,9 @@ static void push_advice(lua_State *L, const dml_failure *f) {
                         f->h / 2);
         break;
     case DM_INERTIA:
-        lua_pushstring(L, "a value of d2L/dv2 passes through zero there: the momentum no longer "
-                          "determines the velocity, and the motion ends; solver:singularities "
-                          "shows how it comes near");
+        lua_pushstring(L, "a value of d2L/dv2 passes through zero there, so that the momentum no "
+                          "longer determines the velocity, or grows without bound: the motion "
+                          "ends; solver:singularities shows how it comes near");
         break;
     case DM_STOPPED:
         lua_pushstring(L, "the path so far is in failure.path");

@@ -29,7 +29,8 @@ double dm_inertia_value_at(const dm_inertia_spot *at, const double *q, double t)
 void dm_inertia_put_on(dm_inertia_spot *at, const dm_chord *c, double s);
 void dm_inertia_find_on(dm_inertia_spot *at, const dm_chord *c, double s, double *out);
 
-/* The least of the block on the chord, or one that is none, by the golden section, and its place. */
+/* The least of the block on that part of the chord, or one that is none, by the golden section, and
+ * its place. */
 double dm_inertia_least_on(dm_inertia_spot *at, const dm_chord *c);
 
 /* Can a velocity be carried to coordinates, and one w[d] as such a change, at the place, to
@@ -38,8 +39,8 @@ int dm_inertia_can_carry(const dm_inertia *x);
 #define DM_INERTIA_SHORT 1e-4
 void dm_inertia_carry(dm_inertia_spot *at, const double *w);
 
-/* Does M grow without bound on the way, so that no motion comes through (inertia_pole.c)? The values
- * of blocks at its ends and in its middle are known. */
+/* Does M grow without bound on the way, so that no motion comes through (inertia_pole.c)? The
+ * values of blocks at its ends and in its middle are known. */
 int dm_inertia_has_pole(dm_inertia_spot *at, const dm_chord *way);
 
 #endif

@@ -7,20 +7,25 @@
 #include "run/inertia/inertia_line.h"
 #include "run/inertia/inertia_values.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
-/* of the way: how far from the place its normal is found, and over what difference */
-static const double ASIDE = 1e-5, APART = 1e-8;
+/* of the way: how far from the place its normal is found, and over what difference; of what
+ * round-off is of a short way, at least */
+static const double ASIDE = 1e-5, APART = 1e-8, ASIDE_GRAINS = 1e4, APART_GRAINS = 1e2;
+/* What round-off is of a way on which a normal is still found; grains between a place and a value
+ * that is none. */
+static const double COARSE = 1e-7, NONE_GRAINS = 256.0;
 /* of what M^-1 makes of the normal at an end: what it is near the place. It is of that order for M
  * ~ 1/distance, less for higher powers; the normal is off by less. */
 static const double LOST = 1e-3;
-/* of coordinates: what round-off may be of them, and how far that is looked around then; of values
- * there, that at a pole */
-static const double ROUNDING = 1e-14, BESIDE = 1e-10, NEAR = 1e-4;
+/* ways of fewer grains are round-off; how many of them are looked around then; of values there,
+ * that at a pole */
+static const double LEAST_GRAINS = 500.0, BESIDE = 5e6, NEAR = 1e-4;
 /* Of the way: a step into it; how steeply the logarithm of M grows before M ~ 1/distance is
  * infinite on it, and the highest power of that that is thought of. */
-static const double STEP = 1e-4, STEEP = 1.0, HIGHEST = 8.0;
+static const double STEP = 1e-8, STEEP = 1.0, HIGHEST = 8.0;
 /* of how the way nears the place: less is a place that stands still */
 static const double STANDS = 1e-3;
 
@@ -64,18 +69,20 @@ static double length_of(const dm_inertia_spot *at) {
     return sqrt(squares);
 }
 
-/* The normal of the place, to at->normal, scaled; 0: there is none, or the place moves. */
-static int find_normal(dm_inertia_spot *at, const dm_chord *way) {
+/* Does the place move, as the way nears it? */
+static int moves(dm_inertia_spot *at, const dm_chord *way, double apart) {
     for (uint32_t i = 0; i < at->x->model->n; i++) at->lost[i] = way->b[i] - way->a[i];
-    const double apart = APART * (at->to - at->from), length = length_of(at);
     const double nears = slope(at, at->lost, apart, 0.0);
-    const double moves = slope(at, at->lost, 0.0, apart * (way->tb - way->ta));
-    if (!(fabs(moves) <= STANDS * fabs(nears))) return 0;
+    return fabs(slope(at, at->lost, 0.0, apart * (way->tb - way->ta))) > STANDS * fabs(nears);
+}
+
+/* The normal of the place, to at->normal, scaled; at->lost is the way. */
+static void find_normal(dm_inertia_spot *at, double apart) {
+    const double length = length_of(at);
     for (uint32_t i = 0; i < velocities(at->x); i++) {
         move_along(at, i);
         at->normal[i] = slope(at, at->lost, apart * length, 0.0);
     }
-    return 1;
 }
 
 /* How fast the normal as a momentum leads off the place, there; 0: it is not known. Errors of the
@@ -96,31 +103,35 @@ static double speed_of_normal(const dm_inertia_spot *at, const double *q, double
     return isfinite(out) ? out : 0.0;
 }
 
-/* Is the normal lost at the place? */
-static int is_closed(dm_inertia_spot *at, const dm_chord *way) {
-    const double aside = ASIDE * (at->to - at->from);
+/* Is the normal lost at the place, which does not move? A way so short that no normal is found is
+ * that of a motion that all but stands, as those do that come near such a place. */
+static int is_closed(dm_inertia_spot *at, const dm_chord *way, double grain) {
+    const double part = at->to - at->from, aside = fmax(ASIDE * part, ASIDE_GRAINS * grain);
+    const double apart = fmax(APART * part, APART_GRAINS * grain);
     dm_inertia_put_on(at, way, at->s + (at->s < 0.5 ? aside : -aside));
-    if (!find_normal(at, way)) return 0;
+    if (moves(at, way, apart)) return 0;
+    if (grain > COARSE) return 1;
+    find_normal(at, apart);
     const double there = speed_of_normal(at, at->q, at->t);
     const double first = speed_of_normal(at, way->a, way->ta);
     const double last = speed_of_normal(at, way->b, way->tb);
     return there > 0.0 && there < LOST * fmax(first, last);
 }
 
-/* The part of coordinates that a way between two states moves; 0: none moves. */
-static double part_moved(const dm_inertia *x, const dm_chord *way) {
-    double out = 0.0;
-    for (uint32_t i = 0; i < x->model->n - x->tangent; i++)
+/* What round-off of the coordinate that is moved most by its size is at the place, of the way. */
+static double grain_at(const dm_inertia_spot *at, const dm_chord *way) {
+    double out = INFINITY;
+    for (uint32_t i = 0; i < at->x->model->n - at->x->tangent; i++)
         if (way->a[i] != way->b[i])
-            out = fmax(out, fabs(way->b[i] - way->a[i]) / fmax(fabs(way->a[i]), fabs(way->b[i])));
+            out = fmin(out, DBL_EPSILON * fabs(at->q[i] / (way->b[i] - way->a[i])));
     return out;
 }
 
 /* A motion comes so near to the place that round-off decides on which side of it a state is: is it
  * that near? */
-static int is_at_pole(dm_inertia_spot *at, const dm_chord *way, double moved) {
+static int is_at_pole(dm_inertia_spot *at, const dm_chord *way, double grain) {
     double ends[2];
-    at->from = -BESIDE / moved, at->to = 1.0 - at->from, at->none = 0.0;
+    at->from = -BESIDE * grain, at->to = 1.0 - at->from, at->none = 0.0;
     for (int k = 0; k < 2; k++) {
         dm_inertia_put_on(at, way, k ? at->to : at->from);
         ends[k] = dm_inertia_value_at(at, at->q, at->t);
@@ -164,11 +175,12 @@ int dm_inertia_has_pole(dm_inertia_spot *at, const dm_chord *way) {
     const double most = fmax(first, last);
     int out = find_part(at, way, first, last);
     if (out) {
-        const double moved = part_moved(at->x, way);
         at->inverse = 1;
         at->none = DM_INERTIA_NONE * DM_INERTIA_NONE / most;
-        out = dm_inertia_least_on(at, way) * most <= DM_INERTIA_NONE && is_closed(at, way);
-        if (!out && moved < ROUNDING) out = is_at_pole(at, way, moved);
+        const double found = dm_inertia_least_on(at, way) * most, grain = grain_at(at, way);
+        out = found <= fmin(NEAR, fmax(DM_INERTIA_NONE, NONE_GRAINS * grain)) &&
+              is_closed(at, way, grain);
+        if (!out && grain * LEAST_GRAINS > 1.0) out = is_at_pole(at, way, grain);
     }
     at->inverse = 0, at->from = 0.0, at->to = 1.0;
     return out;

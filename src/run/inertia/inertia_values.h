@@ -15,9 +15,9 @@ void dm_inertia_find(const dm_inertia *x, const double *q, const double *v, doub
 double *dm_inertia_mass(const dm_inertia *x, const double *q, const double *v, double t);
 uint32_t dm_inertia_negative(const dm_inertia *x, const double *q, const double *v, double t);
 
-/* Block b of the mass that was found last, or all of it where b is their number, scaled, and the rows of the constraints there: A[n*n],
- * G[rows*n], of a prolonged L those of L; room for another A, and for work. Row i is that of
- * coordinate order[i]. */
+/* Block b of the mass that was found last, or all of it where b is the number of blocks, scaled,
+ * and the rows of the constraints there: A[n*n], G[rows*n], of a prolonged L those of L; room for
+ * another A, and for work. Row i is that of coordinate order[i]. */
 typedef struct {
     double *A, *copy, *G, *border;
     const uint32_t *order;

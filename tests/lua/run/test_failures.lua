@@ -308,19 +308,20 @@ for _, x in ipairs { own, tied, printed } do
 end
 tap.ok(tostring(rows):find "path of 10 steps", "a path of it prints", tostring(rows))
 
--- a mass with a pole: steps that end behind it are few, and most runs that come near end by name (docs/failures.md)
-do
+-- a mass with a pole: no run is behind it (docs/failures.md; before, of 100: 5, 19, 1, 2)
+for _, rule in ipairs { "lobatto(3)", "trapezoidal", "gauss(3)", "rk8" } do
   local random, drawn, behind = dm.random(3), 0, 0
   local function between(a, b) drawn = drawn + 1 return a + (b - a) * random:uniform(drawn, 0) end
   for k = 1, 100 do
     local a = between(0.2, 2)
     local pole = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / (2 * (1 - q[1] ^ 2) ^ 2) - a * q[1] end }
     local start = { q = { between(-0.9, 0.9) }, v = { between(-0.5, 0.5) }, steps = 60 }
-    local fine, path = pcall(function() return pole:solver({ rule = "lobatto(3)", h = ({ 0.05, 0.1, 0.2, 0.4 })[k % 4 + 1] }):run(start) end)
-    for i = 1, fine and #path or 0 do
+    local fine, result = pcall(function() return pole:solver({ rule = rule, h = ({ 0.05, 0.1, 0.2, 0.4 })[k % 4 + 1] }):run(start) end)
+    local path = fine and result or result.path
+    for i = 1, #path do
       if math.abs(path.q[i][1]) > 1 then behind = behind + 1 break end
     end
   end
-  tap.ok(behind <= 6, "few of 100 runs are behind a pole of the mass", behind)
+  tap.ok(behind == 0, rule .. ": none of 100 runs is behind a pole of the mass", behind)
 end
 tap.done()
