@@ -317,11 +317,10 @@ for _, rule in ipairs { "lobatto(3)", "trapezoidal", "gauss(3)", "rk8" } do
     local pole = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / (2 * (1 - q[1] ^ 2) ^ 2) - a * q[1] end }
     local start = { q = { between(-0.9, 0.9) }, v = { between(-0.5, 0.5) }, steps = 60 }
     local fine, result = pcall(function() return pole:solver({ rule = rule, h = ({ 0.05, 0.1, 0.2, 0.4 })[k % 4 + 1] }):run(start) end)
-    local path = fine and result or result.path
-    for i = 1, #path do
-      if math.abs(path.q[i][1]) > 1 then behind = behind + 1 break end
+    for i = 1, fine and #result or 0 do
+      if math.abs(result.q[i][1]) > 1 then behind = behind + 1 break end
     end
   end
-  tap.ok(behind == 0, rule .. ": none of 100 runs is behind a pole of the mass", behind)
+  tap.ok(behind == 0, rule .. ": none of 100 runs is behind a pole of the mass without a word", behind)
 end
 tap.done()
