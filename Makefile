@@ -53,7 +53,7 @@ COMPILE = $(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -MP -Isrc -D_POSIX_C_SOURC
 READLINE_FLAGS = $(if $(filter yes,$(READLINE)),-DDM_READLINE,-UDM_READLINE)
 # what asks Lua calls it through its address: math.sqrt takes 1.16 of lua5.4's time, not 1.21
 CALLS_LUA = -fno-plt $(LUA_CFLAGS)
-SAME = $(COMPILE) $(CALLS_LUA) $(LUA_LIBS) $(SPARSE_LIBS) $(QHULL_LIBS) $(FFTW_LIBS)
+SAME = $(COMPILE) $(CALLS_LUA) $(LUA_LIBS) $(SPARSE_LIBS) $(QHULL_LIBS) $(FFTW_LIBS)$(LANES)
 $(B)/flags: now = $(SAME)
 $(B)/readline: now = $(READLINE_FLAGS) $(VERSION)
 $(B)/flags $(B)/readline: always
@@ -62,7 +62,7 @@ $(B)/flags $(B)/readline: always
 $(call objects,$(CLI)): $(B)/readline
 $(B)/%.o: src/%.c $(B)/flags
 	@mkdir -p $(@D)
-	$(call say,cc,$<)$(COMPILE) $(if $(filter bind/% cli/%,$*),$(CALLS_LUA)) \
+	$(call say,cc,$<)$(COMPILE) $(if $(findstring lanes,$*),$(LANES)) $(if $(filter bind/% cli/%,$*),$(CALLS_LUA)) \
 	  $(if $(filter cli/%,$*),$(READLINE_FLAGS) -DDM_VERSION='"$(VERSION)"') -c $< -o $@
 
 $(B)/libdm.a: $(call objects,$(KERNEL))
@@ -144,8 +144,10 @@ demo: all
 # of what compiling takes); lines, for its stacks, are all of the debug data that is wanted
 SAN = -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined \
   -fno-sanitize=null,object-size,pointer-overflow -fno-sanitize-recover=all
+# lanes call what looks at addresses: in line it takes twice as long to compile, and runs no faster
+SAN_LANES = $(if $(findstring clang,$(CC)),-mllvm -,--param )asan-instrumentation-with-call-threshold=0
 san:
-	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
+	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" LANES="$(SAN_LANES)" sanitized
 # without the examples, which show what the tests try
 sanitized: programs
 	@UNDER=san tests/run $(STATE_TESTS) $(C_TESTS) $(LUA_TESTS)
