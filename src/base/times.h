@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Are there enough numbers near the time t for steps of h? Where there is none time stands still. */
+/* Are there enough numbers near the time t for steps of h? Where there is none it stands still. */
 static inline int dm_times_differ(double t, double h) {
     enum { A_STEP = 8 };
     return nextafter(fabs(t), INFINITY) - fabs(t) <= fabs(h) / A_STEP;
