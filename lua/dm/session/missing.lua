@@ -54,8 +54,13 @@ local function of_solver(note)
     or {})[note.key]
 end
 
+-- what is no field, but made when it is asked for
+local MADE = { ["dm.path"] = { v = "path:velocity()" } }
+
 local function what_there_is(note)
   local names = names_of(note)
+  local made = (MADE[note.of] or {})[note.key]
+  if made then return "; it is " .. made end
   if note.of == "dm.path" and tonumber(note.key) then
     return ("; rows are those of its columns: path.q[%s], path.t[%s]"):format(note.key, note.key)
   end
@@ -134,6 +139,21 @@ end
 
 local FAILED = 4  -- level of the function that raised, seen from what the handler calls
 
+-- how the function of that name that raised was called, "method" or "field"; nil: it is not there
+local function called_as(name)
+  for level = 3, FAILED + 2 do
+    local info = debug.getinfo(level, "n")
+    if not info or info.name == name then return info and info.namewhat end
+  end
+end
+
+-- a method in C that was called like a field, v.norm()
+local function of_colon(message)
+  local name = match(message, "bad argument #[12] to '([%a_][%w_]*)' %([^\n]*got no value%)$")
+  if not name or called_as(name) ~= "field" or not owners(name) then return message end
+  return with(message, ("; a method is called with a colon, x:%s(...)"):format(name))
+end
+
 -- a parameter that the caller, a function of dm, gave nothing for: L of (x, y, vx, vy)
 local function of_parameter(message)
   local name = match(message, "a nil value %(local '([%a_][%w_]*)'%)")
@@ -163,7 +183,7 @@ function M.explain(message)
     or find(message, ": cannot compute [^\n]* nil$")
   local name = of_nil and variable.of_nil(2) or ""
   if not note or not note.of or not is_about(note, message) then
-    return of_method(of_library(message)) .. name .. of_parameter(message)
+    return of_colon(of_method(of_library(message))) .. name .. of_parameter(message)
   end
   local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
   note.of = nil

@@ -45,7 +45,7 @@ end
 -- what is not written as elsewhere, but forgotten
 local function forgotten(line, message)
   if find(message, "'}' expected near", 1, true) then return "is a comma missing before it?" end
-  local body = match(line, "function%s*[%w_.:]*%b()(.*)")
+  local body = match(line, ".*%f[%w_]function%s*[%w_.:]*%b()(.*)") -- of the last function
   if body and find(message, "near '[-+*/^]'") and not find(body, "%f[%w_]return%f[^%w_]") then
     return "does the function lack a return?"
   end

@@ -78,7 +78,8 @@ for text, way in pairs { ["x = 2**3"] = "x^2", ["x = [1, 2]"] = "{ 1, 2, 3 }", [
   ["y = x != 3"] = "~=", ["import numpy"] = "require", ["def f(x):"] = "function f(x)", ["x = A[1,2]"] = "A[1][2]",
   ["x = x[end]"] = "x[#x]", ["x = 1 # one"] = "--", ["print x"] = "print(x)", ["f = lambda x: x\n1)"] = "function(x)",
   ["for i in range(9): f(i)\nx = 1"] = "for i = 1, n do", ["x = { 1, y = 2 z = 3 }"] = "comma missing",
-  ["L = function(q, v) v:dot(v)/2 end"] = "lack a return", ["\n\nif x == 1:"] = "if x then" } do
+  ["L = function(q, v) v:dot(v)/2 end"] = "lack a return",
+  ["s = { L = function(q) return q end, f = function(q) q[1] - 1 end }"] = "lack a return", ["\n\nif x == 1:"] = "if x then" } do
   ok(told(text):find(": [^\n]*" .. way:gsub("%p", "%%%0")), text, told(text))
 end
 for _, text in ipairs { "x = = 1", "x = 'a != b' y", "x = 1 y -- x += 1", "f = function() return 1 / / 2 end", "x = (1",

@@ -132,4 +132,26 @@ do
   local fine, why = pcall(bare)
   ok(not fine and tostring(why):find "dm.vector %* nil", "code without names", why)
 end
+
+-- a method of a value that is called like a field; one that is called as it should be lacks an argument
+do
+  local dmlua = os.getenv "DMLUA" or arg[-1]
+  local function said(code)
+    local pipe = assert(io.popen(("%s -e 'v = dm.vector { 3, 4 } %s' 2>&1"):format(dmlua, code)))
+    local text = pipe:read "l"
+    pipe:close()
+    return text
+  end
+  for code, name in pairs { ["x = v.norm()"] = "norm", ["x = 1 + v.dot(v)"] = "dot", ["x = dm.matrix({ { 1 } }).transpose()"] = "transpose",
+    ["dm.system { Q = dm.R(2), L = function(q) return q.norm() + 1 end }"] = "norm" } do
+    local text = said(code)
+    ok(text:find(("a method is called with a colon, x:%s(...)"):format(name), 1, true), code, text)
+  end
+  for _, code in ipairs { "x = v:dot()", "x = math.sin()", "x = string.rep()" } do
+    local text = said(code)
+    ok(text:find "got no value%)$", code, text)
+  end
+  local text = said [[s = dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 end } path = s:solver({ rule = "verlet", h = 1 }):run { q = { 1 }, v = { 2 }, steps = 1 } print(path.v[1])]]
+  ok(text:find("a dm.path has no 'v'; it is path:velocity()", 1, true), "velocities of a path", text)
+end
 tap.done()
