@@ -94,5 +94,6 @@ ok(#clear == 4 and math.abs(clear[2] - 1) < 0.01 and math.abs(clear[3] - 1) < 0.
   table.concat(clear, " "))
 raises("a function of one vector", pulse.clear, pulse, 1, 2, 3, 4)
 raises("a finite length", noise.clear, noise, { 0, 0 }, { 1, 0 }, 1 / 0, 1e-3)
+raises("must be finite", noise.clear, noise, { 0, 0 }, { 0 / 0, 0 }, 1, 1e-3)
 raises("at least 1e-9", noise.clear, noise, { 0, 0 }, { 1, 0 }, 1, 0)
 tap.done()
