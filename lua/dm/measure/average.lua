@@ -76,7 +76,7 @@ end
 -- Ld as a function of (q0, q1, h, params), which numbers and symbols go through
 local function formula_of(Ld)
   for _, key in ipairs { "constraint", "force", "rolling", "map" } do
-    if Ld[key] ~= nil then
+    if Ld[key] ~= nil or Ld.system and Ld.system.given[key] ~= nil then
       options.fail(WHERE, "this discrete Lagrangian has '%s', which a mean of Ld leaves out", key)
     end
   end

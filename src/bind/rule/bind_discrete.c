@@ -15,6 +15,12 @@ static dml_system *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_DISCRETE);
 }
 
+static int has_field(lua_State *L, int arg, const char *key) {
+    const int there = dml_systemfield(L, arg, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
 /* p0 = -D1 Ld - F1, p1 = D2 Ld + F2, -D1D2 Ld at the points q0, q1 */
 typedef struct {
     const double *p0, *p1, *two_form;
@@ -86,6 +92,11 @@ static int discrete_plus(lua_State *L) {
 }
 
 static int discrete_two_form(lua_State *L) {
+    lua_settop(L, 4);
+    if (check(L)->ruled && dml_systemfield(L, 1, "system") && has_field(L, -1, "force"))
+        luaL_error(L,
+                   "Ld:two_form: this system has a force, with which steps keep no two-form, and "
+                   "the action along its curves tells nothing of p0 and p1");
     lua_settop(L, 4);
     const momenta e = find_ends(L);
     const uint32_t n = check(L)->n;
@@ -220,24 +231,22 @@ static int discrete_field(lua_State *L) {
     return 0;
 }
 
-static int has_field(lua_State *L, int arg, const char *key) {
-    const int there = dml_systemfield(L, arg, key) != LUA_TNIL;
-    lua_pop(L, 1);
-    return there;
-}
-
-/* holonomic constraints go with a formula, whose nodes are the ends */
+/* holonomic constraints go with a formula, whose nodes are the ends; forces with any rule */
 static void check_of_system(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
-    const int holonomic =
-        has_field(L, 1, "constraint") && !has_field(L, 1, "rolling") && !has_field(L, 1, "force");
-    if (dml_isconstrained(L, 1) && !(holonomic && dml_formula_points(L)))
+    const int holonomic = has_field(L, 1, "constraint") && !has_field(L, 1, "rolling");
+    if (has_field(L, 1, "control"))
+        luaL_error(L, "a discrete Lagrangian has no place for a control, which is held from the "
+                      "start of a step on: solve the system with a rule, for instance "
+                      "system:solver{rule = \"gauss(2)\", h = 0.01}");
+    if ((has_field(L, 1, "rolling") || has_field(L, 1, "constraint")) &&
+        !(holonomic && dml_formula_points(L)))
         luaL_error(L,
                    "a discrete Lagrangian has no place for %s: solve the system with a rule, for "
                    "instance system:solver{rule = \"%s\", h = 0.01}",
                    holonomic ? "the constraints of a system but at its nodes (rules \"midpoint\" "
                                "and \"trapezoidal\")"
-                             : "rolling constraints and forces",
+                             : "rolling constraints of a system",
                    holonomic ? "rattle" : "midpoint");
 }
 
@@ -246,9 +255,10 @@ static int is_timed(lua_State *L) {
     const dm_model *m = &dml_pushmodel(L, 1)->model;
     const int known = m->source.graph != NULL;
     const int timed = !(m->structure & DM_AUTONOMOUS);
+    const int nodal = has_field(L, 1, "constraint");
     lua_settop(L, 2);
     if (!known) return !dml_isconstrained(L, 1);
-    if (timed && dml_isconstrained(L, 1))
+    if (timed && nodal)
         luaL_error(L, "a discrete Lagrangian with constraints knows no time, on which this system "
                       "depends: solve the system with a rule, for instance system:solver{rule = "
                       "\"rattle\", h = 0.01}");
@@ -330,7 +340,8 @@ static const dml_row functions[] =
       "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
       "...), or with \"exact\": the action of the motion from q0 to q1 itself, by gauss(8) on as "
       "many pieces as round-off needs (Leok 5.1.1); it raises where q0 and q1 are conjugate or no "
-      "motion is found.\n"
+      "motion is found. A force of the system is in p0 and p1 by the quadrature of the rule (Leok "
+      "2.8.2).\n"
       "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
       "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
       "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "

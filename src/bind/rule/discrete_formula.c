@@ -3,10 +3,9 @@
 #include "bind/rule/discrete_rule.h"
 #include "integ/registry.h"
 
-/* push L of the system at upvalue 1 at ((1 - c) q0 + c q1, (q1 - q0)/h), arguments q0,
- * q1, h at 1, 2, 3 */
-static void push_node(lua_State *L, double c) {
-    lua_getfield(L, lua_upvalueindex(1), "L");
+/* call the function on top, of the system at upvalue 1, at ((1 - c) q0 + c q1, (q1 - q0)/h), arguments
+ * q0, q1, h at 1, 2, 3 */
+static void call_node(lua_State *L, double c, const char *what) {
     lua_pushvalue(L, 2);
     lua_pushvalue(L, 1);
     lua_arith(L, LUA_OPSUB); /* q1 - q0 */
@@ -20,7 +19,13 @@ static void push_node(lua_State *L, double c) {
     lua_arith(L, LUA_OPDIV);
     lua_pushnumber(L, 0.0);
     dml_systemfield(L, lua_upvalueindex(1), "params");
-    dml_callone(L, 4, "L");
+    dml_callone(L, 4, what);
+}
+
+/* push L at a node */
+static void push_node(lua_State *L, double c) {
+    lua_getfield(L, lua_upvalueindex(1), "L");
+    call_node(L, c, "L");
 }
 
 /* h sum_i b_i L at the nodes: one of weight 1 at c = 1/2, or two of weight 1/2 at the
@@ -36,6 +41,43 @@ static int composed(lua_State *L) {
     }
     lua_pushvalue(L, 3);
     lua_arith(L, LUA_OPMUL);
+    return 1;
+}
+
+/* push half of h times the force at a node, a list */
+static void push_half(lua_State *L, double c) {
+    dml_scalar x;
+    dml_systemfield(L, lua_upvalueindex(1), "force");
+    call_node(L, c, "force");
+    const int at = lua_gettop(L), single = dml_toscalar(L, at, &x);
+    const long n = dml_length(L, at); /* 1 of a number */
+    lua_newtable(L);
+    for (int i = 1; i <= n; i++) {
+        lua_pushvalue(L, 3);
+        lua_pushnumber(L, 0.5);
+        lua_arith(L, LUA_OPMUL);
+        if (single)
+            lua_pushvalue(L, at);
+        else
+            lua_geti(L, at, i);
+        lua_arith(L, LUA_OPMUL);
+        lua_rawseti(L, -2, i);
+    }
+    lua_replace(L, at);
+}
+
+/* { F1, F2 } of the force of the system by the same nodes, of which each works on the positions in
+ * its proportions; upvalues as of `composed` */
+static int composed_force(lua_State *L) {
+    const int ends = lua_toboolean(L, lua_upvalueindex(2));
+    lua_createtable(L, 2, 0);
+    push_half(L, ends ? 0.0 : 0.5);
+    if (ends)
+        push_half(L, 1.0);
+    else
+        lua_pushvalue(L, -1);
+    lua_rawseti(L, -3, 2);
+    lua_rawseti(L, -2, 1);
     return 1;
 }
 
@@ -70,6 +112,14 @@ int dml_discrete_source(lua_State *L) {
     return 1;
 }
 
+/* push f as a closure over the system at 1 and the rule of the options at 2 */
+static void push_composed(lua_State *L, lua_CFunction f, int points) {
+    lua_pushvalue(L, 1);
+    lua_pushboolean(L, points == 2);
+    lua_getfield(L, 2, "rule");
+    lua_pushcclosure(L, f, 3);
+}
+
 /* turn (system, { rule =, h = }) on the stack into the options of a discrete Lagrangian
  * at 1 */
 void dml_formula_of_system(lua_State *L) {
@@ -84,10 +134,10 @@ void dml_formula_of_system(lua_State *L) {
         dml_systemfield(L, 1, *key), lua_setfield(L, -2, *key);
     lua_getfield(L, 2, "h");
     lua_setfield(L, -2, "h");
-    lua_pushvalue(L, 1);
-    lua_pushboolean(L, points == 2);
-    lua_getfield(L, 2, "rule");
-    lua_pushcclosure(L, composed, 3);
+    push_composed(L, composed, points);
     lua_setfield(L, -2, "Ld");
+    if (dml_systemfield(L, 1, "force") != LUA_TNIL)
+        push_composed(L, composed_force, points), lua_setfield(L, -3, "force");
+    lua_pop(L, 1);
     lua_replace(L, 1);
 }

@@ -232,7 +232,7 @@ void dml_solveruled(lua_State *L, dm_discrete *out) {
     dml_model *m = dml_pushlast(L, lua_gettop(L), NULL);
     if (m->hamiltonian)
         luaL_error(L, "a discrete Lagrangian needs an L, and this H has none with a formula");
-    dml_want(L, m, DM_WANT_STAGE | DM_WANT_VALUE, NULL);
+    dml_want(L, m, DM_WANT_STAGE | DM_WANT_VALUE | DM_WANT_FORCE_CURVE, NULL);
     double *q0 = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *q0, 0);
     dml_vectorarg(L, 2, "q0", q0, n);
     dml_vectorarg(L, 3, "q1", q0 + n, n);

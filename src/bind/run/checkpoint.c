@@ -6,6 +6,7 @@
 #include "bind/model/model_constraints.h"
 #include "bind/model/space_group.h"
 #include "chain/virtual_work.h"
+#include "integ/registry.h"
 
 #include <errno.h>
 #include <math.h>
@@ -322,6 +323,25 @@ static const char *push_rule_name(lua_State *L) {
     return strncmp(name, "rule ", 5) == 0 ? name + 5 : name;
 }
 
+/* Raise where the rule of the checkpoint steps formulas Ld(q0, q1) and this is none, or the other way
+ * round: what it was of is then another thing, whatever rule is given. */
+static void check_kind(lua_State *L, int options, const dml_system *system) {
+    dm_rule nodes[DM_RULE_NODES];
+    lua_getfield(L, options, "rule");
+    const char *rule = push_rule_name(L);
+    const int known = !dm_rule_read(nodes, rule, NULL) && nodes[0].method;
+    const int of_pairs = known && nodes[0].method->traits & DM_FOR_PAIRS;
+    if (known && of_pairs != !!system->pair)
+        luaL_error(L,
+                   of_pairs ? "the checkpoint is of a formula Ld(q0, q1), stepped by rule '%s': "
+                              "give that discrete Lagrangian here, or start a new run from q and p"
+                            : "the checkpoint is of rule '%s', and this discrete Lagrangian is a "
+                              "formula Ld(q0, q1), stepped by 'del': give the system of the "
+                              "checkpoint here, or start a new run from q and p",
+                   rule);
+    lua_pop(L, 2);
+}
+
 /* rule and backend of the options at 3: the rule as an object, where the file has only its name */
 static void override(lua_State *L, int options) {
     static const char *const known[] = {"rule", "backend", NULL};
@@ -371,6 +391,7 @@ int dml_resume(lua_State *L) {
     if (c->n != system->n)
         luaL_error(L, "the checkpoint is of a system of %d coordinates, this one has %d", (int)c->n,
                    (int)system->n);
+    check_kind(L, options, system);
     override(L, options);
     lua_pushcfunction(L, dml_solver_of);
     lua_pushvalue(L, 2);

@@ -3,6 +3,7 @@
 #include "base/doubles.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
+#include "mech/constraints.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,6 +14,7 @@ typedef struct {
     dm_stage_table table;
     uint32_t n, m;                 /* dim Q, unknowns */
     double *x, *curve;             /* arguments and outputs of the stage kernel, one point */
+    double *push;                  /* of the force there: f[n], f_q[n*n], f_v[n*n]; zeros: none */
     double *z, *q, *v, *p, *force; /* unknowns; [r][n] of the points */
     double *end, *form;            /* [n], [n*n] */
     double *J, *right, *scratch;   /* at the root; a right-hand side; of Newton */
@@ -30,7 +32,8 @@ size_t dm_discrete_work(const dm_galerkin *g, uint32_t n, uint32_t pieces) {
     const size_t r = (size_t)g->q.r * N;
     return dm_stage_table_size((size_t)g->s * N, r) +
            (N > 1 ? dm_stage_table_size((size_t)g->s, (size_t)g->q.r) : 0) + (2 * (size_t)n + 1) +
-           (2 * n + 3 * nn) + m + 4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
+           (2 * n + 3 * nn) + (n + 2 * nn) + m + 4 * r * n + n + nn + m * m + m +
+           dm_newton_work((uint32_t)m) + m;
 }
 
 /* w/N, from all digits */
@@ -82,6 +85,7 @@ static between lay_out(const dm_discrete_problem *in, double *memory) {
     const size_t r = e.table.r;
     e.x = dm_take(&memory, 2 * n + 1);
     e.curve = dm_take(&memory, 2 * n + 3 * n * n);
+    e.push = dm_take(&memory, n + 2 * n * n);
     e.z = dm_take(&memory, m);
     e.q = dm_take(&memory, r * n);
     e.v = dm_take(&memory, r * n);
@@ -95,7 +99,20 @@ static between lay_out(const dm_discrete_problem *in, double *memory) {
     return e;
 }
 
-/* Q_i, Qdot_i and the kernel there, whose first outputs stay for the result. */
+/* Is there a force? */
+static const dm_constraints *forced(const between *e) {
+    const dm_constraints *c = e->in->model->constraints;
+    return c && c->forced ? c : NULL;
+}
+
+/* L_q += f, from here on */
+static void push(between *e) {
+    if (!forced(e)) return;
+    dm_kernel_eval(&forced(e)->force_curve, e->x, e->push);
+    for (uint32_t k = 0; k < e->n; k++) e->curve[k] += e->push[k];
+}
+
+/* Q_i, Qdot_i and the kernels there, whose first outputs stay for the result. */
 static void place(between *e, uint32_t i, const double *z) {
     const uint32_t n = e->n, s = e->table.s;
     double *Q = e->q + i * (size_t)n, *v = e->v + i * (size_t)n;
@@ -110,6 +127,7 @@ static void place(between *e, uint32_t i, const double *z) {
     memcpy(e->x + n, v, n * sizeof *v);
     e->x[2 * n] = e->in->t + e->in->h * dm_weight_double(e->table.c[i]);
     dm_kernel_eval(&e->in->model->stage, e->x, e->curve);
+    push(e);
     memcpy(e->force + i * (size_t)n, e->curve, n * sizeof *v);
     memcpy(e->p + i * (size_t)n, e->curve + n, n * sizeof *v);
 }
@@ -129,6 +147,7 @@ static void add_point(between *e, double *r, double *J, uint32_t i) {
     const uint32_t n = e->n, s = t->s;
     const size_t nn = (size_t)n * n;
     const double *qq = e->curve + 2 * n, *qv = qq + nn, *vv = qv + nn, h = e->in->h;
+    const double *fq = e->push + n, *fv = fq + nn;
     const double b = dm_weight_double(t->b[i]);
     for (uint32_t j = 0; j < s; j++) {
         const double d = dm_weight_double(t->d[i * s + j]);
@@ -147,6 +166,8 @@ static void add_point(between *e, double *r, double *J, uint32_t i) {
             const double dk = dm_weight_double(t->d[i * s + k]);
             add(e, block, b * w * ha, qq, 0);
             add(e, block, b * w * dk, qv, 0);
+            add(e, block, b * w * ha, fq, 0);
+            add(e, block, b * w * dk, fv, 0);
             add(e, block, b * d * ha, qv, 1);
             add(e, block, b * d * dk, vv, 0);
         }
@@ -249,6 +270,8 @@ dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem
                                       .max_iterations = 50};
     dm_newton_report report;
     dm_kernel_prepare(&problem->model->stage, e.curve);
+    memset(e.push, 0, (e.n + 2 * (size_t)e.n * e.n) * sizeof *e.push);
+    if (forced(&e)) dm_kernel_prepare(&forced(&e)->force_curve, e.push);
     guess(&e);
     dm_status status = dm_newton(e.z, &newton, e.scratch, &report);
     if (status != DM_OK) return status;

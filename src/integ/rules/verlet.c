@@ -25,13 +25,13 @@ const dm_method dm_method_verlet = {
     .aliases = "leapfrog, velocity-verlet, stoermer-verlet, stormer-verlet, strang",
     .signature = "verlet",
     .doc = "Stoermer-Verlet, kick-drift-kick, order 2; explicit, one force a step, when L = T(v) - "
-           "V(q, t) with constant mass, else the implicit Lobatto IIIA-IIIB pair of 2 stages (HLW "
-           "I.1.4, VI.6.2).",
+           "V(q, t) with constant mass, else, and with forces beside L, the implicit Lobatto "
+           "IIIA-IIIB pair of 2 stages (HLW I.1.4, VI.6.2).",
     .orders = "2",
     .stages = "2",
     .cost = "1 force; else 2 n unknowns",
     .instances = "verlet:2:1",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC,
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_FORCED,
     .engine = &dm_engine_stage,
     .basis = basis,
     .splitting = splitting,

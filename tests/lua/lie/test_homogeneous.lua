@@ -202,5 +202,8 @@ local rest = { q = four.Q:identity(), v = { 0.1, 0.2, 0.3, 0.4, 0.5, 0.6 } }
 raises("lie(s, lobatto(s + 1)) is the pair", function() finish(four, "lobatto(3)", 0.1, 1, rest) end)
 raises("rotations(k)", function() finish(top, "blanes-moan(6)", 0.1, 1, tilt) end)
 raises("time of its own", function() finish(top, "sem(1, gauss(1))", 0.1, 1, tilt) end)
-raises("knows no forces", function() finish(swung, "verlet", 0.1, 1, tilt) end)
+do -- with forces verlet is the Lobatto pair
+  local x, y = { finish(swung, "verlet", 0.1, 20, tilt) }, { finish(swung, "lobatto(2)", 0.1, 20, tilt) }
+  ok(x[1] == y[1] and x[2] == y[2], "verlet with forces", x[1])
+end
 tap.done()

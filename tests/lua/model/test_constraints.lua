@@ -181,11 +181,11 @@ end
 -- a rule that does not know what is beside L is refused where it is named
 do
   local function beside(what) return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, [what[1]] = what[2] } end
-  for _, what in ipairs { { "constraint", function(q) return q:dot(q) - 1 end, "constraints", "verlet" },
-    { "rolling", function(q, v) return v[1] - q[2] * v[2] end, "rolling constraints", "rattle" },
-    { "force", function(_, v) return -v end, "forces", "verlet" } } do
+  for _, what in ipairs { { "constraint", function(q) return q:dot(q) - 1 end, "constraints", "verlet", "midpoint" },
+    { "rolling", function(q, v) return v[1] - q[2] * v[2] end, "rolling constraints", "rattle", "midpoint" },
+    { "force", function(_, v) return -v end, "forces", "log-hamiltonian", "verlet" } } do
     local s = beside(what)
-    tap.raises(("rule '%s' cannot step this system: it knows no %s; rules that do: midpoint"):format(what[4], what[3]), s.solver, s,
+    tap.raises(("rule '%s' cannot step this system: it knows no %s; rules that do: %s"):format(what[4], what[3], what[5]), s.solver, s,
       { rule = what[4], h = 0.1 })
     tap.ok(s:solver { rule = "gauss(2)", h = 0.1 }, "and another is taken")
   end

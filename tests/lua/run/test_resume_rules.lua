@@ -78,4 +78,21 @@ end
 raises("h = 0.2", dm.resume, file, pairs_of("galerkin(2, gauss(3))", 0.2))
 raises("not 'gauss(2)'", dm.resume, file, pairs_of("gauss(2)", 0.1))
 os.remove(file)
+-- a formula Ld(q0, q1) and a rule that steps a Lagrangian are not taken for each other, whatever their names
+do
+  local s = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 end }
+  local function Ld(rule) return dm.discrete_lagrangian(s, { rule = rule, h = 0.1 }) end
+  local start, file = { q = { 1, 0 }, p = { 0, 1 }, steps = 5 }, os.tmpname()
+  local function resumed(of, model)
+    of:run(start):checkpoint(file)
+    return function() return dm.resume(file, model) end
+  end
+  local own = "give the system of the checkpoint here"
+  tap.raises("the checkpoint is of rule 'gauss(2)', and this discrete Lagrangian is a formula Ld(q0, q1), stepped by 'del'", resumed(dm.solver { Ld "gauss(2)" }, Ld "midpoint"))
+  tap.raises(own, resumed(s:solver { rule = "midpoint", h = 0.1 }, Ld "midpoint"))
+  tap.raises("the checkpoint is of a formula Ld(q0, q1), stepped by rule 'del': give that discrete Lagrangian here", resumed(dm.solver { Ld "midpoint" }, Ld "gauss(2)"))
+  tap.raises("give that discrete Lagrangian here", resumed(dm.solver { Ld "midpoint" }, s))
+  tap.raises("the checkpoint is of rule 'verlet', not 'gauss(2)'", resumed(dm.solver { Ld "verlet" }, Ld "gauss(2)"))
+  os.remove(file)
+end
 tap.done()

@@ -149,7 +149,7 @@ do
   ok(first:at(1, 1).why:find "degenerate" and not first:at(1, 1).why:find "dm/stability" and first:at(2, 1).class == "bounded", "nor one without a mass, though it is the first", first:at(1, 1).why)
   some = tried { system = spring(1), a = { 1, 2 }, q = function(a) if a < 2 then return a end end }
   ok(why(some, 2):find("the function 'q' returns nothing at a = 2", 1, true) and some:at(1, 1).class == "bounded", "a start that is not there", why(some, 2))
-  some = tried { system = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end, force = function(_, v) return { -0.1 * v[1] } end }, rule = false, rules = { "verlet", "midpoint" } }
+  some = tried { system = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end, force = function(_, v) return { -0.1 * v[1] } end }, rule = false, rules = { "blanes-moan(4)", "midpoint" } }
   ok(why(some, 1):find "it knows no forces" and some:at(2, 1).class == "bounded", "a rule that does not fit", why(some, 1))
   raises("bad k", tried, { system = function() error "bad k" end, k = { 1, 2 } })
   -- the domain of L ends on the way: no error of the energy grew there

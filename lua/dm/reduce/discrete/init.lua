@@ -210,8 +210,11 @@ local function read(info, full, given)
       .. "= }, a rule for these coordinates", 0)
   end
   if type(given) == "table" then
-    check.places(info, full)
-    return check.of_rule(parameters.full(info), { rule = given.rule, h = given.h })
+    local home = parameters.full(info)
+    if home.given.rolling then check.places(info, home) end
+    local Ld = check.of_rule(home, { rule = given.rule, h = given.h })
+    check.places(info, home, Ld)
+    return Ld
   end
   local fine, n = blame.try(function() return given.Q.dimension, given.h end)
   if not fine or type(given) ~= "userdata" or n ~= full.Q.dimension then
