@@ -48,6 +48,21 @@ house.check("no base name of C files in two folders", doubled(base))
 house.check("no type name in two files", doubled(types))
 house.check("every exception to that is needed", twice.idle())
 
+-- ---- numbers
+
+-- Lua's own take a text of digits: dml_checknumber and its relatives do not; math.* stays as Lua's is
+local OF_LUA = { ["src/bind/core/bind.c"] = true, ["src/bind/core/bind.h"] = true,
+  ["src/bind/value/bind_math.c"] = true }
+local texts = {}
+for _, file in ipairs(C) do
+  for _, name in ipairs { "checknumber", "checkinteger", "optnumber", "optinteger" } do
+    if file:find "^src/bind/" and not OF_LUA[file] and text[file]:find("luaL_" .. name, 1, true) then
+      texts[#texts + 1] = file .. ": luaL_" .. name
+    end
+  end
+end
+house.check("no binding takes a text of digits for a number", texts)
+
 -- ---- lines
 
 local WIDTH, COMMENTS = 100, 0.12 -- columns; of the lines of C that are not blank, at least

@@ -6,6 +6,7 @@ local core = require "dm.core"
 local groups = require "dm.group"
 local axioms = require "dm.action.axioms"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 local options = require "dm.base.options"
 local points = require "dm.action.points"
 local standard = require "dm.action.standard"
@@ -214,14 +215,14 @@ M.cut = cut
 local MOST_POINTS = 1000
 
 local function on_points(action, k)
-  if not math.tointeger(k) or k < 1 or k > MOST_POINTS then
+  if not lists.whole(k) or k < 1 or k > MOST_POINTS then
     error(("action:on_points(k) takes the number of points, a whole number from 1 to %d (got %s)")
       :format(MOST_POINTS, tostring(k)), 0)
   end
   if action.points then
     error("this action is on several points already: ask its base, action.base:on_points(k)", 0)
   end
-  k = math.tointeger(k)
+  k = lists.whole(k)
   local m, copies = action.dimension, {}
   for i = 1, k do copies[i] = action.on end
   local function joint(g, z)

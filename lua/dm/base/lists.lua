@@ -95,4 +95,7 @@ function M.copy(t)
   return out
 end
 
+--- x as an integer, where it is a whole number; a text of digits is none.
+function M.whole(x) return type(x) == "number" and math.tointeger(x) or nil end
+
 return M

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local ends = require "dm.chart.size_ends"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -43,7 +44,7 @@ local function read_sizes(options)
   end
   local sizes, list = {}, options[name]
   for i = 1, type(list) == "table" and #list or 0 do
-    sizes[i] = math.tointeger(list[i])
+    sizes[i] = lists.whole(list[i])
     if not sizes[i] or i > 1 and sizes[i] <= sizes[i - 1] then
       fail("option '%s' must be a list of whole numbers that grow (entry %d is %s)", name, i,
         tostring(list[i]))

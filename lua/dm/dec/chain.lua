@@ -3,6 +3,7 @@
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -191,7 +192,7 @@ The sum of 2 [i, j] + ... of cells of degree k. The order of vertices counts: [j
 
 class.method("dm.mesh", "fundamental", function(K)
   local signs, out = K:oriented(core.constant(K:count(K.dimension), 1)), {}
-  for i = 1, #signs do out[i] = math.tointeger(signs[i]) end
+  for i = 1, #signs do out[i] = lists.whole(signs[i]) end
   return new(K, K.dimension, out)
 end, [[
 K:fundamental() -> dm.chain

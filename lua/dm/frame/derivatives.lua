@@ -6,6 +6,7 @@
 local F = require "dm.frame"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local partial = require "dm.frame.partial"
 local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
@@ -193,7 +194,7 @@ velocities of the formula for d/dx I against the derivative of the graph. Round-
 is one.]])
 method("phantom", function(self, count)
   count = count or self.k
-  if not math.tointeger(count) or count < 1 or count > 100 then
+  if not lists.whole(count) or count < 1 or count > 100 then
     error("rho:phantom: the number of points must be a whole number from 1 to 100", 0)
   end
   return core.result(M.phantom(self, count))

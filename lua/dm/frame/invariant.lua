@@ -8,6 +8,7 @@ local core = require "dm.core"
 local derivatives = require "dm.frame.derivatives"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
+local lists = require "dm.base.lists"
 local options = require "dm.base.options"
 local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
@@ -46,7 +47,7 @@ local function named_function(name, what, points, entries)
   end
   local j, a = what[1], what[2] or 1
   local function is_place(i, most)
-    return type(i) == "number" and math.tointeger(i) and i >= 1 and i <= most
+    return type(i) == "number" and lists.whole(i) and i >= 1 and i <= most
   end
   if not (is_place(j, points) and is_place(a, entries)) then
     fail("invariant '%s': there is no entry %s of point %s among %d points of %d numbers", name,
@@ -253,7 +254,7 @@ local SOLVE = { "points", "n", "momentum", "body_momentum", "multiplier", "frame
 
 local function check_solve(o)
   options.check(o, SOLVE, "problem:solve", "{ points =, n = }")
-  if not math.tointeger(o.n) then
+  if not lists.whole(o.n) then
     options.fail("problem:solve", "'n', the number of points of the curve, must be a whole number")
   end
   return options.one_of(o, "form", "problem:solve", { "momentum", "points" }, "momentum")

@@ -141,12 +141,12 @@ local function parts_of(parts)
       wrong_part(i, ("is called '%s', which every state has: choose another name"):format(name))
     end
     if seen[name] then wrong_part(i, ("is called '%s', as another one"):format(name)) end
-    if not math.tointeger(count) or count < 1 or count > MOST then
+    if not lists.whole(count) or count < 1 or count > MOST then
       wrong_part(i, ("must say how many numbers '%s' has, 1 to %d"):format(name, MOST))
     end
-    seen[name], out[i], total = true, { name, math.tointeger(count) }, total + count
+    seen[name], out[i], total = true, { name, lists.whole(count) }, total + count
   end
-  return out, math.tointeger(total)
+  return out, lists.whole(total)
 end
 
 --- A copy of the options of dm.step with a list of parts that is checked, and how many numbers they

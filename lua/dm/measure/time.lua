@@ -1,6 +1,7 @@
 --- dm.time: how long a call takes.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 
 local M = {}
 
@@ -73,7 +74,7 @@ with the spread, the largest batch over the best.]]
 local BATCH = 0.02 -- s
 
 M.bench = blame.caller(function(f, k)
-  k = k == nil and 10 or math.tointeger(k)
+  k = k == nil and 10 or lists.whole(k)
   if type(f) ~= "function" then
     error(("dm.bench: a function is needed (got %s); write dm.bench(function() ... end)")
       :format(type(f)), 0)

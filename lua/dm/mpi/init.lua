@@ -4,6 +4,7 @@
 local apart = require "dm.mpi.apart"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local values = require "dm.mpi.values"
 
@@ -55,7 +56,7 @@ M.map = blame.caller(function(f, n)
   if type(f) ~= "function" then
     option.fail("dm.mpi.map", "a function is needed (got %s)", option.got(f))
   end
-  if not math.tointeger(n) or n < 0 then
+  if not lists.whole(n) or n < 0 then
     option.fail("dm.mpi.map", "how many must be a whole number >= 0 (got %s)", option.got(n))
   end
   local own = {}

@@ -11,6 +11,7 @@ local core = require "dm.core"
 local M = {}
 
 local fail = require "dm.base.options".failing "demo"
+local lists = require "dm.base.lists"
 
 ---- what there is ----
 
@@ -96,7 +97,7 @@ local function check_number(number, value)
       number.most, tostring(value))
   end
   if math.type(number.value) == "integer" then
-    local whole = math.tointeger(value)
+    local whole = lists.whole(value)
     if not whole then
       fail("%s (%s) must be a whole number (got %g)", number.name, number.what, value)
     end

@@ -2,6 +2,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local palette = require "dm.show.palette"
 local paths = require "dm.show.path"
 
@@ -36,7 +37,7 @@ local function chosen(ensemble, members, most)
       tostring(members))
   end
   for _, i in ipairs(members) do
-    if not math.tointeger(i) or i < 1 or i > n then
+    if not lists.whole(i) or i < 1 or i > n then
       fail("'members': there are members 1 to %d (got %s)", n, tostring(i))
     end
   end

@@ -63,9 +63,9 @@ local function keep_whole(out, given)
     if math.type(given[i]) ~= "integer" then return out end
   end
   for i = 1, #out do
-    if not math.tointeger(out[i]) then return out end
+    if not lists.whole(out[i]) then return out end
   end
-  for i = 1, #out do out[i] = math.tointeger(out[i]) end
+  for i = 1, #out do out[i] = lists.whole(out[i]) end
   out.whole = true
   return out
 end

@@ -2,6 +2,7 @@
 -- share out.
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
+local lists = require "dm.base.lists"
 
 local plain, doc, put = class.wraps("dm.sweep.methods", "dm.solver:ensemble")
 
@@ -10,7 +11,7 @@ local journals = setmetatable({}, { __mode = "k" })
 
 -- several ranks, and work for them?
 local function is_shared(options)
-  local mpi, members = package.loaded["dm.mpi"], math.tointeger(options.members)
+  local mpi, members = package.loaded["dm.mpi"], lists.whole(options.members)
   return mpi and members and require "dm.sweep.ranks".shares(members)
 end
 

@@ -1,6 +1,7 @@
 --- What a rule is for a wave: a text to what core.wave_stepper takes, or the reason why it does not
 -- serve.
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -98,7 +99,7 @@ function M.read(wave, options)
   if text == "two-step" then return two_step(wave, h, options) end
   local degree = text == "slab" and slab_degree(wave, h) or text:match "^slab%(%s*(%d+)%s*%)$"
   if not degree then return of_table(wave, h, text) end
-  degree = math.tointeger(degree)
+  degree = lists.whole(tonumber(degree))
   if degree < 1 or degree > 10000 then fail("rule '%s': a degree from 1 on is needed", text) end
   return gauss(wave, degree)
 end

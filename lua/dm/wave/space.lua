@@ -1,6 +1,7 @@
 --- Where a wave lives: points, potential and start as the equation wants them.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local vector = require "dm.wave.vector"
 
@@ -23,7 +24,7 @@ function M.interval(options, walls, galerkin)
   if type(x) ~= "table" or not (is_finite(x[1]) and is_finite(x[2])) or #x ~= 3 then
     fail "option 'x' must be { from, to, N }: two ends and a number of points"
   end
-  local N = math.tointeger(x[3])
+  local N = lists.whole(x[3])
   if not (x[1] < x[2]) then fail("option 'x': %g to %g is no interval", x[1], x[2]) end
   if not N or N < LEAST or N > MOST then
     fail("option 'x': N must be a whole number from %d to %d (got %s)", LEAST, MOST,

@@ -74,7 +74,7 @@ static void read_sums(lua_State *L, avi *k, const dml_model *m, double t) {
 /* core.avi(system, q, t): its cells */
 static int avi_new(lua_State *L) {
     const dml_system *s = dml_checksystem(L, 1);
-    const double t = luaL_optnumber(L, 3, 0.0);
+    const double t = dml_optnumber(L, 3, 0.0);
     lua_settop(L, 2);
     avi *k = lua_newuserdatauv(L, sizeof *k, 3);
     memset(k, 0, sizeof *k);
@@ -144,7 +144,7 @@ static int avi_limits(lua_State *L) {
 static int avi_resonances(lua_State *L) {
     const avi *k = check(L);
     if (!k->limit || !k->a.near) return luaL_error(L, "limits and a run first");
-    lua_pushinteger(L, (lua_Integer)dm_avi_resonances(&k->a, k->alone, luaL_checknumber(L, 2)));
+    lua_pushinteger(L, (lua_Integer)dm_avi_resonances(&k->a, k->alone, dml_checknumber(L, 2)));
     return 1;
 }
 

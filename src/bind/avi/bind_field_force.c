@@ -28,7 +28,7 @@ static int field_masses(lua_State *L) {
 /* core.field_force(system | path, q, t, v): dL/dq; where v is given, at v and with the forces
  * beside L */
 static int field_force(lua_State *L) {
-    const double t = luaL_optnumber(L, 3, 0.0);
+    const double t = dml_optnumber(L, 3, 0.0);
     lua_settop(L, 4);
     dml_model *m = push_model_of(L);
     const size_t n = m->n;

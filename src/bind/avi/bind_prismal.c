@@ -125,7 +125,7 @@ static dm_status go(dml_stepping *r, dml_field_rows *rows, const double *times, 
 static int prismal_run(lua_State *L) {
     dml_stepping r = {.solver = luaL_checkudata(L, 1, DML_SOLVER)};
     dml_field_rows rows;
-    const lua_Integer asked = luaL_checkinteger(L, 4);
+    const lua_Integer asked = dml_checkinteger(L, 4);
     long slices;
     uint32_t count;
     luaL_checktype(L, 2, LUA_TTABLE);

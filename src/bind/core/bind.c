@@ -227,6 +227,38 @@ static double read_number(lua_State *L, const char *key, const char *expected) {
     return x;
 }
 
+static void refuse_text(lua_State *L, int arg) {
+    if (lua_type(L, arg) == LUA_TSTRING)
+        luaL_argerror(L, arg,
+                      lua_pushfstring(L,
+                                      "number expected, got the text \"%s\": write it without "
+                                      "quotes, or tonumber(text)",
+                                      lua_tostring(L, arg)));
+}
+
+double dml_checknumber(lua_State *L, int arg) {
+    refuse_text(L, arg);
+    return luaL_checknumber(L, arg);
+}
+
+double dml_optnumber(lua_State *L, int arg, double fallback) {
+    return lua_isnoneornil(L, arg) ? fallback : dml_checknumber(L, arg);
+}
+
+lua_Integer dml_checkinteger(lua_State *L, int arg) {
+    refuse_text(L, arg);
+    return luaL_checkinteger(L, arg);
+}
+
+lua_Integer dml_optinteger(lua_State *L, int arg, lua_Integer fallback) {
+    return lua_isnoneornil(L, arg) ? fallback : dml_checkinteger(L, arg);
+}
+
+lua_Integer dml_tointegerx(lua_State *L, int at, int *is_whole) {
+    if (lua_type(L, at) == LUA_TNUMBER) return lua_tointegerx(L, at, is_whole);
+    return *is_whole = 0;
+}
+
 double dml_number(lua_State *L, int arg, const char *key, double fallback) {
     static const char expected[] = "a finite number";
     double x = fallback;

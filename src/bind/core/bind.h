@@ -85,6 +85,13 @@ void dml_numbers(lua_State *L, int arg, const char *key, double *out, uint32_t n
 /* Raises where doubles near the time t0 are too far apart for steps of h. */
 void dml_refuse_late(lua_State *L, double t0, double h);
 
+/* As luaL_checknumber, lua_tointegerx and their relatives, but a text of digits is no number. */
+double dml_checknumber(lua_State *L, int arg);
+double dml_optnumber(lua_State *L, int arg, double fallback);
+lua_Integer dml_checkinteger(lua_State *L, int arg);
+lua_Integer dml_optinteger(lua_State *L, int arg, lua_Integer fallback);
+lua_Integer dml_tointegerx(lua_State *L, int at, int *is_whole);
+
 /* That of `known` which others call `word` or which is spelt most like it, or NULL when none is
  * near: for "did you mean". */
 const char *dml_nearest(const char *word, const char *const *known);

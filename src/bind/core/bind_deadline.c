@@ -65,7 +65,7 @@ static void set_deadline(double until) {
 
 /* An outer call that has less time left ends the inner one too, and then itself. */
 static int within(lua_State *L) {
-    const double seconds = luaL_checknumber(L, 1), before = deadline.until;
+    const double seconds = dml_checknumber(L, 1), before = deadline.until;
     luaL_checkany(L, 2);
     set_deadline(fmin(before, dml_cpu() + fmax(seconds, 0.0)));
     const int status = lua_pcall(L, lua_gettop(L) - 2, LUA_MULTRET, 0);

@@ -12,27 +12,27 @@ static uint64_t seed_of(lua_State *L) {
 }
 
 static uint32_t check_place(lua_State *L) {
-    const lua_Integer k = luaL_checkinteger(L, 3);
+    const lua_Integer k = dml_checkinteger(L, 3);
     luaL_argcheck(L, k >= 0 && k <= (lua_Integer)UINT32_MAX, 3,
                   "the number's place k must be between 0 and 2^32 - 1");
     return (uint32_t)k;
 }
 
 static double check_finite(lua_State *L, int arg, double fallback) {
-    const double x = luaL_optnumber(L, arg, fallback);
+    const double x = dml_optnumber(L, arg, fallback);
     luaL_argcheck(L, isfinite(x), arg, "must be finite");
     return x;
 }
 
 static int random_new(lua_State *L) {
-    const lua_Integer seed = luaL_checkinteger(L, 1);
+    const lua_Integer seed = dml_checkinteger(L, 1);
     *(uint64_t *)lua_newuserdatauv(L, sizeof(uint64_t), 0) = (uint64_t)seed;
     luaL_setmetatable(L, TNAME);
     return 1;
 }
 
 static int random_uniform(lua_State *L) {
-    const uint64_t seed = seed_of(L), i = (uint64_t)luaL_checkinteger(L, 2);
+    const uint64_t seed = seed_of(L), i = (uint64_t)dml_checkinteger(L, 2);
     const uint32_t k = check_place(L);
     const double a = check_finite(L, 4, 0.0), b = check_finite(L, 5, a + 1.0);
     luaL_argcheck(L, lua_isnoneornil(L, 4) == lua_isnoneornil(L, 5), lua_isnoneornil(L, 4) ? 4 : 5,
@@ -43,7 +43,7 @@ static int random_uniform(lua_State *L) {
 }
 
 static int random_normal(lua_State *L) {
-    const uint64_t seed = seed_of(L), i = (uint64_t)luaL_checkinteger(L, 2);
+    const uint64_t seed = seed_of(L), i = (uint64_t)dml_checkinteger(L, 2);
     const uint32_t k = check_place(L);
     const double mean = check_finite(L, 4, 0.0), deviation = check_finite(L, 5, 1.0);
     luaL_argcheck(L, deviation >= 0.0, 5, "the standard deviation must not be negative");

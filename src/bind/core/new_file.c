@@ -169,7 +169,7 @@ int dml_core_end_file(lua_State *L) {
 
 int dml_core_cut_file(lua_State *L) {
     const char *file = dml_filename(L, 1);
-    const lua_Integer bytes = luaL_checkinteger(L, 2);
+    const lua_Integer bytes = dml_checkinteger(L, 2);
     luaL_argcheck(L, bytes >= 0, 2, "a number of bytes >= 0 is needed");
     if (truncate(file, (off_t)bytes) != 0 && errno != EINVAL) /* a device has no length */
         return luaL_error(L, "cannot write %s: %s", file, strerror(errno));

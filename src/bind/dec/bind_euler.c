@@ -139,8 +139,8 @@ static int core_euler(lua_State *L) {
 /* (h, steps) -> steps that were taken, rates that they needed; fewer steps: see engine_fail */
 static int engine_advance(lua_State *L) {
     engine *e = check(L);
-    const double h = luaL_checknumber(L, 2);
-    const lua_Integer steps = luaL_checkinteger(L, 3);
+    const double h = dml_checknumber(L, 2);
+    const lua_Integer steps = dml_checkinteger(L, 3);
     lua_Integer done = 0, sweeps = 0;
     e->status = DM_OK;
     while (done < steps && e->status == DM_OK) {
@@ -157,9 +157,9 @@ static int engine_advance(lua_State *L) {
 static int engine_fail(lua_State *L) {
     const engine *e = check(L);
     const dml_failure f = {.status = e->status,
-                           .step = (long)luaL_checkinteger(L, 2) + (e->status != DM_STOPPED),
-                           .time = luaL_checknumber(L, 3),
-                           .h = luaL_checknumber(L, 4),
+                           .step = (long)dml_checkinteger(L, 2) + (e->status != DM_STOPPED),
+                           .time = dml_checknumber(L, 3),
+                           .h = dml_checknumber(L, 4),
                            .residual = e->flow.change,
                            .iterations = (int)e->sweeps,
                            .rule = luaL_checkstring(L, 5)};

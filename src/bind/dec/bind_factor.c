@@ -186,8 +186,8 @@ static void start_vector(double *x, int32_t n, uint64_t which) {
 
 /* core.start_vector(n, which) */
 static int core_start_vector(lua_State *L) {
-    const lua_Integer n = luaL_checkinteger(L, 1);
-    const lua_Integer which = luaL_optinteger(L, 2, 0);
+    const lua_Integer n = dml_checkinteger(L, 1);
+    const lua_Integer which = dml_optinteger(L, 2, 0);
     luaL_argcheck(L, n >= 0 && n < INT32_MAX, 1, "a count is needed");
     start_vector(dml_pushvector(L, (uint32_t)n), (int32_t)n, (uint64_t)which);
     return 1;
@@ -248,8 +248,8 @@ static int sparse_eigenpairs(lua_State *L) {
     if (!s->factor || s->A->columns != n)
         luaL_argerror(L, 3, "not a factorization of S - shift M by dm/sparse.so");
     p.shifted = s->factor;
-    p.shift = luaL_checknumber(L, 4);
-    p.count = (int32_t)luaL_checkinteger(L, 5);
+    p.shift = dml_checknumber(L, 4);
+    p.count = (int32_t)dml_checkinteger(L, 5);
     p.above = lua_toboolean(L, 6);
     luaL_argcheck(L, p.count >= 1 && p.count < n, 5, "fewer eigenvalues than unknowns are needed");
     dm_arena *arena = dml_pusharena(L);

@@ -61,7 +61,7 @@ static int mesh_deficits(lua_State *L) {
 
 /* the number at arg of a cell of degree k, from 0 */
 static uint32_t check_cell(lua_State *L, int arg, const dml_mesh *m, uint32_t k) {
-    const lua_Integer cell = luaL_checkinteger(L, arg);
+    const lua_Integer cell = dml_checkinteger(L, arg);
     if (cell < 1 || cell > (lua_Integer)m->K.count[k])
         luaL_argerror(L, arg,
                       lua_pushfstring(L, "there is no such cell: those of degree %d are 1 to %d",

@@ -32,14 +32,14 @@ static void raise_status(lua_State *L, dm_status status) {
 
 /* a degree from `least` to the dimension */
 static uint32_t check_degree(lua_State *L, int arg, const dm_matching *M, lua_Integer least) {
-    const lua_Integer k = luaL_checkinteger(L, arg);
+    const lua_Integer k = dml_checkinteger(L, arg);
     luaL_argcheck(L, k >= least && k <= M->K->n, arg, "there are no cells of this degree");
     return (uint32_t)k;
 }
 
 static uint32_t check_cell(lua_State *L, int at, uint32_t count) {
     int is_whole;
-    const lua_Integer cell = lua_tointegerx(L, at, &is_whole);
+    const lua_Integer cell = dml_tointegerx(L, at, &is_whole);
     if (!is_whole || cell < 1 || cell > count)
         luaL_error(L, "there is no cell %s", luaL_tolstring(L, at, NULL));
     return (uint32_t)cell - 1;
@@ -134,7 +134,7 @@ static int matching_flow(lua_State *L) {
     for (lua_pushnil(L); lua_next(L, 3); lua_pop(L, 1)) {
         chain[i].cell = check_cell(L, -2, m->M.K->count[k]);
         int is_whole;
-        chain[i++].coefficient = lua_tointegerx(L, -1, &is_whole);
+        chain[i++].coefficient = dml_tointegerx(L, -1, &is_whole);
         if (!is_whole)
             luaL_error(L, "a coefficient must be an integer (got %s)", luaL_tolstring(L, -1, NULL));
     }
@@ -188,7 +188,7 @@ static void read_rows(lua_State *L, dm_smith *s) {
         for (uint32_t j = 0; j < s->n; j++) {
             int whole = 0;
             lua_geti(L, -1, (lua_Integer)j + 1);
-            const lua_Integer x = lua_tointegerx(L, -1, &whole);
+            const lua_Integer x = dml_tointegerx(L, -1, &whole);
             if (!whole || x == LUA_MININTEGER)
                 luaL_error(L, "dm.smith: entry %d of row %d must be an integer (got %s)",
                            (int)j + 1, (int)i + 1, luaL_tolstring(L, -1, NULL));
@@ -219,7 +219,7 @@ static int smith_form(lua_State *L) {
     dm_smith s;
     luaL_checktype(L, 1, LUA_TTABLE);
     const lua_Integer m = luaL_len(L, 1);
-    lua_Integer n = luaL_optinteger(L, 2, 0);
+    lua_Integer n = dml_optinteger(L, 2, 0);
     if (m > 0 && lua_geti(L, 1, 1) == LUA_TTABLE) n = luaL_len(L, -1);
     if (m > MOST || n > MOST || n < 0)
         luaL_error(L, "dm.smith: a matrix of %I x %I; at most %d rows and columns", m, n, MOST);

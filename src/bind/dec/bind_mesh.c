@@ -13,7 +13,7 @@ dml_mesh *dml_checkmesh(lua_State *L, int arg) {
 }
 
 uint32_t dml_checkdegree(lua_State *L, int arg, const dml_mesh *m) {
-    const lua_Integer k = luaL_checkinteger(L, arg);
+    const lua_Integer k = dml_checkinteger(L, arg);
     if (k < 0 || k > m->K.n)
         luaL_argerror(L, arg,
                       lua_pushfstring(L, "a degree from 0 to %d is needed, got %I", (int)m->K.n,
@@ -102,7 +102,7 @@ static int mesh_dual_volume(lua_State *L) {
 
 /* the cell of degree k at arg, from 0 */
 static uint32_t check_cell(lua_State *L, int arg, const dml_mesh *m, uint32_t k) {
-    const lua_Integer i = luaL_checkinteger(L, arg);
+    const lua_Integer i = dml_checkinteger(L, arg);
     if (i < 1 || i > m->K.count[k])
         luaL_argerror(L, arg,
                       lua_pushfstring(L, "a cell from 1 to %d is needed, got %I",
@@ -147,7 +147,7 @@ static int mesh_find(lua_State *L) {
     for (uint32_t i = 0; i < (uint32_t)length; i++) {
         lua_geti(L, 2, (lua_Integer)i + 1);
         int is_whole;
-        const lua_Integer id = lua_tointegerx(L, -1, &is_whole);
+        const lua_Integer id = dml_tointegerx(L, -1, &is_whole);
         if (!is_whole)
             luaL_error(L, "a vertex is a whole number (got %s)", luaL_tolstring(L, -1, NULL));
         if (id < 1 || id > m->K.count[0]) return 0;

@@ -15,7 +15,7 @@ static void push_ids(lua_State *L, const uint32_t *vertex, size_t count) {
 
 static int named_icosphere(lua_State *L) {
     dm_icosphere sphere;
-    const lua_Integer splits = luaL_checkinteger(L, 1);
+    const lua_Integer splits = dml_checkinteger(L, 1);
     if (splits < 0 || splits > DM_ICOSPHERE_MOST)
         luaL_error(L, "dm.mesh: icosphere must be from 0 to %d (got %I)", DM_ICOSPHERE_MOST,
                    splits);
@@ -39,7 +39,7 @@ static uint32_t read_list(lua_State *L, int arg, uint32_t *out, uint32_t most, l
     for (lua_Integer i = 1; i <= count; i++) {
         lua_geti(L, arg, i);
         int whole;
-        const lua_Integer x = lua_tointegerx(L, -1, &whole);
+        const lua_Integer x = dml_tointegerx(L, -1, &whole);
         luaL_argcheck(L, whole, arg, "a list of whole numbers is needed");
         luaL_argcheck(L, x >= least && x < INT32_MAX, arg, "a number is out of range");
         out[i - 1] = (uint32_t)x;
@@ -70,7 +70,7 @@ static void read_box(lua_State *L, dm_tiling *t) {
 /* cells, vertices, pattern [, turn] -> vector of ids */
 static int named_tiling(lua_State *L) {
     enum { MOST = 1 << 12 };
-    dm_tiling t = {.turn = (uint32_t)luaL_optinteger(L, 4, 0)};
+    dm_tiling t = {.turn = (uint32_t)dml_optinteger(L, 4, 0)};
     read_box(L, &t);
     uint32_t *corner = lua_newuserdatauv(L, MOST * sizeof *corner, 0);
     const uint32_t count = read_list(L, 3, corner, MOST, 0);

@@ -44,7 +44,7 @@ static int mesh_boundary_cells(lua_State *L) {
 static int mesh_star_cells(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), d = dml_checkdegree(L, 4, m);
-    const lua_Integer cell = luaL_checkinteger(L, 3);
+    const lua_Integer cell = dml_checkinteger(L, 3);
     luaL_argcheck(L, cell >= 1 && cell <= m->K.count[k], 3, "there is no such cell");
     luaL_argcheck(L, d >= k, 4, "a degree not below that of the cell is needed");
     uint8_t *mark = work(L, most_cells(m), 1), *other = work(L, most_cells(m), 1);

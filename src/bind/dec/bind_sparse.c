@@ -52,7 +52,7 @@ static const unsigned char *marks_at(lua_State *L, int arg, int32_t n) {
 static int32_t index_at(lua_State *L, int list, lua_Integer i, int32_t n) {
     int whole = 0;
     lua_geti(L, list, i);
-    const lua_Integer x = lua_tointegerx(L, -1, &whole);
+    const lua_Integer x = dml_tointegerx(L, -1, &whole);
     if (!whole || x < 1 || x > n)
         luaL_error(L, "entry %I of list %d must be a whole number from 1 to %d", i, list - 2,
                    (int)n);
@@ -63,7 +63,7 @@ static int32_t index_at(lua_State *L, int list, lua_Integer i, int32_t n) {
 /* core.sparse(rows, columns, {i}, {j}, {x}) */
 static int sparse_new(lua_State *L) {
     dm_arena *arena;
-    const lua_Integer rows = luaL_checkinteger(L, 1), columns = luaL_checkinteger(L, 2);
+    const lua_Integer rows = dml_checkinteger(L, 1), columns = dml_checkinteger(L, 2);
     luaL_argcheck(L, rows >= 0 && rows < INT32_MAX, 1, "a count of rows is needed");
     luaL_argcheck(L, columns >= 0 && columns < INT32_MAX, 2, "a count of columns is needed");
     for (int arg = 3; arg <= 5; arg++)
@@ -262,8 +262,8 @@ static int sparse_text(lua_State *L) {
 
 /* core.constant(n, x) */
 static int vector_constant(lua_State *L) {
-    const lua_Integer n = luaL_checkinteger(L, 1);
-    const double x = luaL_checknumber(L, 2);
+    const lua_Integer n = dml_checkinteger(L, 1);
+    const double x = dml_checknumber(L, 2);
     luaL_argcheck(L, n >= 0 && n < INT32_MAX, 1, "a count is needed");
     double *out = dml_pushvector(L, (uint32_t)n);
     for (lua_Integer i = 0; i < n; i++) out[i] = x;

@@ -226,7 +226,7 @@ int dml_mesh_integrals(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, MESH);
     const uint32_t k = dml_checkdegree(L, DEGREE, m);
     const int dual = lua_toboolean(L, DUAL);
-    const lua_Integer order = luaL_optinteger(L, ORDER, 5);
+    const lua_Integer order = dml_optinteger(L, ORDER, 5);
     integral q;
     lua_settop(L, CHART);
     if (!m->points)

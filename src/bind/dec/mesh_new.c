@@ -24,7 +24,7 @@ static void *take(lua_State *L, dm_arena *arena, size_t size) {
 /* The vertex on top of the stack, from 0; `simplex` is for the message. */
 static uint32_t read_id(lua_State *L, lua_Integer simplex) {
     int whole = 0;
-    const lua_Integer id = lua_tointegerx(L, -1, &whole);
+    const lua_Integer id = dml_tointegerx(L, -1, &whole);
     if (!whole || id < 1 || id >= UINT32_MAX)
         luaL_error(L, "dm.mesh: simplex %I: vertices are whole numbers from 1 (got %s)", simplex,
                    luaL_tolstring(L, -1, NULL));

@@ -52,7 +52,7 @@ static void find_compared(lua_State *L, const plan *p, uint32_t *out) {
 /* a number of the table on top of the stack */
 static double number_of(lua_State *L, const char *key, double otherwise) {
     lua_getfield(L, -1, key);
-    const double x = luaL_optnumber(L, -1, otherwise);
+    const double x = dml_optnumber(L, -1, otherwise);
     lua_pop(L, 1);
     return x;
 }
@@ -64,7 +64,7 @@ static void read_bounds(lua_State *L, dm_follow *f, double *bound, const uint32_
             bound[k] = INFINITY;
             if (!place[k]) continue;
             lua_rawgeti(L, -1, place[k]);
-            bound[k] = luaL_checknumber(L, -1);
+            bound[k] = dml_checknumber(L, -1);
             lua_pop(L, 1);
         }
         f->bound = bound;
@@ -146,7 +146,7 @@ dm_follow *dml_read_follow(lua_State *L, const dml_part *part, double t0) {
 /* (ensemble, member) */
 int dml_ensemble_followed(lua_State *L) {
     dml_ensemble_table(L, 1); /* raises where there is no such member, or no ensemble */
-    const lua_Integer i = luaL_checkinteger(L, 2);
+    const lua_Integer i = dml_checkinteger(L, 2);
     if (lua_getiuservalue(L, 1, DML_ENSEMBLE_FOLLOWED) != LUA_TUSERDATA)
         luaL_error(L, "this ensemble was not run beside flows: ask for it with beside = { ... }");
     const dm_follow *f = (const dm_follow *)lua_touserdata(L, -1) + (i - 1);

@@ -59,7 +59,7 @@ static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e
 
 int dml_ensemble_path(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
-    const lua_Integer member = luaL_checkinteger(L, 2);
+    const lua_Integer member = dml_checkinteger(L, 2);
     lua_settop(L, 2);
     if (member < 1 || member > e->members)
         luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,

@@ -111,7 +111,7 @@ static int like(lua_State *L) {
     static const int kept[] = {DML_ENSEMBLE_SOLVER, DML_ENSEMBLE_NAMES, DML_ENSEMBLE_COLUMNS,
                                DML_ENSEMBLE_MODEL, DML_ENSEMBLE_PARAMS};
     const record r = record_of(L, 1);
-    const lua_Integer members = luaL_checkinteger(L, 2);
+    const lua_Integer members = dml_checkinteger(L, 2);
     luaL_argcheck(L, members > 0, 2, "must be > 0");
     dml_ensemble *e = dml_pushensemble(L, (long)members, r.e->n, &r.e->rows);
     e->t = r.e->t, e->h = r.e->h, e->t0 = r.e->t0;
@@ -162,7 +162,7 @@ static int take_member(lua_State *L, const record *r, long i, const char *from, 
 /* (ensemble, first, count, bytes) -> are they those of members first ...? */
 static int unpack(lua_State *L) {
     const record r = record_of(L, 1);
-    const lua_Integer first = luaL_checkinteger(L, 2), count = luaL_checkinteger(L, 3);
+    const lua_Integer first = dml_checkinteger(L, 2), count = dml_checkinteger(L, 3);
     size_t left, length;
     const char *from = luaL_checklstring(L, 4, &left);
     luaL_argcheck(L, first >= 1 && count >= 0 && count <= r.e->members - (first - 1), 2,
@@ -184,7 +184,7 @@ static int unpack(lua_State *L) {
 static int rows_of(lua_State *L) {
     const dml_array *a = dml_toarray(L, 1, 2);
     const double *from = a ? dml_numbersof(a) : NULL;
-    const lua_Integer first = luaL_checkinteger(L, 2), count = luaL_checkinteger(L, 3);
+    const lua_Integer first = dml_checkinteger(L, 2), count = dml_checkinteger(L, 3);
     if (!from) return 0;
     luaL_argcheck(L, first >= 1 && count >= 0 && count <= (lua_Integer)a->rows - (first - 1), 2,
                   "no such rows");

@@ -160,7 +160,7 @@ int dml_core_summary(lua_State *L) {
 /* the number of the member behind the ensemble at `arg`, from 0 */
 static long member_at(lua_State *L, int arg) {
     const dml_ensemble *e = luaL_checkudata(L, arg, DML_ENSEMBLE);
-    const lua_Integer i = luaL_checkinteger(L, arg + 1);
+    const lua_Integer i = dml_checkinteger(L, arg + 1);
     if (i < 1 || i > e->members)
         luaL_error(L, "there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
                    (LUAI_UACINT)i);
@@ -189,7 +189,7 @@ static const double *read_bounds(lua_State *L, int arg, double *out, uint32_t co
     luaL_checktype(L, arg, LUA_TTABLE);
     for (uint32_t k = 0; k < count; k++) {
         lua_rawgeti(L, arg, (lua_Integer)k + 1);
-        out[k] = luaL_checknumber(L, -1);
+        out[k] = dml_checknumber(L, -1);
         lua_pop(L, 1);
     }
     return out;
@@ -208,7 +208,7 @@ int dml_ensemble_departure(lua_State *L) {
     const dm_departure d = {.own = columns,
                             .flow = columns + count,
                             .count = count,
-                            .until = luaL_optnumber(L, 6, INFINITY),
+                            .until = dml_optnumber(L, 6, INFINITY),
                             .bound = read_bounds(L, 7, work + 4 * (size_t)count, count),
                             .between = every_of(lua_touserdata(L, 1), member_at(L, 1)) > 1};
     const double beyond = dm_departure_find(work, &d, &own, &flow, work + count);
@@ -226,7 +226,7 @@ int dml_ensemble_range(lua_State *L) {
     lua_settop(L, 4);
     const dm_run_table rows = dml_ensemble_table(L, 1);
     const uint32_t column = dml_ensemble_column(L, 1, luaL_checkstring(L, 3));
-    lua_pushnumber(L, dm_flow_range(&rows, column, luaL_optnumber(L, 4, INFINITY)));
+    lua_pushnumber(L, dm_flow_range(&rows, column, dml_optnumber(L, 4, INFINITY)));
     lua_pushnumber(L, rows.rows > 0 ? rows.data[column] : NAN);
     return 2;
 }
@@ -241,6 +241,6 @@ int dml_ensemble_stride(lua_State *L) {
     uint32_t *columns = (uint32_t *)(void *)(work + 5 * (size_t)count);
     read_columns(L, 1, 3, columns, count);
     const long most = rows.rows > 0 ? rows.rows : 1;
-    lua_pushinteger(L, dm_flow_stride(&rows, columns, count, luaL_checknumber(L, 4), most, work));
+    lua_pushinteger(L, dm_flow_stride(&rows, columns, count, dml_checknumber(L, 4), most, work));
     return 1;
 }

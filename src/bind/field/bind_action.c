@@ -69,7 +69,7 @@ static dml_signature signature(lua_Integer n) {
 
 /* core.cell_action(n, f): f() is called with symbols */
 static int action_new(lua_State *L) {
-    const lua_Integer n = luaL_checkinteger(L, 1);
+    const lua_Integer n = dml_checkinteger(L, 1);
     const dml_signature sig = signature(n);
     dml_traced traced;
     luaL_argcheck(L, n >= 1 && n < INT32_MAX / 4, 1, "a number of entries, 1 at least, is needed");

@@ -43,7 +43,7 @@ typedef struct {
 static int cell_faces(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), count = m->K.count[k];
-    const uint32_t set = (uint32_t)luaL_checkinteger(L, 3);
+    const uint32_t set = (uint32_t)dml_checkinteger(L, 3);
     luaL_argcheck(L, set > 0 && set < 2u << k, 3, "a set of vertices of a cell expected");
     uint32_t *face = lua_newuserdatauv(L, (size_t)count * sizeof *face + 1, 1);
     for (uint32_t i = 0; i < count; i++) face[i] = dm_complex_face(&m->K, k, i, set);
@@ -65,7 +65,7 @@ static int cell_list(lua_State *L) {
 /* the number of the face of cell i, both from 1 */
 static int table_index(lua_State *L) {
     const uint32_t *face = luaL_checkudata(L, 1, TABLE);
-    const lua_Integer i = luaL_checkinteger(L, 2);
+    const lua_Integer i = dml_checkinteger(L, 2);
     if (i < 1 || (size_t)i > lua_rawlen(L, 1) / sizeof *face) return 0;
     lua_pushinteger(L, (lua_Integer)face[i - 1] + 1);
     return 1;
@@ -170,9 +170,9 @@ static const double *copy_of(lua_State *L, request *r, const dml_array *a) {
 static int column(lua_State *L) {
     request *r = lua_touserdata(L, lua_upvalueindex(1));
     const dml_array *a = lua_isinteger(L, 1) ? NULL : dml_toarray(L, 1, 1);
-    const int source = a ? 0 : (int)luaL_checkinteger(L, 1);
-    dm_column c = {.first = (uint32_t)luaL_checkinteger(L, 2),
-                   .step = (uint32_t)luaL_checkinteger(L, 3)};
+    const int source = a ? 0 : (int)dml_checkinteger(L, 1);
+    dm_column c = {.first = (uint32_t)dml_checkinteger(L, 2),
+                   .step = (uint32_t)dml_checkinteger(L, 3)};
     if (!lua_isnoneornil(L, 4)) c.index = luaL_checkudata(L, 4, TABLE);
     if (a) c.data = r->outer && !lua_toboolean(L, 5) ? copy_of(L, r, a) : dml_numbersof(a);
     c.varied = source == VARIED;
@@ -328,8 +328,8 @@ static int give(lua_State *L, request *r, dml_given *given, const dm_sum *s, int
 static int cell_sum(lua_State *L) {
     dml_state *state = dml_getstate(L);
     double in[DM_SUM_COLUMNS];
-    request r = {.cells = (uint32_t)luaL_checkinteger(L, 1),
-                 .n = (uint32_t)luaL_checkinteger(L, 2),
+    request r = {.cells = (uint32_t)dml_checkinteger(L, 1),
+                 .n = (uint32_t)dml_checkinteger(L, 2),
                  .in = in};
     const int fn = 3;
     luaL_checktype(L, fn, LUA_TFUNCTION);
@@ -338,7 +338,7 @@ static int cell_sum(lua_State *L) {
                 .cells = 1,
                 .coordinates = r.n,
                 .work = lua_toboolean(L, 8),
-                .sphere = (uint32_t)luaL_optinteger(L, 7, 0)};
+                .sphere = (uint32_t)dml_optinteger(L, 7, 0)};
     if (!lua_isnil(L, 4)) s.held = lua_touserdata(L, 4);
     luaL_checkstack(L, 20, NULL);
     if (!lua_isnil(L, 5)) {

@@ -44,7 +44,7 @@ static int field_is_timed(lua_State *L) {
 /* core.field_check(system, q, t) */
 static int field_check(lua_State *L) {
     const dml_system *s = dml_checksystem(L, 1);
-    const double t = luaL_optnumber(L, 3, 0.0);
+    const double t = dml_optnumber(L, 3, 0.0);
     dml_model *m = dml_pushlast(L, 1, NULL);
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0), value;
     memset(x, 0, (2 * (size_t)s->n + 1) * sizeof *x);
@@ -85,7 +85,7 @@ static void need_linear(lua_State *L, const dml_model *m, const dm_node *factor,
 /* core.field_hessian(system, q, t): d2L/dq2 at v = 0 */
 static int field_hessian(lua_State *L) {
     const dml_system *s = dml_checksystem(L, 1);
-    const double t = luaL_optnumber(L, 3, 0.0);
+    const double t = dml_optnumber(L, 3, 0.0);
     dml_model *m = dml_pushmodel(L, 1);
     luaL_argcheck(L, m->graph && dm_sum_over_cells(m->graph), 1, "it has no sums over cells");
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);

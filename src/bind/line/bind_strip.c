@@ -77,10 +77,10 @@ static const double *read_ending(lua_State *L, const dml_strip *d, dm_strip_endi
     for (int k = 0; k < ENDING_FIELDS; k++) {
         char *place = (char *)at + ending_fields[k].offset;
         lua_getfield(L, table, ending_fields[k].key);
-        *(double *)(void *)place = luaL_checknumber(L, -1);
+        *(double *)(void *)place = dml_checknumber(L, -1);
         lua_pop(L, 1);
     }
-    at->done = (lua_getfield(L, table, "done"), luaL_checkinteger(L, -1));
+    at->done = (lua_getfield(L, table, "done"), dml_checkinteger(L, -1));
     lua_pop(L, 1);
     lua_getfield(L, table, "old");
     const dml_array *a = dml_checkarray(L, lua_gettop(L), 2);
@@ -152,7 +152,7 @@ static int strip_run(lua_State *L) {
 /* put the levels at stack index 2 and 3, the scalars t and h at 4 and 5 */
 static void put_slab(lua_State *L, dml_strip *d) {
     const int32_t n = (int32_t)dm_strip_unknowns(&d->strip);
-    const double t = luaL_optnumber(L, 4, 0.0), h = luaL_optnumber(L, 5, 1.0);
+    const double t = dml_optnumber(L, 4, 0.0), h = dml_optnumber(L, 5, 1.0);
     lua_settop(L, 5);
     dm_strip_put(&d->room, 0, dml_numbersat(L, 2, "the lower level", n));
     dm_strip_put(&d->room, dm_cell_upper(&d->strip.layout, 0),
@@ -286,7 +286,7 @@ static int strip_limit(lua_State *L) {
     dml_strip *d = dml_checkstrip(L);
     lua_settop(L, 3);
     const double *u = dml_numbersat(L, 2, "the level", (int32_t)dm_strip_unknowns(&d->strip));
-    const double unit = luaL_checknumber(L, 3);
+    const double unit = dml_checknumber(L, 3);
     dml_strip_wanthessian(L, d);
     lua_pushnumber(L, dm_strip_limit(&d->room, u, unit));
     return 1;
@@ -304,7 +304,7 @@ static int strip_follows(lua_State *L) {
 static dm_status status_of(lua_State *L) {
     dm_status status = DM_OK;
     if (lua_getfield(L, 1, "status") != LUA_TNIL) {
-        const lua_Integer number = luaL_checkinteger(L, -1);
+        const lua_Integer number = dml_checkinteger(L, -1);
         luaL_argcheck(L, number >= 0 && number < DM_STATUSES, 1, "it has no such status");
         status = (dm_status)number;
     } else if (lua_getfield(L, 1, "code") != LUA_TSTRING ||

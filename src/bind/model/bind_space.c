@@ -138,7 +138,7 @@ static int space_new(lua_State *L) {
     const dm_space *row = lua_touserdata(L, lua_upvalueindex(1));
     dml_checksurplus(L, 1, row->signature);
     if (!(row->usual && lua_isnoneornil(L, 1))) luaL_checktype(L, 1, LUA_TNUMBER); /* no "3" */
-    const lua_Number given = luaL_optnumber(L, 1, row->usual);
+    const lua_Number given = dml_optnumber(L, 1, row->usual);
     const lua_Integer n = given == floor(given) && fabs(given) < 1e9 ? (lua_Integer)given : -1;
     luaL_argcheck(L, n >= (lua_Integer)row->least && n <= (lua_Integer)row->most, 1,
                   lua_pushfstring(L, "%s needs a whole number from %d to %d", row->signature,

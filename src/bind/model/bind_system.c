@@ -54,7 +54,7 @@ static void flatten(lua_State *L, const char *second) {
 /* x = (q, v, t) from arguments 2, 3 and the optional 4; t = 0 when it is left out */
 static double *arguments(lua_State *L, const dml_system *s, const char *second) {
     lua_settop(L, 4);
-    const double t = luaL_optnumber(L, 4, 0.0);
+    const double t = dml_optnumber(L, 4, 0.0);
     if (s->placed) flatten(L, second);
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
     dml_unname(L, 1, 2, "q");

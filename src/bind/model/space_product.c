@@ -77,7 +77,7 @@ int dml_semidirect(lua_State *L) {
 /* The row lives as long as the space, and the name with it. */
 int dml_own_group(lua_State *L) {
     const char *name = luaL_checkstring(L, 1);
-    const lua_Integer d = luaL_checkinteger(L, 2);
+    const lua_Integer d = dml_checkinteger(L, 2);
     luaL_checktype(L, 3, LUA_TTABLE);
     dm_space *row = lua_newuserdatauv(L, sizeof *row, 1);
     *row = product_row;

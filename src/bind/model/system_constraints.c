@@ -48,7 +48,7 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
                    : which == DML_CONTROL ? "control"
                                           : "such constraint",
                    dml_functionname(which));
-    const double t = luaL_optnumber(L, sees_v ? 4 : 3, 0.0);
+    const double t = dml_optnumber(L, sees_v ? 4 : 3, 0.0);
     dml_model *m = dml_pushmodel(L, 1);
     const size_t room =
         2 * n + 1 + m->constraints.holonomic + m->constraints.rolling + m->constraints.controls;

@@ -55,7 +55,7 @@ static dm_element element_at(lua_State *L, int arg, int time) {
     double *y = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *y, 0);
     dml_vectorarg(L, arg, "q", y, n);
     dml_vectorarg(L, arg + 1, "v", y + n, n);
-    return (dm_element){y, y + n, luaL_optnumber(L, time, 0.0)};
+    return (dm_element){y, y + n, dml_optnumber(L, time, 0.0)};
 }
 
 /* d-(y) or d+(y) of the element (q, v) at 2, 3, at the time at 4. */
@@ -194,7 +194,7 @@ static int bundle_velocity(lua_State *L) {
     const double *ends[2] = {y, y + n};
     dm_bundle *b = dml_pushbundle(L);
     double *q = dml_pushvector(L, n), *v = dml_pushvector(L, n);
-    dml_bundle_raise(L, dm_bundle_find(b, q, v, ends, luaL_optnumber(L, 4, 0.0)), "velocity");
+    dml_bundle_raise(L, dm_bundle_find(b, q, v, ends, dml_optnumber(L, 4, 0.0)), "velocity");
     return 2;
 }
 

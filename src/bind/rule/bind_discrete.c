@@ -56,7 +56,7 @@ static momenta of_formula(lua_State *L) {
 static void check_time(lua_State *L) {
     const dml_system *s = check(L);
     if (s->ruled || lua_isnoneornil(L, 4)) return;
-    luaL_checknumber(L, 4);
+    dml_checknumber(L, 4);
     if (dml_discrete_source(L), lua_isnil(L, -1))
         luaL_error(L, "a formula Ld(q0, q1) has no time; its h is %f", s->h);
     lua_pop(L, 1);

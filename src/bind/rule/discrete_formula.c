@@ -3,8 +3,8 @@
 #include "bind/rule/discrete_rule.h"
 #include "integ/registry.h"
 
-/* call the function on top, of the system at upvalue 1, at ((1 - c) q0 + c q1, (q1 - q0)/h), arguments
- * q0, q1, h at 1, 2, 3 */
+/* call the function on top, of the system at upvalue 1, at ((1 - c) q0 + c q1, (q1 - q0)/h), whose
+ * arguments are q0, q1, h at 1, 2, 3 */
 static void call_node(lua_State *L, double c, const char *what) {
     lua_pushvalue(L, 2);
     lua_pushvalue(L, 1);

@@ -224,7 +224,7 @@ static void solve_exact(lua_State *L, dm_discrete *out, dm_discrete_problem *pro
 void dml_solveruled(lua_State *L, dm_discrete *out) {
     const dml_system *s = luaL_checkudata(L, 1, DML_DISCRETE);
     const uint32_t n = s->n;
-    const double t = luaL_optnumber(L, 4, 0.0);
+    const double t = dml_optnumber(L, 4, 0.0);
     dm_galerkin g;
     lua_getiuservalue(L, 1, 1);
     read_basis(L, lua_gettop(L), &g);

@@ -323,13 +323,15 @@ static const char *push_rule_name(lua_State *L) {
     return strncmp(name, "rule ", 5) == 0 ? name + 5 : name;
 }
 
-/* Raise where the rule of the checkpoint steps formulas Ld(q0, q1) and this is none, or the other way
- * round: what it was of is then another thing, whatever rule is given. */
+/* Raise where the rule of the checkpoint steps formulas Ld(q0, q1) and this is none, or the other
+ * way round: what it was of is then another thing, whatever rule is given. An object of a
+ * script is told by its name. */
 static void check_kind(lua_State *L, int options, const dml_system *system) {
     dm_rule nodes[DM_RULE_NODES];
     lua_getfield(L, options, "rule");
     const char *rule = push_rule_name(L);
-    const int known = !dm_rule_read(nodes, rule, NULL) && nodes[0].method;
+    const int listed = strstr(rule, "own") == NULL;
+    const int known = listed && !dm_rule_read(nodes, rule, NULL) && nodes[0].method;
     const int of_pairs = known && nodes[0].method->traits & DM_FOR_PAIRS;
     if (known && of_pairs != !!system->pair)
         luaL_error(L,

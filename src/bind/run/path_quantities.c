@@ -136,7 +136,7 @@ static int path_worst(lua_State *L) {
 
 /* of the row whose number is at stack index 2 */
 static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
-    const lua_Integer i = luaL_checkinteger(L, 2);
+    const lua_Integer i = dml_checkinteger(L, 2);
     if (i < 1 || i > p->rows)
         luaL_error(L, "path:velocity: there are rows 1 to %d (got %I)", (int)p->rows,
                    (LUAI_UACINT)i);
@@ -178,7 +178,7 @@ static void position_argument(lua_State *L, const dml_path *p, double *q) {
 /* d2L/dv2 at (q, 0, t): of systems whose mass does not depend on v. */
 static int path_mass(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the mass matrix");
-    const double t = luaL_optnumber(L, 3, p->t0);
+    const double t = dml_optnumber(L, 3, p->t0);
     dml_model *m = dml_path_kernels(L, DM_WANT_MASS);
     if (m->hamiltonian) luaL_error(L, "this H has no Lagrangian, and hence no mass matrix");
     const dm_kernel *mass = &m->model.mass;

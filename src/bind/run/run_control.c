@@ -67,7 +67,7 @@ static void read_hidden(lua_State *L, int at, dml_run_control *c, const dml_step
                    (int)n, (int)n);
     dml_function_alone(L, f);
     lua_getfield(L, at, "watched");
-    const lua_Integer watched = luaL_optinteger(L, -1, 0);
+    const lua_Integer watched = dml_optinteger(L, -1, 0);
     lua_pop(L, 1);
     if (watched < 0 || watched > (lua_Integer)dml_outputs(f))
         luaL_error(L, "field 'control.watched' must be how many of the last entries of "
@@ -98,7 +98,7 @@ static void read_ends(lua_State *L, int at, dm_control *c) {
 static double read_reach(lua_State *L, int at, double until) {
     if (lua_getfield(L, at, "reach") == LUA_TNIL) return until;
     const double reach = lua_tonumber(L, -1);
-    if (!lua_isnumber(L, -1) || !isfinite(reach))
+    if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(reach))
         luaL_error(L, "field 'control.reach' must be a time (got %s)", luaL_typename(L, -1));
     return fmax(until, reach);
 }

@@ -61,7 +61,7 @@ static int size_of(lua_State *L) {
 /* (file, offset, count) -> bytes, fewer at the end */
 static int read_file(lua_State *L) {
     const file *f = check(L);
-    const lua_Integer offset = luaL_checkinteger(L, 2), count = luaL_checkinteger(L, 3);
+    const lua_Integer offset = dml_checkinteger(L, 2), count = dml_checkinteger(L, 3);
     luaL_argcheck(L, offset >= 0, 2, "must be >= 0");
     luaL_argcheck(L, count >= 0, 3, "must be >= 0");
     luaL_Buffer b;
@@ -108,7 +108,7 @@ static int append(lua_State *L) {
 /* (file, size) -> true   or   nil, why */
 static int truncate_file(lua_State *L) {
     const file *f = check(L);
-    if (ftruncate(f->fd, (off_t)luaL_checkinteger(L, 2)) != 0) return failed(L, strerror(errno));
+    if (ftruncate(f->fd, (off_t)dml_checkinteger(L, 2)) != 0) return failed(L, strerror(errno));
     lua_pushboolean(L, 1);
     return 1;
 }
@@ -165,7 +165,7 @@ static uint32_t crc(uint32_t c, const unsigned char *at, size_t size) {
 static int crc32_of(lua_State *L) {
     size_t size;
     const char *bytes = luaL_checklstring(L, 1, &size);
-    const lua_Integer before = luaL_optinteger(L, 2, 0);
+    const lua_Integer before = dml_optinteger(L, 2, 0);
     lua_pushinteger(L, crc((uint32_t)before, (const unsigned char *)bytes, size));
     return 1;
 }

@@ -22,7 +22,7 @@ static const dm_ranks *check(lua_State *L) {
 
 /* The rank at `arg`, of those there are. */
 static int check_rank(lua_State *L, int arg) {
-    const lua_Integer rank = luaL_checkinteger(L, arg);
+    const lua_Integer rank = dml_checkinteger(L, arg);
     if (rank < 0 || rank >= all_ranks)
         luaL_error(L, "there are ranks 0 to %d (got %I)", all_ranks - 1, (LUAI_UACINT)rank);
     return (int)rank;
@@ -56,14 +56,14 @@ static int send_bytes(lua_State *L) {
     size_t size;
     const int to = check_rank(L, 1);
     const char *bytes = luaL_checklstring(L, 3, &size);
-    check(L)->send(to, (int)luaL_checkinteger(L, 2), bytes, size);
+    check(L)->send(to, (int)dml_checkinteger(L, 2), bytes, size);
     return 0;
 }
 
 /* (from or nil, tag [, at once]) -> bytes, from; nothing where none has come */
 static int receive(lua_State *L) {
     int from = lua_isnil(L, 1) ? -1 : check_rank(L, 1);
-    const int tag = (int)luaL_checkinteger(L, 2), wait = !lua_toboolean(L, 3);
+    const int tag = (int)dml_checkinteger(L, 2), wait = !lua_toboolean(L, 3);
     size_t size;
     luaL_Buffer b;
     if (!check(L)->probe(&from, tag, &size, wait)) return 0;
@@ -96,7 +96,7 @@ static int barrier(lua_State *L) {
 
 /* (code) */
 static int abort_all(lua_State *L) {
-    const lua_Integer code = luaL_optinteger(L, 1, 1);
+    const lua_Integer code = dml_optinteger(L, 1, 1);
     check(L)->end(code > 0 && code < 256 ? (int)code : 1);
     return 0;
 }

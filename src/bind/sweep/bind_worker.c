@@ -165,7 +165,7 @@ static int end_process(lua_State *L) {
 
 /* core.nap(seconds), less where a signal comes */
 static int nap(lua_State *L) {
-    const double s = luaL_checknumber(L, 1);
+    const double s = dml_checknumber(L, 1);
     struct timespec t = {.tv_sec = (time_t)s, .tv_nsec = (long)((s - (double)(time_t)s) * 1e9)};
     nanosleep(&t, NULL);
     return 0;

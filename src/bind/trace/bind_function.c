@@ -27,7 +27,7 @@ static void read_numbers(lua_State *L, dml_function *f) {
     for (int k = 0; k < f->s.arguments; k++) {
         const int n = f->s.length[k];
         if (n == DML_SCALAR_ARGUMENT) {
-            *x = luaL_checknumber(L, k + 2);
+            *x = dml_checknumber(L, k + 2);
             luaL_argcheck(L, isfinite(*x), k + 2, "a finite number expected");
             x++;
         } else {

@@ -82,7 +82,7 @@ static int node(lua_State *L) {
     const uint32_t n = s->level.n;
     double *x = dml_pushvector(L, n);
     dml_vectorarg(L, 2, "x", x, n);
-    if (!dm_level_bring(&s->level, x, luaL_checknumber(L, 3))) return 0;
+    if (!dm_level_bring(&s->level, x, dml_checknumber(L, 3))) return 0;
     const double sine = dm_level_sine(&s->level, NULL);
     if (!isfinite(sine)) return 0;
     lua_pushnumber(L, sine);
@@ -193,8 +193,8 @@ static int folds(lua_State *L) {
     section *s = check(L);
     luaL_checktype(L, 2, LUA_TTABLE);
     const uint32_t n = s->level.n, count = (uint32_t)lua_rawlen(L, 2);
-    const lua_Integer nodes = luaL_checkinteger(L, 3);
-    luaL_checkinteger(L, 4);
+    const lua_Integer nodes = dml_checkinteger(L, 3);
+    dml_checkinteger(L, 4);
     luaL_argcheck(L, nodes > 0 && nodes < 1 << 20, 3, "a number of nodes expected");
     lua_settop(L, 4);
     lua_newtable(L);
@@ -206,7 +206,7 @@ static int folds(lua_State *L) {
         lua_rawgeti(L, -1, 1);
         dml_vectorarg(L, lua_gettop(L), "x", x + (size_t)i * n, n);
         lua_rawgeti(L, -2, 2);
-        step[i] = luaL_checknumber(L, -1);
+        step[i] = dml_checknumber(L, -1);
         lua_settop(L, 7);
     }
     const dm_folds how = {&s->level, is_inside, found, L, (uint32_t)nodes};

@@ -8,7 +8,7 @@
 /* one end of the box, an argument at stack index `at`, into out[count] */
 static void read_end(lua_State *L, int at, int count, const char *what, double *out) {
     if (count == DML_SCALAR_ARGUMENT) {
-        if (!lua_isnumber(L, at))
+        if (lua_type(L, at) != LUA_TNUMBER)
             luaL_error(L, "f:bounds: %s must be a number (got %s)", what, luaL_typename(L, at));
         *out = lua_tonumber(L, at);
         return;

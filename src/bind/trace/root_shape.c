@@ -241,7 +241,7 @@ static uint64_t read_angles(lua_State *L, const shape *s) {
     for (lua_Integer k = 1; k <= luaL_len(L, top + 1); k++) {
         int whole;
         lua_geti(L, top + 1, k);
-        const lua_Integer i = lua_tointegerx(L, -1, &whole);
+        const lua_Integer i = dml_tointegerx(L, -1, &whole);
         if (!whole || i < 1 || i > (lua_Integer)s->unknowns)
             luaL_error(L,
                        "%s: field 'angles' must be a list of places of unknowns that are angles, "

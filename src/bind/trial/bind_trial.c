@@ -212,7 +212,7 @@ static int filon(lua_State *L) {
     dm_quadrature q;
     lua_settop(L, 2);
     luaL_checktype(L, 1, LUA_TTABLE);
-    const double z = luaL_checknumber(L, 2);
+    const double z = dml_checknumber(L, 2);
     luaL_argcheck(L, isfinite(z), 2, "z must be finite");
     read_quadrature(L, &q);
     if (q.r > DM_FILON_NODES)

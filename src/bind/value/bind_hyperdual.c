@@ -93,10 +93,10 @@ static int hyper_tostring(lua_State *L) {
 /* Parts that are left out are zero: a constant. */
 static int hyper_new(lua_State *L) {
     const dml_scalar x = {.kind = DML_HYPERDUAL,
-                          .as.hyper = {.f = luaL_checknumber(L, 1),
-                                       .a = luaL_optnumber(L, 2, 0),
-                                       .b = luaL_optnumber(L, 3, 0),
-                                       .ab = luaL_optnumber(L, 4, 0)}};
+                          .as.hyper = {.f = dml_checknumber(L, 1),
+                                       .a = dml_optnumber(L, 2, 0),
+                                       .b = dml_optnumber(L, 3, 0),
+                                       .ab = dml_optnumber(L, 4, 0)}};
     dml_pushscalar(L, &x);
     return 1;
 }

@@ -17,7 +17,7 @@ static dml_array *check(lua_State *L) {
 
 /* A number of rows or columns. */
 static uint32_t check_extent(lua_State *L, int arg) {
-    const lua_Integer n = luaL_checkinteger(L, arg);
+    const lua_Integer n = dml_checkinteger(L, arg);
     luaL_argcheck(L, n >= 1 && n <= 1 << 24, arg, "a number of rows or columns >= 1 expected");
     return (uint32_t)n;
 }
@@ -99,7 +99,7 @@ static int matrix_new(lua_State *L) {
 }
 
 static int zeros(lua_State *L) {
-    const lua_Integer n = luaL_checkinteger(L, 1);
+    const lua_Integer n = dml_checkinteger(L, 1);
     if (!lua_isnoneornil(L, 2)) return matrix_new(L);
     luaL_argcheck(L, n >= 0 && n <= 1 << 28, 1, "a length from 0 to 2^28 expected");
     dml_pushvector(L, (uint32_t)n);

@@ -10,7 +10,7 @@
 enum { MOST = 1 << 28 }; /* entries */
 
 static uint32_t check_length(lua_State *L, int arg) {
-    const lua_Integer n = luaL_checkinteger(L, arg);
+    const lua_Integer n = dml_checkinteger(L, arg);
     luaL_argcheck(L, n >= 0 && n <= MOST, arg, "a length from 0 to 2^28 expected");
     return (uint32_t)n;
 }
@@ -89,9 +89,9 @@ static int joined(lua_State *L) {
 /* (random, i, n, deviation) -> a new vector */
 static int normals(lua_State *L) {
     const uint64_t seed = *(const uint64_t *)luaL_checkudata(L, 1, "dm.random");
-    const uint64_t i = (uint64_t)luaL_checkinteger(L, 2);
+    const uint64_t i = (uint64_t)dml_checkinteger(L, 2);
     const uint32_t n = check_length(L, 3);
-    const double deviation = luaL_checknumber(L, 4);
+    const double deviation = dml_checknumber(L, 4);
     double *out = dml_pushvector(L, n);
     for (uint32_t k = 0; k < n; k++) out[k] = deviation * dm_random_normal(seed, i, k);
     return 1;

@@ -122,7 +122,7 @@ static int quaternion(lua_State *L) {
 static int orthonormality(lua_State *L) {
     uint32_t n;
     const double *R = numbers_of(L, &n);
-    const lua_Integer m = luaL_checkinteger(L, 2);
+    const lua_Integer m = dml_checkinteger(L, 2);
     luaL_argcheck(L, m >= 1 && m <= n, 2, "as many columns as there are, or fewer, expected");
     if (!R) return 0;
     const uint32_t size = (uint32_t)m;

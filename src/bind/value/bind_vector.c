@@ -27,7 +27,7 @@ static const dml_array *same_length(lua_State *L, const dml_array *a, int arg) {
 
 /* Entries of a new vector of zeros. */
 static uint32_t check_length(lua_State *L, int arg) {
-    const lua_Integer n = luaL_checkinteger(L, arg);
+    const lua_Integer n = dml_checkinteger(L, arg);
     luaL_argcheck(L, n >= 0 && n <= 1 << 28, arg, "a length from 0 to 2^28 expected");
     return (uint32_t)n;
 }
@@ -67,7 +67,7 @@ static int vector_copy(lua_State *L) {
 
 static int vector_slice(lua_State *L) {
     const dml_array *a = check(L);
-    const lua_Integer n = a->rows, i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, n);
+    const lua_Integer n = a->rows, i = dml_checkinteger(L, 2), j = dml_optinteger(L, 3, n);
     if (i < 1 || j > n || i > j + 1)
         return luaL_error(L, "slice(%I, %I) is out of range: the vector has %I entries",
                           (LUAI_UACINT)i, (LUAI_UACINT)j, (LUAI_UACINT)n);

@@ -42,8 +42,8 @@ void dml_pushwave(lua_State *L, const double *psi, uint32_t n) {
 /* core.wave_points(space, from, to, n) */
 static int points(lua_State *L) {
     const dm_wave_space space = (dm_wave_space)luaL_checkoption(L, 1, NULL, spaces);
-    const double from = luaL_checknumber(L, 2), to = luaL_checknumber(L, 3);
-    const lua_Integer n = luaL_checkinteger(L, 4);
+    const double from = dml_checknumber(L, 2), to = dml_checknumber(L, 3);
+    const lua_Integer n = dml_checkinteger(L, 4);
     luaL_argcheck(L, n >= 1 && n < (1 << 28), 4, "a number of points is needed");
     double *x = dml_pushvector(L, (uint32_t)n), *weight = dml_pushvector(L, (uint32_t)n);
     dm_wave_points(x, weight, space, from, to, (uint32_t)n);
@@ -53,8 +53,8 @@ static int points(lua_State *L) {
 /* core.wave_nodes(space, from, to, n [, values]) */
 static int nodes(lua_State *L) {
     const dm_wave_space space = (dm_wave_space)luaL_checkoption(L, 1, NULL, spaces);
-    const double from = luaL_checknumber(L, 2), to = luaL_checknumber(L, 3);
-    const lua_Integer count = luaL_checkinteger(L, 4);
+    const double from = dml_checknumber(L, 2), to = dml_checknumber(L, 3);
+    const lua_Integer count = dml_checkinteger(L, 4);
     luaL_argcheck(L, count >= 1 && count < (1 << 28), 4, "a number of points is needed");
     const uint32_t n = (uint32_t)count;
     lua_settop(L, 5);
@@ -80,11 +80,11 @@ static int wave_new(lua_State *L) {
     const int measure = lua_toboolean(L, 8);
     const char *wisdom = luaL_optstring(L, 9, NULL);
     dm_wave given = {.space = (dm_wave_space)luaL_checkoption(L, 1, NULL, spaces),
-                     .from = luaL_checknumber(L, 2),
-                     .to = luaL_checknumber(L, 3),
-                     .hbar = luaL_checknumber(L, 4),
-                     .m = luaL_checknumber(L, 5),
-                     .g = luaL_checknumber(L, 6)};
+                     .from = dml_checknumber(L, 2),
+                     .to = dml_checknumber(L, 3),
+                     .hbar = dml_checknumber(L, 4),
+                     .m = dml_checknumber(L, 5),
+                     .g = dml_checknumber(L, 6)};
     const dml_array *V = dml_checkarray(L, 7, 1);
     given.n = dml_size(V);
     /* the class is set when all is there: an error on the way leaves a plain block */
@@ -162,7 +162,7 @@ int dml_pushstates(lua_State *L, const dm_wave *w, const double *energy, const d
 /* w:eigen(k) */
 static int eigen(lua_State *L) {
     const dm_wave *w = dml_checkwave(L, 1);
-    const lua_Integer count = luaL_checkinteger(L, 2);
+    const lua_Integer count = dml_checkinteger(L, 2);
     dm_modes modes;
     luaL_argcheck(L, count >= 1 && count <= w->n, 2, "as many states as unknowns there are");
     if (w->n > DM_DENSE_MODES) return luaL_error(L, "too many points for dense eigenvectors");

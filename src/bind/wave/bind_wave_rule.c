@@ -22,7 +22,7 @@ static int push_split(lua_State *L, const dm_splitting *t) {
 /* core.wave_rule(text, theta) */
 static int wave_rule(lua_State *L) {
     const char *text = luaL_checkstring(L, 1), *nearest = NULL;
-    const double theta = luaL_checknumber(L, 2);
+    const double theta = dml_checknumber(L, 2);
     dm_rule nodes[DM_RULE_NODES];
     /* the rule is read as for systems: one grammar, one list of names */
     const char *wrong = dm_rule_read(nodes, text, &nearest);
@@ -48,8 +48,8 @@ static int wave_rule(lua_State *L) {
 
 /* core.gauss_phase(s, theta): how far that of s Gauss nodes is from theta */
 static int gauss_phase(lua_State *L) {
-    const lua_Integer s = luaL_checkinteger(L, 1);
-    const double theta = luaL_checknumber(L, 2);
+    const lua_Integer s = dml_checkinteger(L, 1);
+    const double theta = dml_checknumber(L, 2);
     luaL_argcheck(L, s >= 1 && s <= 100000, 1, "a degree is needed");
     const double turn = dm_gauss_phase((int)s, theta) + theta;
     lua_pushnumber(L, fabs(remainder(turn, 6.283185307179586477)));

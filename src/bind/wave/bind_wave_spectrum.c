@@ -68,7 +68,7 @@ static void sort(const dm_eigen_problem *p) {
 static int lanczos(lua_State *L) {
     const char *why;
     const dm_wave *w = dml_checkwave(L, 1);
-    const lua_Integer count = luaL_checkinteger(L, 2);
+    const lua_Integer count = dml_checkinteger(L, 2);
     const dm_solvers *solvers = dml_solvers(&why);
     luaL_argcheck(L, count >= 1 && count < w->n / 2, 2, "fewer states than half of the points");
     if (!solvers) return luaL_error(L, "%s", why);

@@ -43,7 +43,7 @@ static dm_status open_split(lua_State *L, dm_wave_stepper *s, const dm_wave *w, 
 static int stepper_new(lua_State *L) {
     const dm_wave *w = dml_checkwave(L, 1);
     const int kind = luaL_checkoption(L, 2, NULL, kinds);
-    const double h = luaL_checknumber(L, 3);
+    const double h = dml_checknumber(L, 3);
     dm_status status;
     lua_settop(L, 5);
     stepper *s = lua_newuserdatauv(L, sizeof *s, 2);
@@ -57,7 +57,7 @@ static int stepper_new(lua_State *L) {
     if (kind == 0)
         status = open_split(L, &s->stepper, w, h, arena);
     else if (kind == 1)
-        status = dm_wave_gauss(&s->stepper, w, h, (int)luaL_checkinteger(L, 4), arena, &dml_stop);
+        status = dm_wave_gauss(&s->stepper, w, h, (int)dml_checkinteger(L, 4), arena, &dml_stop);
     else
         status = dm_wave_two_step(&s->stepper, w, h, lua_toboolean(L, 4), arena, &dml_stop);
     dml_wavefail(L, status);
@@ -135,11 +135,11 @@ static int run(lua_State *L) {
     stepper *s = check(L);
     progress p = {.L = L, .began = now()};
     lua_settop(L, 6);
-    const dm_wave_plan plan = {.t0 = luaL_checknumber(L, 2),
-                               .first = (long)luaL_checkinteger(L, 3),
-                               .steps = (long)luaL_checkinteger(L, 4),
-                               .every = (long)luaL_checkinteger(L, 5),
-                               .seconds = luaL_optnumber(L, 6, 0.0),
+    const dm_wave_plan plan = {.t0 = dml_checknumber(L, 2),
+                               .first = (long)dml_checkinteger(L, 3),
+                               .steps = (long)dml_checkinteger(L, 4),
+                               .every = (long)dml_checkinteger(L, 5),
+                               .seconds = dml_optnumber(L, 6, 0.0),
                                .stop = &dml_stop,
                                .progress = show_progress,
                                .ud = &p};
@@ -174,11 +174,11 @@ static int fail(lua_State *L) {
     lua_settop(L, 9);
     const dml_failure f = {.status = (dm_status)luaL_checkoption(L, 1, NULL, codes),
                            .rule = luaL_checkstring(L, 2),
-                           .step = (long)luaL_checkinteger(L, 3),
-                           .time = luaL_checknumber(L, 4),
-                           .h = luaL_checknumber(L, 5),
-                           .iterations = (int)luaL_checkinteger(L, 6),
-                           .residual = luaL_checknumber(L, 7),
+                           .step = (long)dml_checkinteger(L, 3),
+                           .time = dml_checknumber(L, 4),
+                           .h = dml_checknumber(L, 5),
+                           .iterations = (int)dml_checkinteger(L, 6),
+                           .residual = dml_checknumber(L, 7),
                            .root = luaL_optstring(L, 8, NULL)};
     dml_fail(L, &f, 9);
     return 0;
@@ -202,7 +202,7 @@ static int field(lua_State *L) {
 /* core.wave_values(rows, i) -> re, im of row i */
 static int values(lua_State *L) {
     const dml_array *rows = dml_checkarray(L, 1, 2);
-    const lua_Integer i = luaL_checkinteger(L, 2);
+    const lua_Integer i = dml_checkinteger(L, 2);
     const double *numbers = dml_numbersof(rows);
     luaL_argcheck(L, numbers && rows->columns > DM_WAVE_COLUMNS, 1, "rows of a wave are needed");
     luaL_argcheck(L, i >= 1 && i <= rows->rows, 2, "no such row");

@@ -3,10 +3,9 @@
  * - q0, with Q_i, Qdot_i of stage.h. The multiplier of that condition is the momentum p0, so
  * that the stage equations are met by (V, p0), -D1 Ld = p0, D2 Ld = p0 + h sum_i b_i L_q(i), and
  * -D1D2 Ld = dp0/dq1 by the same matrix (Leok 2.4; with P_i = L_v(i) the discrete
- * Hamilton-Pontryagin principle, Leok 5.2, Cuell-Patrick 2009). A force f is added to L_q wherever that
- * stands (discrete Lagrange-d'Alembert, Leok 2.8.2): the curve is that of the forced step, Ld the
- * action along it, and p0 = -D1 Ld - F1, p1 = D2 Ld + F2 with the forces F1, F2 by the same
- * quadrature. */
+ * Hamilton-Pontryagin principle, Leok 5.2, Cuell-Patrick 2009). A force f is added to L_q wherever
+ * that stands (discrete Lagrange-d'Alembert, Leok 2.8.2): the curve is that of the forced step, Ld
+ * the action along it, and p0 = -D1 Ld - F1, p1 = D2 Ld + F2, F1 and F2 by the same quadrature. */
 #ifndef DM_DISCRETE_H
 #define DM_DISCRETE_H
 

@@ -106,7 +106,7 @@ local function path_of(list, count, what)
   end
   local out = {}
   for k = 1, length do
-    local cell = math.tointeger(list[k])
+    local cell = lists.whole(list[k])
     if not cell or cell < 1 or cell > count then
       error(("%s: entry %d must be the number of a cell, from 1 to %d (got %s)")
         :format(what, k, count, options.got(list[k])), 0)

@@ -2,6 +2,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local integers = require "dm.dec.homology.integers"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
@@ -19,12 +20,12 @@ function M.read(A, where)
     end
     for j = 1, columns do
       local x = row[j]
-      if not math.tointeger(x) then
+      if not lists.whole(x) then
         option.fail(where, "entry %d of row %d must be an integer (got %s)", j, i, option.got(x))
       end
     end
   end
-  return integers.fill(#A, columns, function(i, j) return math.tointeger(A[i][j]) end)
+  return integers.fill(#A, columns, function(i, j) return lists.whole(A[i][j]) end)
 end
 
 local function plain(A)

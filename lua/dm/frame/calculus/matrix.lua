@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local F = require "dm.frame.calculus.field"
 local formula = require "dm.frame.calculus.formula"
 local layout = require "dm.frame.calculus.layout"
+local lists = require "dm.base.lists"
 local normal = require "dm.frame.calculus.normal"
 local O = require "dm.frame.calculus.operators"
 local variation = require "dm.frame.calculus.variation"
@@ -97,8 +98,8 @@ function operator_class.__tostring(H) return rows_of(H, PLAIN) end
 core.method("dm.invariant_operator", "coefficient", blame.caller(function(H, i, j, ...)
   local C, K = H.C, { ... }
   for k = 1, C.p do K[k] = K[k] or 0 end
-  local row = H.list[math.tointeger(i) or 0]
-  if not row or not math.tointeger(j) or j < 1 or j > H.columns then
+  local row = H.list[lists.whole(i) or 0]
+  if not row or not lists.whole(j) or j < 1 or j > H.columns then
     error(("H:coefficient takes a row, 1 to %d, and a column, 1 to %d"):format(H.rows, H.columns),
       0)
   end

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 
 local element = groups.checked
 
@@ -200,10 +201,10 @@ core.method("dm.space", "random", blame.caller(function(space, stream, i, size)
   local kit = groups.kit(space)
   checks.stream(kit, stream)
   i = i or 0
-  if not math.tointeger(i) or i < 0 then
+  if not lists.whole(i) or i < 0 then
     error("the place i in the stream must be a whole number >= 0", 0)
   end
-  if size == nil then return kit.sample(stream, math.tointeger(i)) end
+  if size == nil then return kit.sample(stream, lists.whole(i)) end
   if type(size) ~= "number" or not (size >= 0 and size < math.huge) then
     error("size must be a number >= 0", 0)
   end
@@ -211,7 +212,7 @@ core.method("dm.space", "random", blame.caller(function(space, stream, i, size)
     error(("%s is a manifold, not a group: random(stream, i) is uniform")
       :format(tostring(space)), 0)
   end
-  return kit.exp(kits.normals(stream, math.tointeger(i), kit.dimension, size))
+  return kit.exp(kits.normals(stream, lists.whole(i), kit.dimension, size))
 end), [==[
 G:random(stream [, i [, size]]) -> element
 Element i (0) of the stream dm.random(seed): uniform on SO(n), T(n), S(n) and their products

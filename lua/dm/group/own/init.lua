@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 local matrices = require "dm.group.own.matrices"
 local options = require "dm.base.options"
 
@@ -164,7 +165,7 @@ end
 local function of_vectors(given)
   check_functions(given)
   local identity = core.vector(given.identity)
-  local N, r = #identity, math.tointeger(given.dimension)
+  local N, r = #identity, lists.whole(given.dimension)
   if N < r then
     options.fail(WHERE, "elements of %d numbers cannot make a group of dimension %d", N, r)
   end

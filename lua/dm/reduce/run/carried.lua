@@ -33,7 +33,7 @@ function M.of(solver, options)
   if not reduced or type(options) ~= "table" or not is_of_members(options.a) then
     return solver, options
   end
-  local out, vary, members = {}, {}, math.tointeger(options.members)
+  local out, vary, members = {}, {}, lists.whole(options.members)
   if options.vary ~= nil then
     option.fail(WHERE, "'vary' is for parameters of a system, and this reduced one has none: give "
       .. "'a' for each member")

@@ -38,7 +38,7 @@ local SOURCES = { "q", "v", "p", "h" }
 -- the options with such sources, and what they gave
 local function remember(options)
   local out, kept = lists.copy(options), {}
-  local members = math.tointeger(options.members) or 0
+  local members = lists.whole(options.members) or 0
   for _, key in ipairs(SOURCES) do
     if type(options[key]) == "function" then
       out[key], kept[key] = remembered(options[key], members, key)

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local inline = require "dm.show.inline"
 local json = require "dm.base.json"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local page = require "dm.show.animate.page"
 
@@ -74,7 +75,7 @@ local function range_of(name, given)
   local from, to, n, scale = table.unpack(given)
   local fine = type(from) == "number" and type(to) == "number" and from < to
     and from - from == 0 and to - to == 0
-  n = math.tointeger(n)
+  n = lists.whole(n)
   if not fine or not n or n < 2 or n > MOST_POSITIONS then
     fail("slider '%s' is { from, to, count } or { from, to, count, \"log\" }, from < to, count "
       .. "from 2, or a list of texts", name)

@@ -2,6 +2,7 @@
 local blame = require "dm.base.blame"
 local bodies_ = require "dm.show.animate.bodies"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local fail = option.failing "animate"
 
@@ -167,12 +168,12 @@ local function check_rods(rods, count)
   for i, rod in ipairs(rods) do
     local pair = type(rod) == "table" and rod or {}
     for k = 1, 2 do
-      local point = math.tointeger(pair[k])
+      local point = lists.whole(pair[k])
       if not point or point < 0 or point > count then
         fail("rod %d must be a pair of points from 1 to %d, or 0 for the origin", i, count)
       end
     end
-    out[i] = { math.tointeger(pair[1]), math.tointeger(pair[2]) }
+    out[i] = { lists.whole(pair[1]), lists.whole(pair[2]) }
   end
   return out
 end
