@@ -308,38 +308,26 @@ static void read_path(lua_State *L) {
     push_end(L, s);
 }
 
-/* is the rule of the checkpoint an object that its text does not give? */
-static int is_own(lua_State *L, int options) {
-    lua_getfield(L, options, "rule");
-    const char *text = lua_tostring(L, -1);
-    const int own = text && strstr(text, "own") != NULL;
-    lua_pop(L, 1);
-    return own;
-}
-
 /* the name of the rule on top of the stack, which is left there; an object is "rule NAME" */
 static const char *push_rule_name(lua_State *L) {
     const char *name = luaL_tolstring(L, -1, NULL);
     return strncmp(name, "rule ", 5) == 0 ? name + 5 : name;
 }
 
-/* Raise where the rule of the checkpoint steps formulas Ld(q0, q1) and this is none, or the other
- * way round: what it was of is then another thing, whatever rule is given. An object of a
- * script is told by its name. */
+/* Formulas Ld(q0, q1) and the rules of the list that step them go with each other alone. */
 static void check_kind(lua_State *L, int options, const dml_system *system) {
     dm_rule nodes[DM_RULE_NODES];
     lua_getfield(L, options, "rule");
     const char *rule = push_rule_name(L);
-    const int listed = strstr(rule, "own") == NULL;
-    const int known = listed && !dm_rule_read(nodes, rule, NULL) && nodes[0].method;
-    const int of_pairs = known && nodes[0].method->traits & DM_FOR_PAIRS;
-    if (known && of_pairs != !!system->pair)
+    const int known = !strstr(rule, "own") && !dm_rule_read(nodes, rule, NULL) && nodes[0].method;
+    if (known && !(nodes[0].method->traits & DM_FOR_PAIRS) != !system->pair)
         luaL_error(L,
-                   of_pairs ? "the checkpoint is of a formula Ld(q0, q1), stepped by rule '%s': "
-                              "give that discrete Lagrangian here, or start a new run from q and p"
-                            : "the checkpoint is of rule '%s', and this discrete Lagrangian is a "
-                              "formula Ld(q0, q1), stepped by 'del': give the system of the "
-                              "checkpoint here, or start a new run from q and p",
+                   system->pair
+                       ? "the checkpoint is of rule '%s', and this discrete Lagrangian is a "
+                         "formula Ld(q0, q1), stepped by 'del': give the system of the "
+                         "checkpoint here, or start a new run"
+                       : "the checkpoint is of a formula Ld(q0, q1), stepped by rule '%s': "
+                         "give that discrete Lagrangian here, or start a new run",
                    rule);
     lua_pop(L, 2);
 }
@@ -347,12 +335,11 @@ static void check_kind(lua_State *L, int options, const dml_system *system) {
 /* rule and backend of the options at 3: the rule as an object, where the file has only its name */
 static void override(lua_State *L, int options) {
     static const char *const known[] = {"rule", "backend", NULL};
-    const int own = is_own(L, options);
     if (!lua_isnil(L, 3)) dml_options(L, 3, known);
     const int given = !lua_isnil(L, 3) && lua_getfield(L, 3, "rule") != LUA_TNIL;
-    lua_getfield(L, options, "rule");
+    const int text = lua_getfield(L, options, "rule") == LUA_TSTRING;
     const char *rule = push_rule_name(L);
-    if (own && !given)
+    if (text && strstr(rule, "own") && !given) /* an object, which its text does not give */
         luaL_error(L,
                    "the checkpoint is of '%s', a rule that a file does not hold: dm.resume(file, "
                    "system, { rule = the object })",

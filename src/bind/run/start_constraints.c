@@ -32,6 +32,13 @@ static void add_rules(luaL_Buffer *b, unsigned needs) {
     if (!*separator) luaL_addstring(b, "none");
 }
 
+/* Of a system that knows no time any will do where none is kept. */
+void dml_stepping_checktime(lua_State *L, const dml_stepping *r) {
+    const unsigned traits = r->solver->method->traits;
+    if (r->untimed && r->model->model.structure & DM_AUTONOMOUS) return;
+    if (traits & DM_BY_ENERGY || !(traits & DM_OWN_TIME)) dml_refuse_late(L, r->t0, r->solver->h);
+}
+
 /* Before any step: a rule must not drop what it does not know. */
 void dml_refuseconstraints(lua_State *L, const dml_solver *s, const dml_model *m) {
     const unsigned needs = dm_method_needs(&m->model);

@@ -80,13 +80,6 @@ static const dm_solvers *solvers_for(const dml_stepping *r) {
     return r->wants & DM_WANT_CURVATURE && !r->model->model.massless ? dml_solvers(&why) : NULL;
 }
 
-/* Of a system that knows no time any will do where none is kept. */
-static void refuse_late(lua_State *L, const dml_stepping *r) {
-    const unsigned traits = r->solver->method->traits;
-    if (r->untimed && r->model->model.structure & DM_AUTONOMOUS) return;
-    if (traits & DM_BY_ENERGY || !(traits & DM_OWN_TIME)) dml_refuse_late(L, r->t0, r->solver->h);
-}
-
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     dml_solver *s = r->solver;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
@@ -94,7 +87,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     r->t0 = t0;
     r->model = r->apart ? dml_pushmodel(L, r->system) : dml_pushlast(L, r->system, backend_name(L));
     r->model_at = lua_gettop(L);
-    refuse_late(L, r);
+    dml_stepping_checktime(L, r);
     if (r->model->model.structure & DM_NO_VELOCITY)
         luaL_error(L, "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
                       "such as m*v:dot(v)/2 with m not 0");

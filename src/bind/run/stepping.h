@@ -86,6 +86,9 @@ void dml_note_degenerate(lua_State *L, dml_stepping *r, const dm_inertia *x);
  * nothing was pushed. */
 int dml_stepping_reason(lua_State *L, const dml_stepping *r, dm_status status);
 
+/* Raise where numbers near r->t0 are too far apart for the steps. */
+void dml_stepping_checktime(lua_State *L, const dml_stepping *r);
+
 /* Fill in what a path says of itself; it is on top of the stack. */
 void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
 
