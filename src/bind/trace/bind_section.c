@@ -141,10 +141,10 @@ static int distance(lua_State *L) {
 static int deflated(lua_State *L) {
     section *s = check(L);
     const uint32_t r = s->level.r;
-    const lua_Integer i = dml_checkinteger(L, 3) - 1;
-    luaL_argcheck(L, i >= 0 && i < r, 3, "no such equation");
     double *A, *inverse, *unit, square = 0, along_p = 0, along_q = 0;
     const double condition = cut_at(L, s, 2, &A, &inverse, &unit);
+    const lua_Integer i = dml_checkinteger(L, 3) - 1;
+    luaL_argcheck(L, i >= 0 && i < r, 3, "no such equation");
     double *w = lua_newuserdatauv(L, 2 * (size_t)r * sizeof *w, 0), *p = w + r;
     dml_vectorarg(L, 4, "w", w, r);
     if (!isfinite(condition)) return 0;

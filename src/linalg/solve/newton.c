@@ -205,10 +205,7 @@ static dm_status damped(solver *s) {
         if (last || waits) advance_iterates(it, m);
         if (last) return DM_OK;
         status = waits ? DM_OK : search(s);
-        if (status == DM_NO_CONVERGENCE && is_floor(s)) {
-            memset(it->dx, 0, m * sizeof *it->dx); /* nothing of it was taken */
-            return DM_OK;
-        }
+        if (status == DM_NO_CONVERGENCE && is_floor(s)) return DM_OK;
         if (status != DM_OK) return status;
     }
     return DM_NO_CONVERGENCE;
