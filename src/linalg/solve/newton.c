@@ -97,9 +97,9 @@ static I chord_iterations(solver *s) {
     }
 }
 
-/* the largest of dx, dx/2, dx/4, ... that stays in the domain and makes |r| smaller; leaves r
- * there, x moved */
-static dm_status search(solver *s) {
+/* the largest of dx, dx/2, dx/4, ... that stays in the domain and makes |r| smaller, or all of dx
+ * where `whole` asks for no less; leaves r there, x moved */
+static dm_status search(solver *s, int whole) {
     chord *it = &s->it;
     const uint32_t m = s->p->m;
     const double before = it->residual;
@@ -110,7 +110,8 @@ static dm_status search(solver *s) {
         for (uint32_t i = 0; i < m; i++) s->trial[i] = it->x[i] + part * it->dx[i];
         const dm_status status = evaluate_at(s, s->trial, 0, m);
         if (status != DM_OK && status != DM_NOT_FINITE) return status;
-        if (status == DM_OK && it->residual <= (1.0 - 0.25 * part) * before) {
+        const int smaller = it->residual <= (1.0 - 0.25 * part) * before;
+        if (status == DM_OK && (smaller || (whole && part == 1.0))) {
             memcpy(it->x, s->trial, m * sizeof *it->x);
             it->all.step *= part; /* what was taken of it */
             return DM_OK;
@@ -184,11 +185,21 @@ static dm_status enter_domain(solver *s) {
     return status;
 }
 
+/* Is the increment as small as what ends at the noise of the residual, and less than half of the last
+ * one of that kind, `least`? Then it is taken whole: where the largest row is noise, as of a stiff
+ * spring, |r| does not tell that the others are not solved yet. */
+static int is_whole(const solver *s, double *least) {
+    if (!is_floor(s) || !(s->it.all.step < 0.5 * *least)) return 0;
+    *least = s->it.all.step;
+    return 1;
+}
+
 /* Newton with a Jacobian at every iterate and a line search */
 static dm_status damped(solver *s) {
     chord *it = &s->it;
     const uint32_t m = s->p->m;
     waiting w = {0};
+    double least = INFINITY;
     it->todo = 1;
     it->all.step = INFINITY;
     if (s->status == DM_NOT_FINITE) {
@@ -204,7 +215,7 @@ static dm_status damped(solver *s) {
         const int last = is_last(it, &w, m, &waits) || (!waits && is_unseen(s));
         if (last || waits) advance_iterates(it, m);
         if (last) return DM_OK;
-        status = waits ? DM_OK : search(s);
+        status = waits ? DM_OK : search(s, is_whole(s, &least));
         if (status == DM_NO_CONVERGENCE && is_floor(s)) return DM_OK;
         if (status != DM_OK) return status;
     }
