@@ -185,9 +185,9 @@ static dm_status enter_domain(solver *s) {
     return status;
 }
 
-/* Is the increment as small as what ends at the noise of the residual, and less than half of the last
- * one of that kind, `least`? Then it is taken whole: where the largest row is noise, as of a stiff
- * spring, |r| does not tell that the others are not solved yet. */
+/* Is the increment as small as what ends at the noise of the residual, and less than half of the
+ * last one of that kind, `least`? Then it is taken whole: where the largest row is noise, as of a
+ * stiff spring, |r| does not tell that the others are not solved yet. */
 static int is_whole(const solver *s, double *least) {
     if (!is_floor(s) || !(s->it.all.step < 0.5 * *least)) return 0;
     *least = s->it.all.step;
