@@ -12,7 +12,7 @@ local tangent = require "dm.frame.tangent"
 local M = {}
 
 local BESIDE = 0.3       -- of the algebra, where it begins,
-local STEPS = 6          -- the first to somewhere, the others to round-off
+local STEPS = 6          -- the first to somewhere, the others, each shorter, to round-off
 local LONGEST = 700      -- of a step
 local DONE = 1e-6        -- of the last one
 local APART = 1e-3       -- of two roots
@@ -26,14 +26,15 @@ local function from(frame, level, there, i)
   unit[i] = 1
   local d = level:cut(points.flat(there)):solve(unit)
   d = d * (BESIDE / d:norm())
-  local w, g = core.zeros(frame.r), kit.identity()
+  local w, g, last = core.zeros(frame.r), kit.identity(), math.huge
   for _ = 1, STEPS do
     local h = kit.exp(tangent.along_basis(frame, d))
     w, g = w + d, right and kit.compose(g, h) or kit.compose(h, g)
     d = level:deflated(points.flat(places.images(frame.action, g, there)), i, w)
     local size = d and d:norm() or math.huge
-    if not (size < math.huge) then return nil end
     if size < DONE then return w:norm() > APART and g or nil end
+    if not (size < last) then return nil end
+    last = size
     if size > LONGEST then d = d * (LONGEST / size) end
   end
 end

@@ -21,19 +21,19 @@ local M = {}
 local abs, huge, max, min = math.abs, math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds
-local FORMULAS, ROOTS = { 36, 36, 24, 20, 20, 14, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
+local FORMULAS, ROOTS = { 36, 36, 24, 20, 20, 14, 12, 8 }, { 20, 14, 8, 7, 5, 2, 2, 1 }
 local LOST = 6           -- samples' worth of time to find that there is no root,
 local RARE = 12          -- samples at least while less than a third of those wanted have one
 local OUTSIDE = 1 / 16   -- that the points are outside of the domain
 local ON_SECTION = 6     -- samples of which one must lead to the section
 local CELLS = 2          -- samples from whose points cells of a formula are looked for
-local TIMES = { 60 } -- points of samples, brought to the section again: orbits that reach far
+local LARGE = 60         -- times a point of the section, and back to it: orbits that reach far
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 -- pushes, by dim G, of every sample that has a root: an orbit that cuts the section twice is seen
 -- where Newton's method finds the other cut, for SL(2) and -1 behind one of six
 local AGAIN = { 3, 2, 3, 3, 3, 3, 4, 6 }
 -- lists of points far away for a frame that is solved for, by dim G, and pushes of each
-local FAR_ROOTS, FAR_AGAIN = { 2, 3, 3, 3, 3, 2, 1, 1 }, 2
+local FAR_ROOTS, FAR_AGAIN = { 2, 3, 3, 3, 3, 1, 1, 1 }, 2
 local TURNS = 3          -- of samples far away every third is pushed
 -- a condition beyond which a root tells nothing; what it makes of rounding
 local WORST, ROUNDING = 1e9, 1e-13 -- for a condition of 1, relative
@@ -282,15 +282,14 @@ local function look_far(trial)
   end
 end
 
--- points of the section: those of a sample, and what is near others many times their size
+-- points of the section: those of a sample, and what is near those of the next, many times their size
 local function on_the_section(trial)
   local frame, out = trial.frame, { trial.on[1] }
   local level, dimension = tangent.level(frame)
-  for i, times in ipairs(dimension > 0 and TIMES or {}) do
-    local x = points.flat(trial.on[1 + i % #trial.on]) * times
-    local fine, at = blame.try(level.node, level, x, x:norm())
-    if fine and at then out[#out + 1] = points.split(at, frame.k, frame.m) end
-  end
+  if dimension == 0 then return out end
+  local x = points.flat(trial.on[min(2, #trial.on)]) * LARGE
+  local fine, at = blame.try(level.node, level, x, x:norm())
+  if fine and at then out[2] = points.split(at, frame.k, frame.m) end
   return out
 end
 
@@ -304,13 +303,15 @@ local function holds(frame, h, list)
   return there and least > 0
 end
 
--- other points of the section on the orbits of these
+-- other points of the section on the orbits of these, which the branch does not tell apart
 local function look_for_others(trial)
   local frame = trial.frame
   for seed, there in ipairs(on_the_section(trial)) do
-    local a = frame_of(trial, there)
-    for _, h in ipairs(a and require("dm.frame.deflated").others(frame, there, seed) or {}) do
-      if holds(frame, h, there) then compare(trial, h, there, a, seed) end
+    local a
+    for _, h in ipairs(require("dm.frame.deflated").others(frame, there, seed)) do
+      local differs = holds(frame, h, there)
+      a = a or differs and frame_of(trial, there)
+      if a and differs then compare(trial, h, there, a, seed) end
     end
   end
 end
