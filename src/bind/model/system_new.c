@@ -157,6 +157,31 @@ static void check_argument(lua_State *L, const char *key, int at, const char *wh
     lua_settop(L, top);
 }
 
+/* Raise where the first two arguments of the function in field `key` have each other's names, as in
+ * H = function(p, q): another motion without a word. */
+static void check_order(lua_State *L, const char *key) {
+    static const char *const order[][2] = {{"q", "v"}, {"q", "p"}, {"q0", "q1"}, {"g", "xi"}};
+    const int top = lua_gettop(L), is = lua_getfield(L, 1, key) == LUA_TFUNCTION;
+    const char *name[2] = {NULL, NULL};
+    for (int i = 0; is && i < 2; i++) {
+        lua_pushvalue(L, top + 1);
+        name[i] = lua_getlocal(L, NULL, i + 1);
+    }
+    lua_settop(L, top);
+    for (size_t i = 0; name[0] && name[1] && i < sizeof order / sizeof *order; i++)
+        if (!strcmp(name[0], order[i][1]) && !strcmp(name[1], order[i][0]))
+            luaL_error(L,
+                       "field '%s': it is called with %s, %s in this order, and its arguments are "
+                       "called %s, %s: write function(%s, %s)",
+                       key, name[1], name[0], name[0], name[1], name[1], name[0]);
+}
+
+static void check_orders(lua_State *L) {
+    static const char *const of[] = {"L",     "H",        "Ld",      "constraint", "rolling",
+                                     "force", "reaction", "control", NULL};
+    for (const char *const *key = of; *key; key++) check_order(L, *key);
+}
+
 static void check_arguments(lua_State *L) {
     static const char *const behind[] = {"L", "H", "rolling", "force", "reaction", "control", NULL};
     const int pair = dml_field(L, 1, "Ld");
@@ -247,6 +272,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     dml_options(L, 1, known);
     dml_text(L, 1, "name");
     dml_plainparams(L);
+    check_orders(L);
     dml_unfold_spheres(L);
     if (pair)
         lua_pushnil(L);

@@ -57,6 +57,18 @@ raises("function(q0, q1, h, params), and the parameter is params.k", dm.discrete
   { Q = dm.R(1), h = 0.1, params = { k = 9 }, Ld = function(a, b, k) return k * (b[1] - a[1]) ^ 2 end })
 ok(dm.system { Q = dm.R(1), params = { t = 9 }, L = function(_, v, t, p) return v[1] ^ 2 * (p.t + t) end }, "a parameter called t")
 
+-- names that have changed places
+for words, options in pairs {
+  ["field 'L': it is called with q, v in this order"] = { Q = dm.R(1), L = function(v, q) return v[1] ^ 2 - q[1] ^ 2 end },
+  ["field 'H': it is called with q, p in this order"] = { Q = dm.R(1), H = function(p, q) return p[1] ^ 2 + q[1] ^ 4 end },
+  ["write function(q, v)"] = { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 - q[1] ^ 2 end,
+    force = function(v, q) return { q[1] - v[1] } end },
+  ["field 'L': it is called with g, xi in this order"] = { Q = dm.SO(3), L = function(xi, g) return xi:dot(xi) + g[1][1] end },
+} do raises(words, dm.system, options) end
+raises("field 'Ld': it is called with q0, q1 in this order", dm.discrete_lagrangian,
+  { Q = dm.R(1), h = 0.1, Ld = function(q1, q0, h) return (q1[1] - q0[1]) ^ 2 / h - h * q0[1] ^ 2 end })
+ok(dm.system { Q = dm.R(1), L = function(x, u) return u[1] ^ 2 - x[1] ^ 2 end }, "other names")
+
 -- hyper-dual derivatives of what cannot be traced
 local clipped = dm.system { Q = dm.R(1), derivatives = "hyperdual",
   L = function(q, v) if q[1] > 0 then return v[1] ^ 2 / 2 - q[1] ^ 2 end return v[1] ^ 2 / 2 - q[1] ^ 4 end }
