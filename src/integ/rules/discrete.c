@@ -105,11 +105,11 @@ static const dm_constraints *forced(const between *e) {
     return c && c->forced ? c : NULL;
 }
 
-/* L_q += f, from here on */
-static void push(between *e) {
+/* += f, there: not to what the kernel gave, where an L_q that is constant stays from the start */
+static void push(between *e, double *force) {
     if (!forced(e)) return;
     dm_kernel_eval(&forced(e)->force_curve, e->x, e->push);
-    for (uint32_t k = 0; k < e->n; k++) e->curve[k] += e->push[k];
+    for (uint32_t k = 0; k < e->n; k++) force[k] += e->push[k];
 }
 
 /* Q_i, Qdot_i and the kernels there, whose first outputs stay for the result. */
@@ -127,8 +127,8 @@ static void place(between *e, uint32_t i, const double *z) {
     memcpy(e->x + n, v, n * sizeof *v);
     e->x[2 * n] = e->in->t + e->in->h * dm_weight_double(e->table.c[i]);
     dm_kernel_eval(&e->in->model->stage, e->x, e->curve);
-    push(e);
     memcpy(e->force + i * (size_t)n, e->curve, n * sizeof *v);
+    push(e, e->force + i * (size_t)n);
     memcpy(e->p + i * (size_t)n, e->curve + n, n * sizeof *v);
 }
 
@@ -147,13 +147,13 @@ static void add_point(between *e, double *r, double *J, uint32_t i) {
     const uint32_t n = e->n, s = t->s;
     const size_t nn = (size_t)n * n;
     const double *qq = e->curve + 2 * n, *qv = qq + nn, *vv = qv + nn, h = e->in->h;
-    const double *fq = e->push + n, *fv = fq + nn;
+    const double *force = e->force + i * (size_t)n, *fq = e->push + n, *fv = fq + nn;
     const double b = dm_weight_double(t->b[i]);
     for (uint32_t j = 0; j < s; j++) {
         const double d = dm_weight_double(t->d[i * s + j]);
         const double w = h * (dm_weight_double(t->a[i * s + j]) - dm_weight_double(t->beta[j]));
         for (uint32_t k = 0; k < n; k++) {
-            const double term = b * (w * e->curve[k] + d * e->curve[n + k]);
+            const double term = b * (w * force[k] + d * e->curve[n + k]);
             r[j * (size_t)n + k] += term;
             e->size = fmax(e->size, fabs(term));
         }

@@ -97,6 +97,21 @@ for k = 0, parts do
 end
 near(exact:value({ a }, { b }), sum * 0.8 / parts / 3, 1e-12, "exact: the action along the forced motion")
 
+-- L_q that is constant: a fall with friction, v' = -g - c v, in closed form
+local g, time = 9.8, 0.8
+local falling = dm.system { Q = dm.R(2), L = function(q, rate) return rate:dot(rate) / 2 - g * q[2] end, force = function(q, rate) return -c * rate end }
+local grow = exp(-c * time)
+local from, to = { 0, a }, { 0.4, b }
+local first = { c * (to[1] - from[1]) / (1 - grow), c * (b - a + g * time / c) / (1 - grow) - g / c }
+local last = { first[1] * grow, (first[2] + g / c) * grow - g / c }
+exact = dm.discrete_lagrangian(falling, { rule = "exact", h = time })
+near((exact:legendre_minus(from, to) - dm.vector(first)):norm(), 0, 1e-12, "exact: p0 of a fall with friction")
+near((exact:legendre_plus(from, to) - dm.vector(last)):norm(), 0, 1e-12, "exact: p1")
+for _, rule in ipairs(RULES) do
+  local path = falling:solver { rule = rule, h = 0.1 }:run(start)
+  near(momenta(dm.discrete_lagrangian(falling, { rule = rule, h = 0.1 }), path), 0, 1e-13, rule .. ": a fall with friction")
+end
+
 -- orders of the steps, against the closed form at t = 2
 for rule, order in pairs { midpoint = 2, trapezoidal = 2, verlet = 2, ["gauss(2)"] = 4, ["lobatto(3)"] = 4, ["gauss(3)"] = 6 } do
   local function off(n)
