@@ -282,7 +282,8 @@ local function look_far(trial)
   end
 end
 
--- points of the section: those of a sample, and what is near those of the next, many times their size
+-- points of the section: those of a sample, and what is near those of the next, many times their
+-- size
 local function on_the_section(trial)
   local frame, out = trial.frame, { trial.on[1] }
   local level, dimension = tangent.level(frame)
