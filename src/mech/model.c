@@ -358,7 +358,7 @@ static void keep_bounds(builder *b) {
     const dm_convexity convex = scratch && dm_mass_is_definite(M, scratch)
                                     ? DM_DEFINITE
                                     : dm_mass_convexity(b->g, b->L, b->m.n, b->arena);
-    if (convex == DM_DEFINITE && !dm_mass_may_have_pole(M, scratch))
+    if (convex == DM_DEFINITE && scratch && !dm_mass_may_have_pole(M, scratch))
         b->m.structure |= DM_DEFINITE_MASS;
     if (convex == DM_NOT_CONVEX) b->m.mass_bounds = M;
 }

@@ -277,6 +277,36 @@ static void looks_at_shared_factors_once(void) {
     stop(&b);
 }
 
+/* an allocator that refuses one request: what is left out for it is no crash */
+static long before_refusal;
+
+static void *refusing_once(void *ud, void *block, size_t old_size, size_t new_size) {
+    if (new_size && before_refusal-- == 0) return NULL;
+    return problem_allocate(ud, block, old_size, new_size);
+}
+
+static void tells_without_room(void) {
+    long wanted = 0;
+    do {
+        built b = {0};
+        dm_arena_init(&b.arena, refusing_once, NULL);
+        b.arena.exact = 1;
+        before_refusal = wanted++;
+        b.g = dm_graph_new(&b.arena, 5);
+        if (b.g) {
+            const dm_node v1 = input(&b, 2), v2 = input(&b, 3);
+            const dm_node z = dm_add(b.g, times(&b, input(&b, 0), v1), times(&b, input(&b, 1), v2));
+            const dm_node L =
+                dm_add(b.g, dm_add(b.g, times(&b, v1, v1), times(&b, v2, v2)), times(&b, z, z));
+            const dm_status status = finish(&b, L, 2);
+            CHECK(status == DM_OK || status == DM_NO_MEMORY);
+            CHECK(before_refusal < 0 || b.model.structure & DM_DEFINITE_MASS);
+        }
+        stop(&b);
+    } while (before_refusal < 0);
+    CHECK(wanted > 10);
+}
+
 int main(void) {
     RUN(tells_a_mass_that_keeps_its_signs, "tells a mass that keeps its signs");
     RUN(tells_a_least_value_that_keeps_its_signs, "tells a least value that keeps its signs");
@@ -286,5 +316,6 @@ int main(void) {
     RUN(tells_squares_that_leave_no_velocity, "tells squares that leave no velocity");
     RUN(tells_weights_with_bounds, "tells weights with bounds");
     RUN(looks_at_shared_factors_once, "looks at shared factors once");
+    RUN(tells_without_room, "tells without room");
     return check_finish();
 }
