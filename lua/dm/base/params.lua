@@ -100,7 +100,7 @@ end
 local function reads_table(f, system, name)
   local params = system.params
   local shown = debug.getmetatable(params)
-  local raw = shown and shown.__index
+  local raw = shown and shown.__params
   local function is_own(value)
     return value ~= nil
       and (rawequal(value, system) or rawequal(value, params) or rawequal(value, raw))
@@ -283,7 +283,7 @@ local shown = setmetatable({}, { __mode = "k" })
 
 -- do two stand for one table, as those of systems that share their params?
 local function stands_for_same(a, b)
-  return debug.getmetatable(a).__index == debug.getmetatable(b).__index
+  return debug.getmetatable(a).__params == debug.getmetatable(b).__params
 end
 
 --- What `system.params` is: the table that the system was made with, but that a name which nothing
@@ -292,10 +292,16 @@ end
 function M.shown(system, params)
   M.refresh(params)
   if shown[system] then return shown[system] end
+  local function fresh()
+    M.refresh(params)
+    return params
+  end
   shown[system] = setmetatable({}, { __name = "dm.params", __metatable = "dm.params",
-    __index = params, __eq = stands_for_same,
-    __pairs = function() return pairs(params) end, __len = function() return #params end,
+    __params = params, __eq = stands_for_same,
+    __index = followers[params] and function(_, key) return fresh()[key] end or params,
+    __pairs = function() return pairs(fresh()) end, __len = function() return #params end,
     __newindex = function(_, key, value)
+      M.refresh(params)
       if type(key) == "string" and value ~= nil and params[key] == nil then
         check(system, params, key, value)
       end

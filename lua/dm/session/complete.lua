@@ -40,6 +40,12 @@ local function is_dm(value)
   return type(loaded) == "table" and rawequal(rawget(loaded, "dm"), value)
 end
 
+-- the table that this one inherits from, or stands for
+local function behind(value)
+  local meta = getmetatable(value)
+  return type(meta) == "table" and (rawget(meta, "__params") or rawget(meta, "__index"))
+end
+
 -- a field of a table, or of the tables that it inherits from
 local function inherited(value, name)
   for _ = 1, 20 do
@@ -47,8 +53,7 @@ local function inherited(value, name)
     local found = rawget(value, name)
     if found ~= nil then return found end
     if is_dm(value) then return value[name] end
-    local meta = getmetatable(value)
-    value = type(meta) == "table" and rawget(meta, "__index")
+    value = behind(value)
   end
 end
 
@@ -176,9 +181,10 @@ local function add_table(list, seen, value, start, wanted)
     for name, v in next, value do
       if not wanted or type(v) == wanted then add(list, seen, name, start) end
     end
-    local meta = getmetatable(value)
-    if is_dm(value) then return add_table(list, seen, rawget(meta, "lazy"), start) end
-    value = type(meta) == "table" and rawget(meta, "__index")
+    if is_dm(value) then
+      return add_table(list, seen, rawget(getmetatable(value), "lazy"), start)
+    end
+    value = behind(value)
   end
 end
 

@@ -4,6 +4,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local option = require "dm.base.options"
+local params = require "dm.base.params"
 
 local M = {}
 
@@ -74,9 +75,6 @@ local function other_keys(t, n, limit)
   return keys, more
 end
 
--- tables that stand for another one: the params of a system
-local BEHIND = { ["dm.params"] = true }
-
 local show, long_text, is_long_now
 
 local function key_text(state, key, depth)
@@ -125,7 +123,10 @@ local function show_table(state, t, depth)
     and rawget(meta, "__name") ~= "dm.result" then
     return tostring(t)
   end
-  if type(meta) == "table" and BEHIND[rawget(meta, "__name")] then t = meta.__index end
+  if type(meta) == "table" and rawget(meta, "__name") == "dm.params" then
+    t = meta.__params
+    params.refresh(t)
+  end
   if state.open[t] then return paint(state, "table", "<cycle>") end
   if next(t) == nil then return "{}" end
   if depth >= state.depth then return paint(state, "table", "{...}") end

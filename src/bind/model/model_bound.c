@@ -59,7 +59,7 @@ void dml_plainparams(lua_State *L) {
     if (lua_istable(L, -1) && luaL_getmetafield(L, -1, "__name") == LUA_TSTRING &&
         strcmp(lua_tostring(L, -1), "dm.params") == 0) {
         dml_pushcopy(L, 1);
-        luaL_getmetafield(L, -3, "__index");
+        luaL_getmetafield(L, -3, "__params");
         lua_setfield(L, -2, "params");
         lua_replace(L, 1);
     }

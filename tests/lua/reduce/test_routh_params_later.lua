@@ -132,6 +132,29 @@ do
   ok(inner.params.k == 5 and outer.params.k == 5, "params of both")
 end
 
+-- params of the shape that a script holds on to
+do
+  local system = spring()
+  local shape = system:routh { cyclic = { "theta" }, mu = 0.7 }
+  local held = shape.params
+  system.params.k = 2
+  ok(held.k == 2, "what is held is of now", held.k)
+  system.params.k = 3
+  held.k = 2 -- which is what the shape had before
+  ok(held.k == 2 and shape.params.k == 2, "and a value that is set there is its own", held.k)
+  near(shape:amended_potential { 1 }, 1 + 0.5 + 0.7 ^ 2 / 2, 1e-15, "in the potential, too")
+  system.params.c = 7
+  local text, listed = dm.pretty(held), {}
+  for name, value in pairs(held) do listed[name] = value end
+  ok(text:find("c = 7", 1, true) and listed.c == 7 and listed.mu == 0.7, "shown and listed", text)
+  ok(dm.system { Q = dm.R(1), params = held, L = function(_, v, _, p)
+    return p.k * v[1] ^ 2
+  end }.params == held, "given to another system")
+  local fine, why = pcall(function() held.mu = {} end)
+  ok(not fine and not why:find("lua/dm", 1, true) and why:find("a number, got table", 1, true),
+    "a table for a momentum", why)
+end
+
 -- the reason of a failure names the coordinate where params of the shape were set
 do
   local shape = free():routh { cyclic = { "theta" }, mu = 0.7 }

@@ -4,6 +4,7 @@
 -- for all members) derivatives take them as arguments.
 --   What is changed in the system changes in the shape too, unless the shape was given a value of
 -- its own: the table of the shape follows that of the system (M.refresh).
+local blame = require "dm.base.blame"
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -154,7 +155,8 @@ end
 local function by_general(info, p, made)
   local out, values = variant(info, p), {}
   for i, name in ipairs(made.names) do values[i] = p[name] end
-  local all = core.vector(values)
+  local fine, all = blame.try(core.vector, values)
+  if not fine then error(all, 0) end
   out.fixed = { slope = function(q, v, t) return made.slope(q, v, t, all) end,
     rows = function(q, v, t) return made.rows(q, v, t, all) end }
   return out
