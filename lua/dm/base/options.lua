@@ -23,7 +23,10 @@ end
 --- What was given, in a few words: a number, a text in quotes, nil, or the name of a type.
 function M.got(x)
   local kind = type(x)
-  if kind == "string" and #x <= 40 then return (("%q"):format(x):gsub("\n", "n")) end
+  if kind == "string" and #x <= 40 then
+    local hint = tonumber(x) and ": write it without quotes, or tonumber(text)" or ""
+    return ("%q"):format(x):gsub("\n", "n") .. hint
+  end
   if kind == "number" or kind == "boolean" or kind == "nil" then return tostring(x) end
   local metatable = getmetatable(x)
   local name = type(metatable) == "table" and metatable.__name

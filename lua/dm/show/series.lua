@@ -36,7 +36,7 @@ function M.numbers(values, what)
   for i = 1, #values do
     local x = values[i]
     if type(x) ~= "number" then
-      error(("%s[%d] must be a number (got %s)"):format(what, i, type(x)), 0)
+      error(("%s[%d] must be a number (got %s)"):format(what, i, option.got(x)), 0)
     end
     out[i] = x * 1.0  -- a float; + 0.0 would lose the sign of -0.0
   end

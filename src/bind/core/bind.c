@@ -193,12 +193,17 @@ void dml_options(lua_State *L, int arg, const char *const *known) {
     }
 }
 
+const char *dml_text_hint(lua_State *L, int arg) {
+    const int reads_as_number = lua_type(L, arg) == LUA_TSTRING && lua_isnumber(L, arg);
+    return reads_as_number ? DML_TEXT_HINT : "";
+}
+
 /* the value on top as a message shows it */
 static const char *shown(lua_State *L) {
     if (lua_type(L, -1) == LUA_TNUMBER)
         return isnan(lua_tonumber(L, -1)) ? "NaN" : luaL_tolstring(L, -1, NULL);
     if (lua_type(L, -1) == LUA_TSTRING)
-        return lua_pushfstring(L, "the string \"%s\"", lua_tostring(L, -1));
+        return lua_pushfstring(L, "the string \"%s\"%s", lua_tostring(L, -1), dml_text_hint(L, -1));
     return luaL_getmetafield(L, -1, "__name") == LUA_TSTRING ? lua_tostring(L, -1)
                                                              : luaL_typename(L, -1);
 }
@@ -230,10 +235,8 @@ static double read_number(lua_State *L, const char *key, const char *expected) {
 static void refuse_text(lua_State *L, int arg) {
     if (lua_type(L, arg) == LUA_TSTRING)
         luaL_argerror(L, arg,
-                      lua_pushfstring(L,
-                                      "number expected, got the text \"%s\": write it without "
-                                      "quotes, or tonumber(text)",
-                                      lua_tostring(L, arg)));
+                      lua_pushfstring(L, "number expected, got the text \"%s\"%s",
+                                      lua_tostring(L, arg), dml_text_hint(L, arg)));
 }
 
 double dml_checknumber(lua_State *L, int arg) {

@@ -85,6 +85,11 @@ void dml_numbers(lua_State *L, int arg, const char *key, double *out, uint32_t n
 /* Raises where doubles near the time t0 are too far apart for steps of h. */
 void dml_refuse_late(lua_State *L, double t0, double h);
 
+/* Behind a message about the value at arg: what to do where it is a text that reads as a number, as
+ * those of io.read and arg are; "" of any other. */
+#define DML_TEXT_HINT ": write it without quotes, or tonumber(text)"
+const char *dml_text_hint(lua_State *L, int arg);
+
 /* As luaL_checknumber, lua_tointegerx and their relatives, but a text of digits is no number. */
 double dml_checknumber(lua_State *L, int arg);
 double dml_optnumber(lua_State *L, int arg, double fallback);

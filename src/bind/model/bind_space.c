@@ -137,8 +137,7 @@ dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n) {
 static int space_new(lua_State *L) {
     const dm_space *row = lua_touserdata(L, lua_upvalueindex(1));
     dml_checksurplus(L, 1, row->signature);
-    if (!(row->usual && lua_isnoneornil(L, 1))) luaL_checktype(L, 1, LUA_TNUMBER); /* no "3" */
-    const lua_Number given = dml_optnumber(L, 1, row->usual);
+    const lua_Number given = row->usual ? dml_optnumber(L, 1, row->usual) : dml_checknumber(L, 1);
     const lua_Integer n = given == floor(given) && fabs(given) < 1e9 ? (lua_Integer)given : -1;
     luaL_argcheck(L, n >= (lua_Integer)row->least && n <= (lua_Integer)row->most, 1,
                   lua_pushfstring(L, "%s needs a whole number from %d to %d", row->signature,

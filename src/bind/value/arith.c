@@ -29,10 +29,12 @@ static const char *type_name(lua_State *L, int arg) {
 
 /* Lua's own message has no names of our classes, and a nil of a misspelt field is told here. */
 static void refuse_operands(lua_State *L, dm_op op) {
-    const char *a = type_name(L, 1), *b = type_name(L, 2);
+    const char *a = type_name(L, 1), *b = type_name(L, 2), *hint = dml_text_hint(L, 1);
+    if (!*hint) hint = dml_text_hint(L, 2);
     luaL_where(L, 1);
     if (!*lua_tostring(L, -1)) luaL_where(L, 2); /* the string library is between */
-    lua_pushfstring(L, "%scannot compute %s %s %s", lua_tostring(L, -1), a, dm_op_text(op), b);
+    lua_pushfstring(L, "%scannot compute %s %s %s%s", lua_tostring(L, -1), a, dm_op_text(op), b,
+                    hint);
     dml_explain(L);
     lua_error(L);
 }

@@ -281,7 +281,7 @@ int dml_tryentry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **
     luaL_checkstack(L, 4, NULL);
     lua_geti(L, arg, (lua_Integer)i + 1);
     const int there = dml_toscalar(L, -1, x);
-    if (!there) *type = dml_kindname(L, -1);
+    if (!there) *type = *dml_text_hint(L, -1) ? "string" DML_TEXT_HINT : dml_kindname(L, -1);
     lua_pop(L, 1);
     return there;
 }

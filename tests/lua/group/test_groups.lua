@@ -391,7 +391,7 @@ raises("out of reach", function() return dm.GL(2):exp { 1e7, 0, 0, 0 } end)
 local fine, why = SO3:valid { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }
 ok(fine == false and why:find "determinant", "a reflection is no rotation", why)
 for _, group in ipairs { "R", "T", "S", "SO", "SE", "SL", "GL", "Sp", "SU", "Heisenberg" } do
-  raises("number expected, got string", dm[group], "2")
+  raises("number expected, got the text \"2\"", dm[group], "2")
   for _, n in ipairs { -1, 0, 2.5, 1e9, 1e300, 0 / 0, 1 / 0 } do
     raises("needs a whole number from", dm[group], n)
   end

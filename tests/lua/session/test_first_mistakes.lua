@@ -15,7 +15,7 @@ raises("takes a table of options (got \"x.svg\"): { file = \"x.svg\" }", dm.plot
 local map = dm.stability { system = spring, rule = "verlet", q = { 1 }, v = { 0 }, steps = 10,
   h = { 0.1, 1, 2, "log" } }
 raises("map:plot: takes a table of options (got \"x.png\")", map.plot, map, "x.png")
-raises("(got \"1e-4\")", dm.scene, { system = spring, q = { 1 }, v = { 0 }, watch = { "q1" },
+raises("(got \"1e-4\": write it without quotes, or tonumber(text))", dm.scene, { system = spring, q = { 1 }, v = { 0 }, watch = { "q1" },
   tolerance = "1e-4", until_t = 1 })
 
 -- groups

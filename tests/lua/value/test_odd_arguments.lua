@@ -32,9 +32,9 @@ ok(core.complex { simplices = { { 1, 2, 3 } }, vertices = 5 }:count(0) == 5, "tw
 
 told("field 'q': a list of numbers is needed (got function)", kepler.linearize, kepler,
   { q = print })
-told("'steps' must be a whole number from 0 to 2^53 (got \"10\")", solver.reversal, solver,
+told("'steps' must be a whole number from 0 to 2^53 (got \"10\": write it without quotes, or tonumber(text))", solver.reversal, solver,
   { q = { 1, 0 }, v = { 0, 1 }, steps = "10" })
-told("'steps' must be a whole number from 0 to 2^53 (got \"10\")", solver.singularities, solver,
+told("'steps' must be a whole number from 0 to 2^53 (got \"10\": write it without quotes, or tonumber(text))", solver.singularities, solver,
   { q = { 1, 0 }, v = { 0, 1 }, steps = "10" })
 told("field 'q': a list of numbers", solver.lyapunov, solver,
   { q = true, v = { 0, 1 }, steps = 3 })

@@ -102,4 +102,31 @@ tap.ok(tries > 100, "a hundred numbers and more were texts", tries)
 tap.ok(#taken == 0, "no text is taken for a number", table.concat(taken, "; "))
 tap.ok(#raw == 0, "and none is computed with before it is refused", table.concat(raw, "; "))
 tap.raises("number expected, got the text \"3\": write it without quotes", dm.zeros, "3")
+
+-- what arg and io.read give: in fields, lists, options of Lua, and where L computes with it
+local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+local solver = spring:solver { rule = "verlet", h = 0.1 }
+for what, f in pairs {
+  h = function() spring:solver { rule = "verlet", h = "0.1" } end,
+  steps = function() solver:run { q = { 1 }, v = { 0 }, steps = "10" } end,
+  members = function() solver:ensemble { q = { { 1 } }, v = { { 0 } }, members = "1", steps = 1 } end,
+  start = function() solver:run { q = { "1" }, v = { 0 }, steps = 1 } end,
+  ["dm.vector"] = function() dm.vector { 1, "2" } end,
+  ["dm.matrix"] = function() dm.matrix { { 1, "2" } } end,
+  ["dm.R"] = function() dm.R("2") end,
+  mu = function()
+    dm.system { Q = dm.R(2), L = function(q, v) return v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2 end }
+      :routh { cyclic = { 2 }, mu = "0.5" }
+  end,
+  points = function() dm.schroedinger { x = { -10, 10, "256" } } end,
+  ["L"] = function()
+    dm.system { Q = dm.R(1), params = { k = "2" }, L = function(q, v, _, p) return v[1] ^ 2 - p.k * q[1] end }
+  end,
+  ["a factor of a vector"] = function() return dm.vector { 1, 2 } * "2" end,
+} do
+  print("# " .. what)
+  tap.raises("tonumber(text)", f)
+end
+local fine, why = pcall(dm.vector, { "two" })
+tap.ok(not fine and not why:find "tonumber", "no text of a word", why)
 tap.done()

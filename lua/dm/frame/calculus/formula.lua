@@ -113,7 +113,7 @@ local function numbers_of(C, name, given, count)
   end
   for i = 1, count do
     if type(given[i]) ~= "number" then
-      option.fail("f:value", "%s[%d] must be a number (got %s)", name, i, type(given[i]))
+      option.fail("f:value", "%s[%d] must be a number (got %s)", name, i, option.got(given[i]))
     end
   end
   return given

@@ -174,7 +174,7 @@ local function read_mu(info, options)
   if type(mu) == "number" then mu = { mu } end
   local count = lists.count(mu)
   if not count then
-    error(("option 'mu' must be a number, or a list of %d (got %s)"):format(m, type(mu)), 0)
+    error(("option 'mu' must be a number, or a list of %d (got %s)"):format(m, option.got(mu)), 0)
   end
   if count ~= m then
     error(("option 'mu' must have %d entr%s, one for each dimension of the group (got %d)")
