@@ -194,12 +194,29 @@ static int is_whole(const solver *s, double *least) {
     return 1;
 }
 
+/* No iteration is left and the last increment was that small: r was last evaluated at x. Where
+ * smaller unknowns were waited for they come first. */
+static dm_status end_in_noise(solver *s) {
+    if (s->it.waited) return DM_NO_CONVERGENCE;
+    memset(s->it.dx, 0, s->p->m * sizeof *s->it.dx);
+    return DM_OK;
+}
+
+/* Have chord iterations come to their end among increments that small, two at least? */
+static int is_noise(const solver *s) {
+    const chord *it = &s->it;
+    const double most = DM_NEWTON_FLOOR * norm_of(it->x, s->p->m);
+    return s->status == DM_OK && it->factored && it->count == s->p->max_iterations &&
+           it->all.step <= most && it->all.last <= most;
+}
+
 /* Newton with a Jacobian at every iterate and a line search */
 static dm_status damped(solver *s) {
     chord *it = &s->it;
     const uint32_t m = s->p->m;
     waiting w = {0};
     double least = INFINITY;
+    int small = 0; /* the last increment, as what ends at the noise of the residual */
     it->todo = 1;
     it->all.step = INFINITY;
     if (s->status == DM_NOT_FINITE) {
@@ -215,11 +232,12 @@ static dm_status damped(solver *s) {
         const int last = is_last(it, &w, m, &waits) || (!waits && is_unseen(s));
         if (last || waits) advance_iterates(it, m);
         if (last) return DM_OK;
+        small = is_floor(s);
         status = waits ? DM_OK : search(s, is_whole(s, &least));
         if (status == DM_NO_CONVERGENCE && is_floor(s)) return DM_OK;
         if (status != DM_OK) return status;
     }
-    return DM_NO_CONVERGENCE;
+    return small ? end_in_noise(s) : DM_NO_CONVERGENCE;
 }
 
 /* chord iterations, and damped ones from the same start where they fail */
@@ -227,6 +245,7 @@ static dm_status attempt(solver *s) {
     if (chord_iterations(s)) return DM_OK;
     if (s->status == DM_CALLBACK) return DM_CALLBACK;
     if (s->status == DM_OK && is_unseen(s)) return DM_OK;
+    if (is_noise(s) && end_in_noise(s) == DM_OK) return DM_OK;
     memcpy(s->it.x, s->start, s->p->m * sizeof *s->start);
     return damped(s);
 }
