@@ -277,6 +277,17 @@ int dml_core_with_step(lua_State *L) {
     return 1;
 }
 
+/* { system, rule = }, as dm.solver takes a discrete Lagrangian */
+static void refuse_one_table(lua_State *L) {
+    if (!lua_istable(L, 1)) return;
+    lua_rawgeti(L, 1, 1);
+    const int entry = luaL_testudata(L, -1, DML_SYSTEM) != NULL;
+    if (entry || dml_field(L, 1, "system") || dml_field(L, 1, "rule"))
+        luaL_error(L,
+                   "of a system and a rule it is dm.discrete_lagrangian(system, { rule =, h = })");
+    lua_settop(L, 2);
+}
+
 /* A table is a formula. A system and a rule become a formula where the rule has one velocity,
  * else they stay a rule whose stages are solved for. */
 static int discrete_new(lua_State *L) {
@@ -285,6 +296,8 @@ static int discrete_new(lua_State *L) {
         check_of_system(L);
         if (!dml_formula_points(L) || is_timed(L)) return dml_pushruled(L), 1;
         dml_formula_of_system(L);
+    } else {
+        refuse_one_table(L);
     }
     dml_newsystem(L, known, 1);
     if (has_field(L, -1, "map")) {

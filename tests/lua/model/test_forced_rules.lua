@@ -151,6 +151,12 @@ end
 raises("has a force", function() shape:discrete { rule = "gauss(2)", h = 0.1 } end)
 raises("has a force", function() shape:discrete(dm.discrete_lagrangian(planar, { rule = "gauss(2)", h = 0.1 })) end)
 
+-- a system is no entry of the table
+for _, one in ipairs { { damped, rule = "midpoint", h = h }, { system = damped, h = h },
+  { Q = dm.R(1), rule = "midpoint", h = h } } do
+  raises("it is dm.discrete_lagrangian(system, { rule =, h = })", dm.discrete_lagrangian, one)
+end
+
 -- what has none
 local stages = dm.discrete_lagrangian(damped, { rule = "gauss(2)", h = h })
 raises("this system has a force, with which steps keep no two-form", stages.two_form, stages, { a }, { b })
