@@ -231,13 +231,13 @@ const char *dml_surplus(lua_State *L, int arg, lua_Integer n) {
 
 /* Entries are ahead of names where the table was written as a list, { 1, 2, x = 3 }: one look
  * behind the last of them, not one at each. */
-static void check_behind(lua_State *L, int arg, lua_Integer n) {
+static void check_behind(lua_State *L, int arg, lua_Integer n, const char *what) {
     if (n <= 0 || !is_plain_table(L, arg)) return;
     arg = lua_absindex(L, arg);
     luaL_checkstack(L, 4, NULL);
     lua_pushinteger(L, n);
     const char *more = stranger(L, arg, n);
-    if (more) dml_refuse_surplus(L, "a list", more, n);
+    if (more) dml_refuse_surplus(L, what, more, n);
 }
 
 void dml_refuse_surplus(lua_State *L, const char *what, const char *more, lua_Integer n) {
@@ -260,7 +260,7 @@ long dml_bare_length(lua_State *L, int arg) {
 
 long dml_length(lua_State *L, int arg) {
     const long n = dml_bare_length(L, arg);
-    check_behind(L, arg, n);
+    check_behind(L, arg, n, "a list");
     return n;
 }
 
@@ -341,7 +341,8 @@ uint32_t dml_readplain(lua_State *L, int arg, double *out, uint32_t n) {
  * with the first bad one named. */
 void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_t n) {
     arg = lua_absindex(L, arg);
-    const long length = dml_length(L, arg);
+    const long length = dml_bare_length(L, arg);
+    check_behind(L, arg, length, name);
     if (length < 0 || (lua_type(L, arg) == LUA_TNUMBER && n != 1))
         luaL_error(L, "%s must be a vector or table of %d numbers (got %s)", name, (int)n,
                    found(L, arg));

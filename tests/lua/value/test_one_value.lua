@@ -205,6 +205,8 @@ for name, f in pairs(beside) do
   print("# beside: " .. name)
   raises("beside its entries", f)
 end
+raises("field 'q' has 'z' beside its entries 1 to 2", beside.start)
+
 -- table.pack says how many there are, and a list of a class of the user's own knows what it holds
 tap.ok(dm.vector(table.pack(1, 2)) == dm.vector { 1, 2 }, "table.pack makes a list")
 tap.ok(dm.vector(setmetatable({ 1, 2, unit = "m" }, {})) == dm.vector { 1, 2 }, "a list with a metatable may hold more")
