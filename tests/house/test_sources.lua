@@ -130,9 +130,11 @@ for name in pairs(names) do plain[name] = name:gsub("%p", "%%%0") end
 -- a comparison with a name, or a table of truth values by name
 local function decides(words, name, has_true)
   local quoted = '"' .. plain[name] .. '"'
-  return words:find('"' .. name .. '"', 1, true) and (words:find("cmp(", 1, true) and words:find("str%w*cmp%([^\"]*" .. quoted)
-    or words:find("[=~!]= ?" .. quoted) or words:find(quoted .. " ?[=~!]=")
-    or words:find("%[" .. quoted .. "%] ?= ?true"))
+  local stands = words:find('"' .. name .. '"', 1, true) -- plain finds are fast
+  local has_cmp = stands and words:find("cmp(", 1, true)
+  return has_cmp and words:find("str%w*cmp%([^\"]*" .. quoted)
+    or stands and (words:find("[=~!]= ?" .. quoted) or words:find(quoted .. " ?[=~!]=")
+      or words:find("%[" .. quoted .. "%] ?= ?true"))
     or has_true and words:find("%f[%w_-]" .. plain[name] .. " ?= ?true")
 end
 
