@@ -4,7 +4,7 @@
 #include "integ/registry.h"
 
 /* call the function on top, of the system at upvalue 1, at ((1 - c) q0 + c q1, (q1 - q0)/h), whose
- * arguments are q0, q1, h at 1, 2, 3 */
+ * arguments are q0, q1, h and params, of a member those that it varies, at 1, 2, 3, 4 */
 static void call_node(lua_State *L, double c, const char *what) {
     lua_pushvalue(L, 2);
     lua_pushvalue(L, 1);
@@ -18,7 +18,10 @@ static void call_node(lua_State *L, double c, const char *what) {
     lua_pushvalue(L, 3);
     lua_arith(L, LUA_OPDIV);
     lua_pushnumber(L, 0.0);
-    dml_systemfield(L, lua_upvalueindex(1), "params");
+    if (lua_isnil(L, 4))
+        dml_systemfield(L, lua_upvalueindex(1), "params");
+    else
+        lua_pushvalue(L, 4);
     dml_callone(L, 4, what);
 }
 
@@ -32,6 +35,7 @@ static void push_node(lua_State *L, double c) {
  * ends; upvalues: the system, is it the latter, the name of the rule */
 static int composed(lua_State *L) {
     const int ends = lua_toboolean(L, lua_upvalueindex(2));
+    lua_settop(L, 4);
     push_node(L, ends ? 0.0 : 0.5);
     if (ends) {
         push_node(L, 1.0);
@@ -70,6 +74,7 @@ static void push_half(lua_State *L, double c) {
  * its proportions; upvalues as of `composed` */
 static int composed_force(lua_State *L) {
     const int ends = lua_toboolean(L, lua_upvalueindex(2));
+    lua_settop(L, 4);
     lua_createtable(L, 2, 0);
     push_half(L, ends ? 0.0 : 0.5);
     if (ends)

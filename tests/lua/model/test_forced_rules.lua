@@ -151,6 +151,24 @@ end
 raises("has a force", function() shape:discrete { rule = "gauss(2)", h = 0.1 } end)
 raises("has a force", function() shape:discrete(dm.discrete_lagrangian(planar, { rule = "gauss(2)", h = 0.1 })) end)
 
+-- members that vary a parameter of L and one of the force, against systems with these values
+local function swing(k, drag)
+  return dm.system { Q = dm.R(1), params = { k = k, drag = drag },
+    L = function(q, rate, _, p) return (rate[1] ^ 2 - p.k * q[1] ^ 2) / 2 end,
+    force = function(_, rate, _, p) return -p.drag * rate[1] end }
+end
+for _, rule in ipairs { "midpoint", "trapezoidal", "gauss(2)" } do
+  local function solver(k, drag) return dm.solver { dm.discrete_lagrangian(swing(k, drag), { rule = rule, h = h }) } end
+  local members = solver(1, 0.2):ensemble { members = 2, steps = 20, q = { { 1 }, { 1 } }, p = { { 0 }, { 0 } },
+    vary = { k = { 1, 3 }, drag = { 0.2, 0.7 } } }
+  local worst = 0
+  for i, own in ipairs { { 1, 0.2 }, { 3, 0.7 } } do
+    local path = solver(own[1], own[2]):run { q = { 1 }, p = { 0 }, steps = 20 }
+    worst = max(worst, abs(members.q[i][1] - path.q[21][1]), abs(members.p[i][1] - path.p[21][1]))
+  end
+  near(worst, 0, 1e-14, rule .. ": members that vary parameters")
+end
+
 -- a system is no entry of the table
 for _, one in ipairs { { damped, rule = "midpoint", h = h }, { system = damped, h = h },
   { Q = dm.R(1), rule = "midpoint", h = h } } do
