@@ -53,7 +53,7 @@ function kinds.quartic()
 end
 
 function kinds.constraint()
-  local a, c, th, w = uniform(0.2, 2), uniform(0.2, 0.8), uniform(1.3, 2.8), uniform(-2, 0.5)
+  local a, c, th, w = uniform(0.2, 2), uniform(0.2, 0.8), uniform(1.4, 2.8), uniform(-2, 0.5)
   return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / (2 * (q[1] - c) ^ 2) + a * q[1] end,
     constraint = function(q) return q:dot(q) - 1 end },
     { q = { math.cos(th), math.sin(th) }, v = { -w * math.sin(th), w * math.cos(th) } },
